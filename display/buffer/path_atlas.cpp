@@ -50,6 +50,8 @@ class PathAtlas::Batch {
 
     std::vector<std::uint32_t> block_of;  ///< [camera row] place in block_pixel
     std::vector<std::size_t> block_pixel;
+    std::vector<const Sum*> fresh;  ///< of words that their pixels did not have
+    std::vector<Entry*> taken;      ///< for these
 
   private:
     struct Slot {
@@ -73,6 +75,7 @@ class PathAtlas::Batch {
 PathAtlas::PathAtlas(const Settings& settings)
     : settings_(settings),
       pixels_(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height)),
+      pool_(std::make_unique<EntryPool>()),
       merged_into_(1, WordTree::root) {}
 
 PathAtlas::~PathAtlas() = default;
@@ -108,8 +111,7 @@ std::uint32_t PathAtlas::survivor(std::uint32_t word) const {
     return word;
 }
 
-void PathAtlas::add(std::size_t pixel, std::uint32_t word, bool splatted, const Sums& light) {
-    Entry& entry = pixels_[pixel].entry(2 * word + (splatted ? 1 : 0));
+void PathAtlas::add(Entry& entry, const Sums& light) const {
     for (std::size_t i = 0; i < light.size(); ++i) {
         if (light[i] == 0) continue;
         Int128 term = 0;
@@ -156,9 +158,19 @@ void PathAtlas::accumulate(const SampleTable& table) {
         sum[2] += b;
         sum[3 + part_of(camera)] += luminance(r, g, b);
     }
+    batch.fresh.clear();
     for (const Batch::Sum& sum : batch.sums()) {
         const std::size_t pixel = batch.block_pixel[sum.key >> 32];
-        if (pixel != outside) add(pixel, static_cast<std::uint32_t>(sum.key), false, sum.light);
+        if (pixel == outside) continue;
+        if (Entry* const known = pixels_[pixel].find(2 * static_cast<std::uint32_t>(sum.key))) add(*known, sum.light);
+        else batch.fresh.push_back(&sum);
+    }
+    batch.taken.resize(batch.fresh.size());
+    pool_->take(batch.taken);
+    for (std::size_t i = 0; i < batch.fresh.size(); ++i) {
+        const Batch::Sum& sum = *batch.fresh[i];
+        pixels_[batch.block_pixel[sum.key >> 32]].insert(2 * static_cast<std::uint32_t>(sum.key), batch.taken[i]);
+        add(*batch.taken[i], sum.light);
     }
 }
 
@@ -179,7 +191,12 @@ void PathAtlas::splat(const SampleTable& table, std::span<const int> rows) {
                              [&](std::size_t pixel, double weight) {
                                  Sums light{weight * first->r, weight * first->g, weight * first->b};
                                  light[3 + part_of(where)] = luminance(light[0], light[1], light[2]);
-                                 add(pixel, word, true, light);
+                                 Entry* entry = pixels_[pixel].find(2 * word + 1);
+                                 if (entry == nullptr) {
+                                     pool_->take({&entry, 1});
+                                     pixels_[pixel].insert(2 * word + 1, entry);
+                                 }
+                                 add(*entry, light);
                              });
         }
     }
@@ -197,7 +214,7 @@ void PathAtlas::resolve(std::size_t pixel, std::uint64_t light_paths, std::vecto
     const long double by_samples = divisor != 0 ? 1 / divisor : 0;
     const long double by_paths =
         light_paths == 0 ? 0 : static_cast<long double>(pixels_.size()) / static_cast<long double>(light_paths);
-    for (const Entry& entry : of.entries) {
+    of.for_each([&](const Entry& entry) {
         const long double scale = (entry.word & 1) != 0 ? by_paths : by_samples;
         Light light;
         light.word = entry.word >> 1;
@@ -207,7 +224,7 @@ void PathAtlas::resolve(std::size_t pixel, std::uint64_t light_paths, std::vecto
             else light.luminance[i - 3] = value;
         }
         words.push_back(light);
-    }
+    });
     std::sort(words.begin(), words.end(), [](const Light& a, const Light& b) { return a.word < b.word; });
     std::size_t kept = 0;
     for (std::size_t i = 0; i < words.size(); ++i) {
@@ -227,14 +244,12 @@ std::span<const std::uint32_t, PathAtlas::parts> PathAtlas::samples(std::size_t 
 
 std::size_t PathAtlas::expected_bytes() const {
     constexpr std::size_t likely_words = 24;  // what the ready scenes have, more or less
-    const std::uint64_t all = pixels_.size() * (sizeof(Pixel) + likely_words * (sizeof(Entry) + 8));
+    const std::uint64_t all = pixels_.size() * (sizeof(Pixel) + likely_words * (sizeof(Entry) + 3 * sizeof(Entry*)));
     return static_cast<std::size_t>(settings_.budget > 0 ? std::min(all, settings_.budget) : all);
 }
 
 std::uint64_t PathAtlas::entry_count() const {
-    std::uint64_t count = 0;
-    for (const Pixel& pixel : pixels_) count += pixel.entries.size();
-    return count;
+    return pool_->live();
 }
 
 std::uint64_t PathAtlas::memory_bytes() const {
@@ -246,12 +261,12 @@ std::uint64_t PathAtlas::memory_bytes() const {
 std::vector<double> PathAtlas::light_of_words() const {
     // Exact sums, so that the order of words of nearly the same light depends on nothing but the light.
     std::vector<Int128> sums(words_.size(), 0);
-    for (const Pixel& pixel : pixels_)
-        for (const Entry& entry : pixel.entries)
-            for (std::size_t c = 0; c < 3; ++c) {
-                const Int128 sum = entry.sums[c];
-                sums[entry.word >> 1] += (sum < 0 ? -sum : sum) >> 24;  // room for 2^24 pixels' largest sums
-            }
+    pool_->for_each([&](const Entry& entry) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Int128 sum = entry.sums[c];
+            sums[entry.word >> 1] += (sum < 0 ? -sum : sum) >> 24;  // room for 2^24 pixels' largest sums
+        }
+    });
     std::vector<double> light;
     for (const Int128 sum : sums)
         light.push_back(static_cast<double>(to_long_double(sum, quantum_exponent + settings_.scale_exponent + 24)));

@@ -15,7 +15,7 @@
 // nothing but the samples, so the merges do not depend on threads either; until then memory may pass the budget by what
 // one phase brings. Light that arrives later of a word that was merged goes to its class.
 //
-// Memory: 192 bytes a pixel and word, 4 to 8 for finding it, 128 a pixel.
+// Memory: 192 bytes a pixel and word, 16 to 32 for finding it, 80 a pixel.
 #pragma once
 
 #include <array>
@@ -80,9 +80,10 @@ class PathAtlas final : public SampleSink {
   private:
     struct Entry;
     struct Pixel;
+    class EntryPool;
     class Batch;
     std::uint32_t known_as(PathWords& words, std::uint32_t word);
-    void add(std::size_t pixel, std::uint32_t word, bool splatted, const std::array<double, 3 + parts>& light);
+    void add(Entry& entry, const std::array<double, 3 + parts>& light) const;
     void note_events(PathWords& words);
     [[nodiscard]] std::uint32_t class_above(std::uint32_t word);
     void fit_budget();
@@ -92,6 +93,7 @@ class PathAtlas final : public SampleSink {
 
     Settings settings_;
     std::vector<Pixel> pixels_;
+    std::unique_ptr<EntryPool> pool_;
     std::mutex words_mutex_;
     WordTree words_;
     std::vector<std::uint32_t> merged_into_;  // [word] itself, or the class that took it in

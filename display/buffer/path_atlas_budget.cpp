@@ -30,7 +30,7 @@ std::uint32_t PathAtlas::class_above(std::uint32_t word) {
 }
 
 void PathAtlas::fit_budget() {
-    const std::uint64_t fixed = pixels_.size() * sizeof(Pixel), per_entry = sizeof(Entry) + 2 * sizeof(std::uint32_t);
+    const std::uint64_t fixed = pixels_.size() * sizeof(Pixel), per_entry = sizeof(Entry) + 3 * sizeof(Entry*);
     const std::uint64_t room = settings_.budget > fixed ? settings_.budget - fixed : 0;
     const std::uint64_t most_entries = room / per_entry / 8 * 7;  // some room for the phases to come
     while (entry_count() > most_entries && merge_round(most_entries)) {}
@@ -57,8 +57,7 @@ bool PathAtlas::merge_round(std::uint64_t most_entries) {
     const std::vector<double> light = light_of_words();
     std::vector<Candidate> candidates;
     std::vector<bool> alive(words_.size(), false);
-    for (const Pixel& pixel : pixels_)
-        for (const Entry& entry : pixel.entries) alive[entry.word >> 1] = true;
+    pool_->for_each([&](const Entry& entry) { alive[entry.word >> 1] = true; });
     for (std::uint32_t word = 0; word < alive.size(); ++word) {
         if (!alive[word]) continue;
         if (const std::uint32_t merged = class_above(word); merged != word)
@@ -75,11 +74,11 @@ bool PathAtlas::merge_round(std::uint64_t most_entries) {
         std::uint64_t count = 0;
         for (const Pixel& pixel : pixels_) {
             ++stamp;
-            for (const Entry& entry : pixel.entries) {
+            pixel.for_each([&](const Entry& entry) {
                 std::uint64_t& at = seen_at[2 * std::size_t{target[entry.word >> 1]} + (entry.word & 1)];
                 if (at != stamp) ++count;
                 at = stamp;
-            }
+            });
         }
         return count;
     };
@@ -98,12 +97,19 @@ bool PathAtlas::merge_round(std::uint64_t most_entries) {
 
 void PathAtlas::apply_merges() {
     for (Pixel& pixel : pixels_) {
-        std::vector<Entry> before;
-        before.swap(pixel.entries);
-        pixel.slots.clear();
-        for (const Entry& entry : before) {
-            Entry& to = pixel.entry(2 * survivor(entry.word >> 1) + (entry.word & 1));
-            for (std::size_t i = 0; i < entry.sums.size(); ++i) static_cast<void>(add_fixed(to.sums[i], entry.sums[i]));
+        std::vector<Entry*> before;
+        before.swap(pixel.slots);
+        pixel.count = 0;
+        for (Entry* const entry : before) {
+            if (entry == nullptr) continue;
+            const std::uint32_t word = 2 * survivor(entry->word >> 1) + (entry->word & 1);
+            Entry* const to = pixel.find(word);
+            if (to == nullptr) {
+                pixel.insert(word, entry);
+                continue;
+            }
+            for (std::size_t i = 0; i < to->sums.size(); ++i) static_cast<void>(add_fixed(to->sums[i], entry->sums[i]));
+            pool_->give_back(entry);
         }
     }
 }

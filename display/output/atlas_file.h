@@ -1,6 +1,9 @@
 // Path atlases as files: deep OpenEXR whose samples are words.
 //
-//   part `words`   deep: word (UINT), R G B (FLOAT), one sample a word that the pixel has light of, by ascending number
+//   part `words`   deep: word (UINT), R G B (FLOAT), one sample a word that the pixel has light of, by ascending
+//   number;
+//                  where light may be negative also Rrest Grest Brest (FLOAT), what R G B lack of it: words that nearly
+//                  cancel make layers that are much less than they
 //   part `parts`   deep, the same samples: p0 ... p7 (HALF), what share of the word's luminance, (R + G + B) / 3, the
 //                  samples of each eighth brought; 0 where the luminance is 0
 //   part `rgba`    flat: R G B A of the render, and n0 ... n7 (FLOAT), how many of the pixel's samples each eighth had
@@ -16,7 +19,8 @@
 //                  for one scattering or more, of any of the events; told apart by techniques, each ends in its own,
 //                  as s1t3, where 127 vertices stand for as many or more
 //   atlas/straight `dropped` where light passed cutouts that the words do not tell of
-//   atlas/signed   `yes` where a word's light may be negative: a pixel filter with negative lobes
+//   atlas/signed   where a word's light may be negative: `weights`, a pixel filter with negative lobes; `light`, paths
+//                  of one wavelength
 //   atlas/merged   how many words gave up a scattering for the budget
 //
 // and what else the description says.
@@ -38,6 +42,9 @@
 
 namespace raylex::display {
 
+/// Whether light of a word may be negative, and why.
+enum class SignedLight : std::uint8_t { none, light, weights };
+
 /// The words of a file and what their letters mean.
 struct WordTable {
     using Letter = WordAlphabet::Letter;
@@ -47,14 +54,15 @@ struct WordTable {
     std::vector<std::vector<Letter>> words;  ///< WordAlphabet::open: one scattering or more
     std::vector<Technique> techniques;       ///< [word] how its light was found; empty where words do not tell
     bool dropped_straight = false;
-    bool is_signed = false;
+    SignedLight negative = SignedLight::none;
+    [[nodiscard]] bool is_signed() const { return negative != SignedLight::none; }
     std::uint64_t merged = 0;
 };
 
 /// A word of a pixel, as the file has it.
 struct WordSample {
     std::uint32_t word = 0;
-    std::array<float, 3> rgb{};
+    std::array<double, 3> rgb{};                  ///< of float precision where light is not signed
     std::array<float, PathAtlas::parts> parts{};  ///< shares of the luminance
 };
 
@@ -80,7 +88,7 @@ class AtlasSource {
 /// The atlas of a render, its words sorted by their light, the brightest first. All must outlive it; `image` is where
 /// the beauty and alpha come from.
 std::unique_ptr<AtlasSource> atlas_of_render(const PathAtlas& atlas, const WordAlphabet& alphabet,
-                                             const FrameBuffer& image, ChannelId beauty, bool is_signed);
+                                             const FrameBuffer& image, ChannelId beauty, SignedLight negative);
 
 /// Written to a temporary name and renamed.
 Status write_atlas(const std::string& path, AtlasSource& source, const ImageDescription& description);

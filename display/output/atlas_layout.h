@@ -12,6 +12,7 @@ struct AtlasLayout {
     static constexpr const char* parts[] = {"rgba", "words", "parts"};
     static constexpr const char* word = "word";
     static constexpr const char* colors[] = {"R", "G", "B"};
+    static constexpr const char* rests[] = {"Rrest", "Grest", "Brest"};  ///< where light may be negative
     static std::string part(std::size_t k) { return "p" + std::to_string(k); }
     static std::string count(std::size_t k) { return "n" + std::to_string(k); }
     /// In the order of AtlasRow: rgba, then counts.

@@ -11,7 +11,7 @@ namespace {
 class RenderAtlas final : public AtlasSource {
   public:
     RenderAtlas(const PathAtlas& atlas, const WordAlphabet& alphabet, const FrameBuffer& image, ChannelId beauty,
-                bool is_signed)
+                SignedLight negative)
         : atlas_(atlas), image_(image), beauty_(beauty) {
         const std::vector<double> light = atlas.light_of_words();
         std::vector<std::vector<WordTable::Letter>> letters(light.size());
@@ -36,7 +36,7 @@ class RenderAtlas final : public AtlasSource {
         }
         table_.rules = alphabet.rules();
         table_.dropped_straight = atlas.dropped_straight();
-        table_.is_signed = is_signed;
+        table_.negative = negative;
         table_.merged = atlas.merged_words();
         for (std::size_t column = 1; column < atlas.seen().size(); ++column) {
             if (atlas.seen()[column] == 0 || alphabet.event(column).type == lpe::EventType::user) continue;
@@ -83,7 +83,7 @@ class RenderAtlas final : public AtlasSource {
         sample.word = number_[light.word];
         double all = 0;
         for (std::size_t c = 0; c < 3; ++c) {
-            sample.rgb[c] = static_cast<float>(light.rgb[c]);
+            sample.rgb[c] = light.rgb[c];
             all += light.rgb[c];
         }
         for (std::size_t k = 0; k < PathAtlas::parts; ++k)
@@ -101,8 +101,8 @@ class RenderAtlas final : public AtlasSource {
 }  // namespace
 
 std::unique_ptr<AtlasSource> atlas_of_render(const PathAtlas& atlas, const WordAlphabet& alphabet,
-                                             const FrameBuffer& image, ChannelId beauty, bool is_signed) {
-    return std::make_unique<RenderAtlas>(atlas, alphabet, image, beauty, is_signed);
+                                             const FrameBuffer& image, ChannelId beauty, SignedLight negative) {
+    return std::make_unique<RenderAtlas>(atlas, alphabet, image, beauty, negative);
 }
 
 Result<AtlasVerdict> check_atlas(AtlasSource& source) {
@@ -117,7 +117,7 @@ Result<AtlasVerdict> check_atlas(AtlasSource& source) {
             for (std::size_t c = 0; c < 3; ++c) {
                 double sum = 0, whole = std::abs(static_cast<double>(row.rgba[x][c]));
                 for (std::size_t i = row.begin[x]; i < row.begin[x + 1]; ++i) {
-                    const auto value = static_cast<double>(row.samples[i].rgb[c]);
+                    const auto value = row.samples[i].rgb[c];
                     sum += value;
                     whole += std::abs(value);
                 }

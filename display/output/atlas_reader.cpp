@@ -93,7 +93,7 @@ struct AtlasFile::Impl {
     std::vector<unsigned> counts;
     std::vector<std::size_t> begin;  // [pixel + 1]
     std::vector<std::uint32_t> words;
-    std::array<std::vector<float>, 3> colors;
+    std::array<std::vector<float>, 3> colors, rests;
     std::array<std::vector<float>, PathAtlas::parts> parts;
     std::vector<float> flat;
     std::vector<std::vector<char*>> pointers;
@@ -130,6 +130,8 @@ void AtlasFile::Impl::read_words(int first, int last) {
     }
     insert(buffer, AtlasLayout::word, Imf::UINT, words);
     for (std::size_t c = 0; c < 3; ++c) insert(buffer, AtlasLayout::colors[c], Imf::FLOAT, colors[c]);
+    for (std::size_t c = 0; table.is_signed() && c < 3; ++c)
+        insert(buffer, AtlasLayout::rests[c], Imf::FLOAT, rests[c]);
     read_deep(part, buffer, first, last);
     const std::size_t known = table.words.size();
     for (std::size_t i = 0; i < begin.back(); ++i)
@@ -246,7 +248,9 @@ Status AtlasFile::row(int y, AtlasRow& row) {
         const std::size_t at = impl.begin[first] + i;
         WordSample& sample = row.samples[i];
         sample.word = impl.words[at];
-        for (std::size_t c = 0; c < 3; ++c) sample.rgb[c] = impl.colors[c][at];
+        for (std::size_t c = 0; c < 3; ++c) sample.rgb[c] = static_cast<double>(impl.colors[c][at]);
+        for (std::size_t c = 0; impl.table.is_signed() && c < 3; ++c)
+            sample.rgb[c] += static_cast<double>(impl.rests[c][at]);
         for (std::size_t k = 0; impl.wants_parts && k < PathAtlas::parts; ++k) sample.parts[k] = impl.parts[k][at];
     }
     return success();

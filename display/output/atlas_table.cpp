@@ -95,7 +95,7 @@ std::map<std::string, std::string> table_attributes(const WordTable& table) {
                  '\n';
     attributes["atlas/words"] = std::move(words);
     if (table.dropped_straight) attributes["atlas/straight"] = "dropped";
-    if (table.is_signed) attributes["atlas/signed"] = "yes";
+    if (table.is_signed()) attributes["atlas/signed"] = table.negative == SignedLight::light ? "light" : "weights";
     if (table.merged > 0) attributes["atlas/merged"] = std::to_string(table.merged);
     return attributes;
 }
@@ -135,7 +135,8 @@ Result<WordTable> read_table(const std::map<std::string, std::string>& attribute
         begin = end + 1;
     }
     table.dropped_straight = text("atlas/straight") == "dropped";
-    table.is_signed = text("atlas/signed") == "yes";
+    const std::string negative = text("atlas/signed");
+    if (!negative.empty()) table.negative = negative == "light" ? SignedLight::light : SignedLight::weights;
     const std::string merged = text("atlas/merged");
     if (!merged.empty()) std::from_chars(merged.data(), merged.data() + merged.size(), table.merged);
     if (Status good = check_words(table, path); !good) return good.error();

@@ -37,6 +37,8 @@ std::vector<Imf::Header> atlas_headers(const AtlasSource& source, const ImageDes
         headers[0].channels().insert(plane, Imf::Channel(Imf::FLOAT));
     headers[1].channels().insert(AtlasLayout::word, Imf::Channel(Imf::UINT));
     for (const char* plane : AtlasLayout::colors) headers[1].channels().insert(plane, Imf::Channel(Imf::FLOAT));
+    for (const char* plane : AtlasLayout::rests)
+        if (source.table().is_signed()) headers[1].channels().insert(plane, Imf::Channel(Imf::FLOAT));
     for (std::size_t k = 0; k < PathAtlas::parts; ++k)
         headers[2].channels().insert(AtlasLayout::part(k), Imf::Channel(Imf::HALF));
     add_atlas_attributes(headers[0], description.attributes);
@@ -49,7 +51,8 @@ std::vector<Imf::Header> atlas_headers(const AtlasSource& source, const ImageDes
 /// A band of rows as OpenEXR wants it.
 class AtlasBand {
   public:
-    AtlasBand(AtlasSource& source, int y0, int y1) : width_(source.width()), y0_(y0) {
+    AtlasBand(AtlasSource& source, int y0, int y1)
+        : width_(source.width()), y0_(y0), is_signed_(source.table().is_signed()) {
         AtlasRow row;
         for (int y = y0; y < y1 && status_; ++y) {
             status_ = source.row(y, row);
@@ -71,6 +74,8 @@ class AtlasBand {
         Imf::DeepFrameBuffer of_words = with_counts(), of_parts = with_counts();
         insert(of_words, AtlasLayout::word, Imf::UINT, words_);
         for (std::size_t c = 0; c < 3; ++c) insert(of_words, AtlasLayout::colors[c], Imf::FLOAT, colors_[c]);
+        for (std::size_t c = 0; is_signed_ && c < 3; ++c)
+            insert(of_words, AtlasLayout::rests[c], Imf::FLOAT, rests_[c]);
         for (std::size_t k = 0; k < PathAtlas::parts; ++k) insert(of_parts, AtlasLayout::part(k), Imf::HALF, parts_[k]);
         words.setFrameBuffer(of_words);
         words.writePixels(rows);
@@ -81,7 +86,11 @@ class AtlasBand {
   private:
     void add(const WordSample& sample) {
         words_.push_back(sample.word);
-        for (std::size_t c = 0; c < 3; ++c) colors_[c].push_back(sample.rgb[c]);
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto stored = static_cast<float>(sample.rgb[c]);
+            colors_[c].push_back(stored);
+            if (is_signed_) rests_[c].push_back(static_cast<float>(sample.rgb[c] - static_cast<double>(stored)));
+        }
         for (std::size_t k = 0; k < PathAtlas::parts; ++k)
             parts_[k].push_back(Imath::half(std::clamp(sample.parts[k], -65504.0f, 65504.0f)));
     }
@@ -119,10 +128,11 @@ class AtlasBand {
 
     std::ptrdiff_t width_;
     int y0_;
+    bool is_signed_;
     Status status_ = success();
     std::vector<unsigned> counts_;
     std::vector<std::uint32_t> words_;
-    std::array<std::vector<float>, 3> colors_;
+    std::array<std::vector<float>, 3> colors_, rests_;
     std::array<std::vector<Imath::half>, PathAtlas::parts> parts_;
     std::vector<float> flat_;
     std::vector<std::vector<char*>> pointers_;

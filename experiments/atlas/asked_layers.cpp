@@ -177,13 +177,15 @@ class AskedLayers::Builder {
             targets_.push_back(target);
         }
         sums_.resize(targets_.size());
-        if (!to_.undecided_.empty() && atlas_.table().is_signed)
+        const bool by_filter = atlas_.table().negative == display::SignedLight::weights;
+        if (!to_.undecided_.empty() && atlas_.table().is_signed())
             return error_at(
                 {atlas_.path(), 0, 0},
-                "light of single words may be negative here, for the pixel filter has negative lobes: there "
-                "are no intervals for channel '" +
-                    to_.undecided_.front() + "'",
-                "render the atlas with box, triangle, gaussian or blackman-harris");
+                std::string("light of single words may be negative here, for ") +
+                    (by_filter ? "the pixel filter has negative lobes" : "the scene parts light into wavelengths") +
+                    ": there are no intervals for channel '" + to_.undecided_.front() + "'",
+                by_filter ? "render the atlas with box, triangle, gaussian or blackman-harris"
+                          : "render the atlas with a greater --atlas-length or --atlas-budget");
         return success();
     }
     Error refuse(const display::ChannelDefinition& channel, std::uint32_t word) const {
@@ -219,13 +221,11 @@ class AskedLayers::Builder {
                     static_cast<float>(standard_error(sum.luminance, row.counts[x])));
         }
     }
-    static void add(const std::array<float, 3>& rgb, std::array<double, 3>& sum) {
-        for (std::size_t c = 0; c < 3; ++c) sum[c] += static_cast<double>(rgb[c]);
+    static void add(const std::array<double, 3>& rgb, std::array<double, 3>& sum) {
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += rgb[c];
     }
     static void add_parts(const display::WordSample& sample, Parts& luminance) {
-        const double whole = (static_cast<double>(sample.rgb[0]) + static_cast<double>(sample.rgb[1]) +
-                              static_cast<double>(sample.rgb[2])) /
-                             3;
+        const double whole = (sample.rgb[0] + sample.rgb[1] + sample.rgb[2]) / 3;
         for (std::size_t k = 0; k < luminance.size(); ++k) luminance[k] += whole * static_cast<double>(sample.parts[k]);
     }
     void put(int layer, const std::array<double, 3>& rgb) {
@@ -250,12 +250,14 @@ Result<AskedLayers> AskedLayers::make(display::AtlasFile& atlas, const ChannelPl
 std::vector<double> AskedLayers::resolve(display::ChannelId id, const display::PixelRegion& region) const {
     const Layer& layer = layers_[static_cast<std::size_t>(id)];
     std::vector<double> values;
+    values.reserve(static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.y1 - region.y0) *
+                   layer.components);
     for (int y = region.y0; y < region.y1; ++y) {
         const std::size_t first = (static_cast<std::size_t>(y) * static_cast<std::size_t>(layout_.width) +
                                    static_cast<std::size_t>(region.x0)) *
                                   layer.components;
-        const std::size_t count = static_cast<std::size_t>(region.width()) * layer.components;
-        for (std::size_t i = first; i < first + count; ++i) values.push_back(static_cast<double>(layer.pixels[i]));
+        const auto row = layer.pixels.begin() + static_cast<std::ptrdiff_t>(first);
+        values.insert(values.end(), row, row + region.width() * static_cast<std::ptrdiff_t>(layer.components));
     }
     return values;
 }

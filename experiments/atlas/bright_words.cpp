@@ -14,8 +14,8 @@ using display::WordAlphabet;
 using display::WordTable;
 using Parts = std::array<double, PathAtlas::parts>;
 
-double luminance_of(const std::array<float, 3>& rgb) {
-    return (static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2])) / 3;
+double luminance_of(const std::array<double, 3>& rgb) {
+    return (rgb[0] + rgb[1] + rgb[2]) / 3;
 }
 
 void add_parts(const display::WordSample& sample, Parts& sum) {
@@ -103,7 +103,9 @@ Result<BrightPixel> bright_words(display::AtlasFile& atlas, int x, int y, std::s
         pixel.words.push_back(
             {sample.word, sample.rgb, luminance_of(sample.rgb), standard_error(parts, row.counts[at])});
     }
-    pixel.luminance = luminance_of({pixel.rgba[0], pixel.rgba[1], pixel.rgba[2]});
+    const std::array<float, 4>& rgba = pixel.rgba;
+    pixel.luminance =
+        luminance_of({static_cast<double>(rgba[0]), static_cast<double>(rgba[1]), static_cast<double>(rgba[2])});
     pixel.error = standard_error(whole, row.counts[at]);
     std::stable_sort(pixel.words.begin(), pixel.words.end(), [](const BrightWord& a, const BrightWord& b) {
         return std::abs(a.luminance) > std::abs(b.luminance);

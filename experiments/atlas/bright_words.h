@@ -12,7 +12,7 @@ namespace raylex::experiments {
 
 struct BrightWord {
     std::uint32_t word = 0;
-    std::array<float, 3> rgb{};
+    std::array<double, 3> rgb{};
     double luminance = 0;  ///< (R + G + B) / 3
     double error = 0;      ///< its standard error; infinite when there is no telling
 };

@@ -110,9 +110,7 @@ Status check_pair(const display::AtlasFile& a, const display::AtlasFile& b) {
 }
 
 double mean_luminance(const display::WordSample& sample) {
-    return (static_cast<double>(sample.rgb[0]) + static_cast<double>(sample.rgb[1]) +
-            static_cast<double>(sample.rgb[2])) /
-           3;
+    return (sample.rgb[0] + sample.rgb[1] + sample.rgb[2]) / 3;
 }
 
 /// Its letters, and how its light was found.
@@ -146,7 +144,7 @@ Result<std::unique_ptr<MergedAtlas>> MergedAtlas::open(const std::vector<std::st
     for (const std::string& path : paths) {
         auto file = display::AtlasFile::open(path);
         if (!file) return file.error();
-        if ((*file)->table().is_signed)
+        if ((*file)->table().negative == display::SignedLight::weights)
             return error_at({path, 0, 0},
                             "its pixel filter has negative lobes, and atlases do not keep what its samples weighed in "
                             "all: it cannot be merged; expected box, triangle, gaussian or blackman-harris");
@@ -173,6 +171,7 @@ Status MergedAtlas::join_tables() {
                                                           ": their letters stand for other events");
         }
         for (std::uint32_t word = 0; word < table.words.size(); ++word) words.try_emplace(whole_word(table, word), 0);
+        table_.negative = std::max(table_.negative, table.negative);
         table_.dropped_straight = table_.dropped_straight || table.dropped_straight;
         table_.merged += table.merged;
     }
@@ -233,9 +232,8 @@ void MergedAtlas::merge_pixel(std::size_t x, display::AtlasRow& row) {
         display::WordSample& sample = row.samples.emplace_back();
         sample.word = parts_[i].word;
         for (std::size_t c = 0; c < 3; ++c) {
-            for (std::size_t p = i; p < end; ++p)
-                terms.push_back(parts_[p].samples * static_cast<double>(parts_[p].sample->rgb[c]));
-            sample.rgb[c] = static_cast<float>(sum_of(terms) * scale);
+            for (std::size_t p = i; p < end; ++p) terms.push_back(parts_[p].samples * parts_[p].sample->rgb[c]);
+            sample.rgb[c] = sum_of(terms) * scale;
         }
         const double luminance = mean_luminance(sample);
         for (std::size_t k = 0; k < PathAtlas::parts; ++k) {

@@ -47,7 +47,9 @@ Status AtlasOutput::make(const Job& job, const transport::RenderPlan& plan) {
         return error_at(request_->location,
                         "an atlas splits a filtered beauty, and the beauty has another rule; "
                         "expected no rule for it");
-    signed_ = plan.filter->has_negative_lobes();
+    negative_ = plan.filter->has_negative_lobes() ? display::SignedLight::weights
+                : plan.signed_light               ? display::SignedLight::light
+                                                  : display::SignedLight::none;
     alphabet_ = plan.words;
     display::PathAtlas::Settings settings{plan.width, plan.height, beauty.scale_exponent, request_->budget, nullptr};
     if (plan.raster) {
@@ -63,7 +65,7 @@ Status AtlasOutput::write(const transport::RenderOutput& output, const display::
     if (!buffer_) return success();
     display::ImageDescription of_atlas = description;
     of_atlas.attributes["atlas/scene"] = scene_record_;
-    const auto source = display::atlas_of_render(*buffer_, *alphabet_, output.frame_buffer, output.beauty, signed_);
+    const auto source = display::atlas_of_render(*buffer_, *alphabet_, output.frame_buffer, output.beauty, negative_);
     return display::write_atlas(request_->file, *source, of_atlas);
 }
 

@@ -27,7 +27,7 @@ class AtlasOutput {
   private:
     const AtlasRequest* request_ = nullptr;
     std::string scene_record_;
-    bool signed_ = false;
+    display::SignedLight negative_ = display::SignedLight::none;
     std::shared_ptr<const display::WordAlphabet> alphabet_;
     std::unique_ptr<display::PixelFilter> raster_filter_;
     std::unique_ptr<display::PathAtlas> buffer_;

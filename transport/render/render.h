@@ -41,6 +41,7 @@ struct RenderPlan {
     const display::PixelFilter* filter = nullptr;
     bool splat = false;
     bool raster = false;                                 ///< the integrator's light lands anywhere on the image
+    bool signed_light = false;                           ///< paths of one wavelength, whose RGB may be negative
     std::shared_ptr<const display::WordAlphabet> words;  ///< what RenderSettings::words came to
     std::vector<display::ChannelId> altered;             ///< by sample filters: partitions with these do not sum
     std::vector<display::MemoryItem> memory;             ///< of the frame buffer, layer by layer, and cryptomattes

@@ -30,6 +30,7 @@ RenderPlan plan_of(const ResolvedJob& job) {
                     .filter = job.sampling.filter.get(),
                     .splat = job.sampling.splat,
                     .raster = job.raster(),
+                    .signed_light = job.scene.view().wavelengths != nullptr,
                     .words = job.channels.lpe->words(),
                     .altered = job.channels.filters.alters(),
                     .memory = display::frame_buffer_memory(layout, job.channels.list, job.raster()),

@@ -121,7 +121,7 @@ Entries entries_of(Atlas& atlas) {
             for (const auto& counts : row.counts) all.samples.insert(all.samples.end(), counts.begin(), counts.end());
             for (const display::WordSample& sample : row.samples) {
                 all.word.push_back(static_cast<std::int32_t>(sample.word));
-                all.rgb.insert(all.rgb.end(), sample.rgb.begin(), sample.rgb.end());
+                for (const double value : sample.rgb) all.rgb.push_back(static_cast<float>(value));
                 all.parts.insert(all.parts.end(), sample.parts.begin(), sample.parts.end());
             }
         }

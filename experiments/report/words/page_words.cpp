@@ -79,8 +79,8 @@ class Reducer {
             BlockWord& word = blocks_[to][sample.word];
             double luminance = 0;
             for (std::size_t c = 0; c < 3; ++c) {
-                word.rgb[c] += static_cast<double>(sample.rgb[c]);
-                luminance += static_cast<double>(sample.rgb[c]) / 3;
+                word.rgb[c] += sample.rgb[c];
+                luminance += sample.rgb[c] / 3;
             }
             for (std::size_t k = 0; k < PathAtlas::parts; ++k)
                 word.luminance[k] += luminance * static_cast<double>(sample.parts[k]);
@@ -195,7 +195,7 @@ Result<std::string> words_html(display::AtlasFile& atlas, std::size_t number, st
                     {"straightDropped", table.dropped_straight},
                     {"techniques", table.rules.techniques},
                     {"mostVertices", WordAlphabet::most_vertices},
-                    {"signed", table.is_signed}};
+                    {"signed", table.is_signed()}};
     return "<script type=\"application/json\" class=\"words\">" + script_json(json_text(data)) + "</script>\n" +
            element(id + "-table",
                    pack_bytes(std::span(reinterpret_cast<const unsigned char*>(text.data()), text.size()))) +
