@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include <tbb/parallel_for.h>
+
 #include "lpe/algebra/check.h"
 #include "lpe/language/prefixes.h"
 #include "lpe/program.h"
@@ -104,10 +106,14 @@ class AskedLayers::Builder {
         const WordAnswers answers(atlas_.table(), *program, techniques());
         if (Status planned = plan_layers(answers, program_channel); !planned) return planned;
         atlas_.read_parts(settings_.errors);
-        display::AtlasRow row;
-        for (int y = 0; y < atlas_.height(); ++y) {
-            if (Status read = atlas_.row(y, row); !read) return read;
-            for (std::size_t x = 0; x < row.rgba.size(); ++x) add_pixel(row, x, answers);
+        to_.alpha_ = std::make_unique_for_overwrite<float[]>(pixel_count());
+        std::vector<display::AtlasRow> rows(32);  // what is read together, or a share of it
+        const int together = static_cast<int>(rows.size());
+        for (int first = 0; first < atlas_.height(); first += together) {
+            const int count = std::min(together, atlas_.height() - first);
+            for (int i = 0; i < count; ++i)
+                if (Status read = atlas_.row(first + i, rows[static_cast<std::size_t>(i)]); !read) return read;
+            tbb::parallel_for(0, count, [&](int i) { add_row(rows[static_cast<std::size_t>(i)], first + i, answers); });
         }
         return success();
     }
@@ -119,7 +125,6 @@ class AskedLayers::Builder {
     };
     struct Sum {
         std::array<double, 3> sure{}, possible{};
-        Parts luminance{};
     };
 
     /// What the channels' prefixes say of techniques. They were read before.
@@ -148,9 +153,7 @@ class AskedLayers::Builder {
         }
         to_.channels_.push_back(std::move(channel));
         const std::size_t components = light ? 3 : 1;
-        to_.layers_.push_back({components, {}});
-        to_.layers_.back().pixels.reserve(components * static_cast<std::size_t>(atlas_.width()) *
-                                          static_cast<std::size_t>(atlas_.height()));
+        to_.layers_.push_back({components, std::make_unique_for_overwrite<float[]>(components * pixel_count())});
         return static_cast<int>(to_.channels_.size()) - 1;
     }
 
@@ -176,7 +179,6 @@ class AskedLayers::Builder {
             }
             targets_.push_back(target);
         }
-        sums_.resize(targets_.size());
         const bool by_filter = atlas_.table().negative == display::SignedLight::weights;
         if (!to_.undecided_.empty() && atlas_.table().is_signed())
             return error_at(
@@ -196,29 +198,46 @@ class AskedLayers::Builder {
                         "--atlas-budget say what a render keeps apart");
     }
 
-    void add_pixel(const display::AtlasRow& row, std::size_t x, const WordAnswers& answers) {
-        std::fill(sums_.begin(), sums_.end(), Sum());
+    [[nodiscard]] std::size_t pixel_count() const {
+        return static_cast<std::size_t>(atlas_.width()) * static_cast<std::size_t>(atlas_.height());
+    }
+
+    void add_row(const display::AtlasRow& row, int y, const WordAnswers& answers) {
+        std::vector<Sum> sums(targets_.size());
+        std::vector<Parts> luminance(settings_.errors ? targets_.size() : 0);
+        for (std::size_t x = 0; x < row.rgba.size(); ++x) {
+            std::fill(sums.begin(), sums.end(), Sum());
+            std::fill(luminance.begin(), luminance.end(), Parts());
+            const std::size_t pixel = static_cast<std::size_t>(y) * row.rgba.size() + x;
+            add_words(row, x, answers, sums, luminance);
+            put_pixel(row, x, pixel, sums, luminance);
+        }
+    }
+    void add_words(const display::AtlasRow& row, std::size_t x, const WordAnswers& answers, std::vector<Sum>& sums,
+                   std::vector<Parts>& luminance) const {
         for (std::size_t i = row.begin[x]; i < row.begin[x + 1]; ++i) {
             const display::WordSample& sample = row.samples[i];
             for (const std::uint16_t channel : answers.all(sample.word)) {
-                Sum& sum = sums_[channel];
-                add(sample.rgb, sum.sure);
-                if (settings_.errors) add_parts(sample, sum.luminance);
+                add(sample.rgb, sums[channel].sure);
+                if (settings_.errors) add_parts(sample, luminance[channel]);
             }
-            for (const std::uint16_t channel : answers.some(sample.word)) add(sample.rgb, sums_[channel].possible);
+            for (const std::uint16_t channel : answers.some(sample.word)) add(sample.rgb, sums[channel].possible);
         }
+    }
+    void put_pixel(const display::AtlasRow& row, std::size_t x, std::size_t pixel, const std::vector<Sum>& sums,
+                   const std::vector<Parts>& luminance) {
         const std::array<float, 4>& rgba = row.rgba[x];
-        put(beauty, {rgba[0], rgba[1], rgba[2]});
-        to_.alpha_.push_back(rgba[3]);
-        for (std::size_t channel = 0; channel < sums_.size(); ++channel) {
-            const Sum& sum = sums_[channel];
-            put(targets_[channel].least, sum.sure);
+        put(beauty, pixel, {rgba[0], rgba[1], rgba[2]});
+        to_.alpha_[pixel] = rgba[3];
+        for (std::size_t channel = 0; channel < sums.size(); ++channel) {
+            const Sum& sum = sums[channel];
+            put(targets_[channel].least, pixel, sum.sure);
             if (targets_[channel].most >= 0)
-                put(targets_[channel].most,
+                put(targets_[channel].most, pixel,
                     {sum.sure[0] + sum.possible[0], sum.sure[1] + sum.possible[1], sum.sure[2] + sum.possible[2]});
             if (targets_[channel].error >= 0)
-                to_.layers_[static_cast<std::size_t>(targets_[channel].error)].pixels.push_back(
-                    static_cast<float>(standard_error(sum.luminance, row.counts[x])));
+                to_.layers_[static_cast<std::size_t>(targets_[channel].error)].pixels[pixel] =
+                    static_cast<float>(standard_error(luminance[channel], row.counts[x]));
         }
     }
     static void add(const std::array<double, 3>& rgb, std::array<double, 3>& sum) {
@@ -228,9 +247,9 @@ class AskedLayers::Builder {
         const double whole = (sample.rgb[0] + sample.rgb[1] + sample.rgb[2]) / 3;
         for (std::size_t k = 0; k < luminance.size(); ++k) luminance[k] += whole * static_cast<double>(sample.parts[k]);
     }
-    void put(int layer, const std::array<double, 3>& rgb) {
-        std::vector<float>& pixels = to_.layers_[static_cast<std::size_t>(layer)].pixels;
-        for (const double value : rgb) pixels.push_back(static_cast<float>(value));
+    void put(int layer, std::size_t pixel, const std::array<double, 3>& rgb) {
+        float* const to = to_.layers_[static_cast<std::size_t>(layer)].pixels.get() + 3 * pixel;
+        for (std::size_t c = 0; c < 3; ++c) to[c] = static_cast<float>(rgb[c]);
     }
 
     display::AtlasFile& atlas_;
@@ -238,7 +257,6 @@ class AskedLayers::Builder {
     const AskSettings& settings_;
     AskedLayers& to_;
     std::vector<Target> targets_;  // [program channel]
-    std::vector<Sum> sums_;        // of a pixel
 };
 
 Result<AskedLayers> AskedLayers::make(display::AtlasFile& atlas, const ChannelPlan& plan, const AskSettings& settings) {
@@ -256,7 +274,7 @@ std::vector<double> AskedLayers::resolve(display::ChannelId id, const display::P
         const std::size_t first = (static_cast<std::size_t>(y) * static_cast<std::size_t>(layout_.width) +
                                    static_cast<std::size_t>(region.x0)) *
                                   layer.components;
-        const auto row = layer.pixels.begin() + static_cast<std::ptrdiff_t>(first);
+        const float* const row = layer.pixels.get() + first;
         values.insert(values.end(), row, row + region.width() * static_cast<std::ptrdiff_t>(layer.components));
     }
     return values;

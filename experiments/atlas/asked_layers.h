@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -39,13 +40,13 @@ class AskedLayers final : public display::PixelImage {
   private:
     struct Layer {
         std::size_t components = 3;
-        std::vector<float> pixels;
+        std::unique_ptr<float[]> pixels;
     };
     class Builder;
     display::FrameBufferLayout layout_;
     std::vector<display::ChannelDefinition> channels_;
     std::vector<Layer> layers_;  // [channel]
-    std::vector<float> alpha_;
+    std::unique_ptr<float[]> alpha_;
     std::vector<std::string> undecided_;
 };
 
