@@ -1,11 +1,11 @@
 #include "experiments/atlas/asked_layers.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
-
-#include <tbb/parallel_for.h>
 
 #include "lpe/algebra/check.h"
 #include "lpe/language/prefixes.h"

@@ -131,11 +131,11 @@ double sum_of(std::vector<double>& terms) {
 
 }  // namespace
 
-display::ImageDescription of_samples(display::ImageDescription description, const ShardRange& range) {
+display::ImageDescription of_samples(display::ImageDescription description, std::uint64_t first, std::uint64_t end) {
     std::map<std::string, std::string>& attributes = description.attributes;
-    attributes["raylex/samples_per_pixel"] = std::to_string(range.end - range.first);
+    attributes["raylex/samples_per_pixel"] = std::to_string(end - first);
     attributes[sampled_attribute] =
-        to_text({std::strtoull(attributes["raylex/seed"].c_str(), nullptr, 10), range.first, range.end});
+        to_text({std::strtoull(attributes["raylex/seed"].c_str(), nullptr, 10), first, end});
     return description;
 }
 

@@ -1,18 +1,18 @@
 // Several atlases of one scene as one: shards, passes, renders with other seeds.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "display/output/atlas_file.h"
-#include "experiments/shards/shard_render.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {
 
 /// What the header of a shard's atlas says: that it is of samples [first, end) alone.
-display::ImageDescription of_samples(display::ImageDescription description, const ShardRange& range);
+display::ImageDescription of_samples(display::ImageDescription description, std::uint64_t first, std::uint64_t end);
 
 /// Every pixel and word is the mean over the files, weighted by the pixel's samples, as is the beauty. Words of one
 /// pixel are added in an order that depends on their values alone, so the order of the files does not matter, bit for

@@ -336,7 +336,8 @@ class RenderRun {
         }
         const display::ImageDescription description = describe_image();
         // The record comes last: where it is, all of the shard is.
-        if (Status s = outputs_.atlas().write(*output_, of_samples(description, shard_->range())); !s)
+        const ShardRange& range = shard_->range();
+        if (Status s = outputs_.atlas().write(*output_, of_samples(description, range.first, range.end)); !s)
             return report_error(s.error());
         if (Status s = shard_->write(*output_, description, job_.outputs.filters); !s) return report_error(s.error());
         remove_checkpoint();
