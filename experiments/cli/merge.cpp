@@ -60,14 +60,17 @@ int merge_atlases(const std::string& output, const MergedRender& merged) {
     auto atlas = MergedAtlas::open(files);
     if (!atlas) return report_error(atlas.error());
     const display::ImageDescription description = (*atlas)->description();
-    const auto& of_atlas = description.attributes;
-    const auto& of_image = merged.image.description.attributes;
+    // Neither file need be one that this program wrote: what is not there is not the same.
+    const auto said = [](const display::ImageDescription& by, const char* name) {
+        const auto found = by.attributes.find(name);
+        return found == by.attributes.end() ? std::string() : found->second;
+    };
     for (const char* name : {"raylex/scene", "raylex/job", "raylex/seed", "raylex/samples_per_pixel"})
-        if (of_atlas.at(name) != of_image.at(name))
+        if (said(description, name) != said(merged.image.description, name))
             return report_error(error_at({files.front(), 0, 0},
-                                         "this atlas is of another render than the records: it has '" +
-                                             of_atlas.at(name) + "' as " + name + ", and they have '" +
-                                             of_image.at(name) + "'",
+                                         "this atlas, or one beside it, is of another render than the records: they "
+                                         "have another " +
+                                             std::string(name),
                                          "expected the atlases that 'raylex render --shard' left with the records"));
     if (Status written = display::write_atlas(output, **atlas, description); !written)
         return report_error(written.error());
