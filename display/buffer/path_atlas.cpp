@@ -18,10 +18,6 @@ std::size_t part_of(const CameraRow& row) {
     return static_cast<std::size_t>(row.sample % PathAtlas::parts);
 }
 
-double luminance(double r, double g, double b) {
-    return (r + g + b) * (1.0 / 3.0);
-}
-
 }  // namespace
 
 /// What the words of a batch come to, block by block, before any of it is rounded. One thread's.
@@ -50,8 +46,6 @@ class PathAtlas::Batch {
 
     std::vector<std::uint32_t> block_of;  ///< [camera row] place in block_pixel
     std::vector<std::size_t> block_pixel;
-    std::vector<const Sum*> fresh;  ///< of words that their pixels did not have
-    std::vector<Entry*> taken;      ///< for these
 
   private:
     struct Slot {
@@ -75,7 +69,7 @@ class PathAtlas::Batch {
 PathAtlas::PathAtlas(const Settings& settings)
     : settings_(settings),
       pixels_(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height)),
-      pool_(std::make_unique<EntryPool>()),
+      pools_(std::make_unique<Pools>()),
       merged_into_(1, WordTree::root) {}
 
 PathAtlas::~PathAtlas() = default;
@@ -111,12 +105,37 @@ std::uint32_t PathAtlas::survivor(std::uint32_t word) const {
     return word;
 }
 
-void PathAtlas::add(Entry& entry, const Sums& light) const {
-    for (std::size_t i = 0; i < light.size(); ++i) {
-        if (light[i] == 0) continue;
+/// What is added depends on `light` alone, and light of one eighth is added as R + G + B were: so it is still known
+/// when a second eighth needs it (Law 3). Sums out of range: the frame buffer rejects them, and counts.
+void PathAtlas::add(std::size_t pixel, std::uint32_t word, const Sums& light, Reserves& reserves) {
+    if (std::all_of(light.begin(), light.end(), [](double each) { return each == 0; })) return;
+    Pixel& of = pixels_[pixel];
+    Entry* entry = of.find(word);
+    if (entry == nullptr) {
+        entry = reserves.entries.take();
+        of.insert(word, entry, reserves.slots);
+    }
+    const int exponent = quantum_exponent + settings_.scale_exponent;
+    std::uint32_t lit = 0, last = 0;
+    for (std::uint32_t k = 0; k < parts; ++k) {
+        if (light[3 + k] == 0) continue;
+        ++lit;
+        last = k + 1;
+    }
+    const bool of_one = lit == 1 && (entry->eighth == Entry::no_eighth || entry->eighth == last);
+    if (of_one) entry->eighth = last;
+    else reserves.spread(*entry);
+    Int128 all = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
         Int128 term = 0;
-        if (to_fixed(light[i], quantum_exponent + settings_.scale_exponent, term))
-            static_cast<void>(add_fixed(entry.sums[i], term));  // out of range: the frame buffer rejects it, and counts
+        if (light[c] == 0 || !to_fixed(light[c], exponent, term) || !add_fixed(entry->light[c], term)) continue;
+        static_cast<void>(add_fixed(all, term));
+    }
+    if (entry->eighths == nullptr) return;
+    for (std::uint32_t k = 0; k < parts; ++k) {
+        Int128 term = all;
+        if (light[3 + k] != 0 && (lit == 1 || to_fixed(light[3 + k], exponent, term)))
+            static_cast<void>(add_fixed(entry->eighths->sums[k], term));
     }
 }
 
@@ -156,21 +175,17 @@ void PathAtlas::accumulate(const SampleTable& table) {
         sum[0] += r;
         sum[1] += g;
         sum[2] += b;
-        sum[3 + part_of(camera)] += luminance(r, g, b);
+        sum[3 + part_of(camera)] += r + g + b;
     }
-    batch.fresh.clear();
-    for (const Batch::Sum& sum : batch.sums()) {
-        const std::size_t pixel = batch.block_pixel[sum.key >> 32];
-        if (pixel == outside) continue;
-        if (Entry* const known = pixels_[pixel].find(2 * static_cast<std::uint32_t>(sum.key))) add(*known, sum.light);
-        else batch.fresh.push_back(&sum);
-    }
-    batch.taken.resize(batch.fresh.size());
-    pool_->take(batch.taken);
-    for (std::size_t i = 0; i < batch.fresh.size(); ++i) {
-        const Batch::Sum& sum = *batch.fresh[i];
-        pixels_[batch.block_pixel[sum.key >> 32]].insert(2 * static_cast<std::uint32_t>(sum.key), batch.taken[i]);
-        add(*batch.taken[i], sum.light);
+    Reserves reserves(*pools_);
+    const std::span<const Batch::Sum> sums = batch.sums();
+    const auto pixel_of = [&](std::size_t i) { return batch.block_pixel[sums[i].key >> 32]; };
+    const auto word_of = [&](std::size_t i) { return 2 * static_cast<std::uint32_t>(sums[i].key); };
+    constexpr std::size_t ahead = 8;
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        if (i + ahead < sums.size() && pixel_of(i + ahead) != outside)
+            pixels_[pixel_of(i + ahead)].prefetch(word_of(i + ahead));
+        if (pixel_of(i) != outside) add(pixel_of(i), word_of(i), sums[i].light, reserves);
     }
 }
 
@@ -178,6 +193,7 @@ void PathAtlas::splat(const SampleTable& table, std::span<const int> rows) {
     PathWords* const words = table.words();
     if (words == nullptr || settings_.raster == nullptr) return;
     note_events(*words);
+    Reserves reserves(*pools_);
     // Entries of a row stand in the order of contributions, and so do rows.
     const std::span<const PathWords::Entry> entries = words->entries();
     for (const int row : rows) {
@@ -190,13 +206,8 @@ void PathAtlas::splat(const SampleTable& table, std::span<const int> rows) {
             for_each_reached(*settings_.raster, where, settings_.width, settings_.height,
                              [&](std::size_t pixel, double weight) {
                                  Sums light{weight * first->r, weight * first->g, weight * first->b};
-                                 light[3 + part_of(where)] = luminance(light[0], light[1], light[2]);
-                                 Entry* entry = pixels_[pixel].find(2 * word + 1);
-                                 if (entry == nullptr) {
-                                     pool_->take({&entry, 1});
-                                     pixels_[pixel].insert(2 * word + 1, entry);
-                                 }
-                                 add(*entry, light);
+                                 light[3 + part_of(where)] = light[0] + light[1] + light[2];
+                                 add(pixel, 2 * word + 1, light, reserves);
                              });
         }
     }
@@ -218,19 +229,18 @@ void PathAtlas::resolve(std::size_t pixel, std::uint64_t light_paths, std::vecto
         const long double scale = (entry.word & 1) != 0 ? by_paths : by_samples;
         Light light;
         light.word = entry.word >> 1;
-        for (std::size_t i = 0; i < entry.sums.size(); ++i) {
-            const auto value = static_cast<double>(to_long_double(entry.sums[i], exponent) * scale);
-            if (i < 3) light.rgb[i] = value;
-            else light.luminance[i - 3] = value;
-        }
+        const auto value = [&](Int128 sum) { return static_cast<double>(to_long_double(sum, exponent) * scale); };
+        for (std::size_t c = 0; c < 3; ++c) light.rgb[c] = value(entry.light[c]);
+        entry.for_each_eighth([&](std::uint32_t k, Int128 sum) { light.eighths[k] = value(sum); });
         words.push_back(light);
     });
+    if (settings_.raster == nullptr) return;
     std::sort(words.begin(), words.end(), [](const Light& a, const Light& b) { return a.word < b.word; });
     std::size_t kept = 0;
     for (std::size_t i = 0; i < words.size(); ++i) {
         if (kept > 0 && words[kept - 1].word == words[i].word) {
             for (std::size_t c = 0; c < 3; ++c) words[kept - 1].rgb[c] += words[i].rgb[c];
-            for (std::size_t k = 0; k < parts; ++k) words[kept - 1].luminance[k] += words[i].luminance[k];
+            for (std::size_t k = 0; k < parts; ++k) words[kept - 1].eighths[k] += words[i].eighths[k];
         } else {
             words[kept++] = words[i];
         }
@@ -244,16 +254,18 @@ std::span<const std::uint32_t, PathAtlas::parts> PathAtlas::samples(std::size_t 
 
 std::size_t PathAtlas::expected_bytes() const {
     constexpr std::size_t likely_words = 24;  // what the ready scenes have, more or less
-    const std::uint64_t all = pixels_.size() * (sizeof(Pixel) + likely_words * (sizeof(Entry) + 3 * sizeof(Entry*)));
+    constexpr std::size_t word = sizeof(Entry) + sizeof(Eighths) + 3 * sizeof(Entry*);
+    const std::uint64_t all = pixels_.size() * (sizeof(Pixel) + likely_words * word);
     return static_cast<std::size_t>(settings_.budget > 0 ? std::min(all, settings_.budget) : all);
 }
 
 std::uint64_t PathAtlas::entry_count() const {
-    return pool_->live();
+    return pools_->entries.live();
 }
 
 std::uint64_t PathAtlas::memory_bytes() const {
     std::uint64_t bytes = words_.memory_bytes() + 4 * merged_into_.capacity();
+    bytes += pools_->entries.live() * sizeof(Entry) + pools_->eighths.live() * sizeof(Eighths);
     for (const Pixel& pixel : pixels_) bytes += pixel.bytes();
     return bytes;
 }
@@ -261,9 +273,8 @@ std::uint64_t PathAtlas::memory_bytes() const {
 std::vector<double> PathAtlas::light_of_words() const {
     // Exact sums, so that the order of words of nearly the same light depends on nothing but the light.
     std::vector<Int128> sums(words_.size(), 0);
-    pool_->for_each([&](const Entry& entry) {
-        for (std::size_t c = 0; c < 3; ++c) {
-            const Int128 sum = entry.sums[c];
+    pools_->entries.for_each([&](const Entry& entry) {
+        for (const Int128 sum : entry.light) {
             sums[entry.word >> 1] += (sum < 0 ? -sum : sum) >> 24;  // room for 2^24 pixels' largest sums
         }
     });

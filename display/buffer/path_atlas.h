@@ -15,7 +15,8 @@
 // nothing but the samples, so the merges do not depend on threads either; until then memory may pass the budget by what
 // one phase brings. Light that arrives later of a word that was merged goes to its class.
 //
-// Memory: 192 bytes a pixel and word, 16 to 32 for finding it, 80 a pixel.
+// Memory: 64 bytes a pixel and word, 128 more where its light is of more than one eighth, 16 to 32 for finding it, 80 a
+// pixel.
 #pragma once
 
 #include <array>
@@ -59,9 +60,9 @@ class PathAtlas final : public SampleSink {
     struct Light {
         std::uint32_t word = 0;  ///< in words()
         std::array<double, 3> rgb{};
-        std::array<double, parts> luminance{};  ///< of the parts; they sum to (R + G + B) / 3
+        std::array<double, parts> eighths{};  ///< R + G + B of the parts
     };
-    /// What the words of a pixel come to, in ascending order of their numbers; `light_paths`: FrameBuffer's.
+    /// What the words of a pixel come to, in no order; `light_paths`: FrameBuffer's.
     void resolve(std::size_t pixel, std::uint64_t light_paths, std::vector<Light>& words) const;
     /// How many of the pixel's samples each part had.
     [[nodiscard]] std::span<const std::uint32_t, parts> samples(std::size_t pixel) const;
@@ -78,12 +79,18 @@ class PathAtlas final : public SampleSink {
     [[nodiscard]] std::uint64_t memory_bytes() const;
 
   private:
+    struct Eighths;
     struct Entry;
     struct Pixel;
-    class EntryPool;
+    template <class Item>
+    class Pool;
+    class SlotPool;
+    struct Pools;
+    struct Reserves;
     class Batch;
     std::uint32_t known_as(PathWords& words, std::uint32_t word);
-    void add(Entry& entry, const std::array<double, 3 + parts>& light) const;
+    void add(std::size_t pixel, std::uint32_t word, const std::array<double, 3 + parts>& light, Reserves& reserves);
+    static void take_in(Entry& entry, const Entry& more, Reserves& reserves);
     void note_events(PathWords& words);
     [[nodiscard]] std::uint32_t class_above(std::uint32_t word);
     void fit_budget();
@@ -93,7 +100,7 @@ class PathAtlas final : public SampleSink {
 
     Settings settings_;
     std::vector<Pixel> pixels_;
-    std::unique_ptr<EntryPool> pool_;
+    std::unique_ptr<Pools> pools_;
     std::mutex words_mutex_;
     WordTree words_;
     std::vector<std::uint32_t> merged_into_;  // [word] itself, or the class that took it in

@@ -2,6 +2,7 @@
 // of the atlas does not know of it but by merged_into_.
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "display/buffer/path_atlas_pixel.h"
 
@@ -30,10 +31,14 @@ std::uint32_t PathAtlas::class_above(std::uint32_t word) {
 }
 
 void PathAtlas::fit_budget() {
-    const std::uint64_t fixed = pixels_.size() * sizeof(Pixel), per_entry = sizeof(Entry) + 3 * sizeof(Entry*);
-    const std::uint64_t room = settings_.budget > fixed ? settings_.budget - fixed : 0;
-    const std::uint64_t most_entries = room / per_entry / 8 * 7;  // some room for the phases to come
-    while (entry_count() > most_entries && merge_round(most_entries)) {}
+    const std::uint64_t fixed = pixels_.size() * sizeof(Pixel);
+    const std::uint64_t room = settings_.budget > fixed ? (settings_.budget - fixed) / 8 * 7 : 0;  // phases are to come
+    // What takes others in has light of more eighths than they had: what an entry takes is asked anew each time.
+    for (bool merges = true; merges;) {
+        const auto bytes = static_cast<double>(memory_bytes() - fixed), entries = static_cast<double>(entry_count());
+        merges = bytes > static_cast<double>(room) &&
+                 merge_round(static_cast<std::uint64_t>(static_cast<double>(room) / bytes * entries));
+    }
     ++generation_;
 }
 
@@ -57,7 +62,7 @@ bool PathAtlas::merge_round(std::uint64_t most_entries) {
     const std::vector<double> light = light_of_words();
     std::vector<Candidate> candidates;
     std::vector<bool> alive(words_.size(), false);
-    pool_->for_each([&](const Entry& entry) { alive[entry.word >> 1] = true; });
+    pools_->entries.for_each([&](const Entry& entry) { alive[entry.word >> 1] = true; });
     for (std::uint32_t word = 0; word < alive.size(); ++word) {
         if (!alive[word]) continue;
         if (const std::uint32_t merged = class_above(word); merged != word)
@@ -95,22 +100,33 @@ bool PathAtlas::merge_round(std::uint64_t most_entries) {
     return true;
 }
 
+/// Light of both, which is of one eighth only where it is the same.
+void PathAtlas::take_in(Entry& entry, const Entry& more, Reserves& reserves) {
+    if (more.eighths != nullptr || more.eighth != entry.eighth) reserves.spread(entry);
+    if (entry.eighths != nullptr)
+        more.for_each_eighth(
+            [&](std::uint32_t k, Int128 sum) { static_cast<void>(add_fixed(entry.eighths->sums[k], sum)); });
+    for (std::size_t c = 0; c < 3; ++c) static_cast<void>(add_fixed(entry.light[c], more.light[c]));
+}
+
 void PathAtlas::apply_merges() {
+    Reserves reserves(*pools_);
     for (Pixel& pixel : pixels_) {
-        std::vector<Entry*> before;
-        before.swap(pixel.slots);
+        const std::span<Entry*> before = std::exchange(pixel.slots, {});
         pixel.count = 0;
         for (Entry* const entry : before) {
             if (entry == nullptr) continue;
             const std::uint32_t word = 2 * survivor(entry->word >> 1) + (entry->word & 1);
             Entry* const to = pixel.find(word);
             if (to == nullptr) {
-                pixel.insert(word, entry);
+                pixel.insert(word, entry, reserves.slots);
                 continue;
             }
-            for (std::size_t i = 0; i < to->sums.size(); ++i) static_cast<void>(add_fixed(to->sums[i], entry->sums[i]));
-            pool_->give_back(entry);
+            take_in(*to, *entry, reserves);
+            if (entry->eighths != nullptr) pools_->eighths.give_back(entry->eighths);
+            pools_->entries.give_back(entry);
         }
+        reserves.slots.give_back(before);
     }
 }
 

@@ -87,7 +87,7 @@ class RenderAtlas final : public AtlasSource {
             all += light.rgb[c];
         }
         for (std::size_t k = 0; k < PathAtlas::parts; ++k)
-            sample.parts[k] = all == 0 ? 0 : static_cast<float>(3 * light.luminance[k] / all);
+            sample.parts[k] = all == 0 ? 0 : static_cast<float>(light.eighths[k] / all);
     }
 
     const PathAtlas& atlas_;

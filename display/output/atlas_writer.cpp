@@ -30,7 +30,10 @@ std::vector<Imf::Header> atlas_headers(const AtlasSource& source, const ImageDes
         Imf::Header header = base_header(name, source.width(), source.height(), description);
         const bool flat = headers.empty();
         header.setType(flat ? Imf::SCANLINEIMAGE : Imf::DEEPSCANLINE);
-        header.compression() = flat ? Imf::ZIP_COMPRESSION : Imf::ZIPS_COMPRESSION;
+        // Eighths are zeros for the most part: as runs, files are 9 to 19 % larger than by zip, and half as long in
+        // writing.
+        const bool eighths = headers.size() == 2;
+        header.compression() = flat ? Imf::ZIP_COMPRESSION : eighths ? Imf::RLE_COMPRESSION : Imf::ZIPS_COMPRESSION;
         headers.push_back(header);
     }
     for (const std::string& plane : AtlasLayout::flat_planes())
@@ -48,25 +51,26 @@ std::vector<Imf::Header> atlas_headers(const AtlasSource& source, const ImageDes
     return headers;
 }
 
-/// A band of rows as OpenEXR wants it.
+/// A band of rows as OpenEXR wants it; one after the other, in the same memory.
 class AtlasBand {
   public:
-    AtlasBand(AtlasSource& source, int y0, int y1)
-        : width_(source.width()), y0_(y0), is_signed_(source.table().is_signed()) {
-        AtlasRow row;
-        for (int y = y0; y < y1 && status_; ++y) {
-            status_ = source.row(y, row);
-            if (!status_) return;
+    explicit AtlasBand(AtlasSource& source)
+        : source_(source), width_(source.width()), is_signed_(source.table().is_signed()) {}
+    Status read(int y0, int y1) {
+        y0_ = y0;
+        clear();
+        for (int y = y0; y < y1; ++y) {
+            if (Status read = source_.row(y, row_); !read) return read;
             for (std::size_t x = 0; x < static_cast<std::size_t>(width_); ++x)
-                counts_.push_back(row.begin[x + 1] - row.begin[x]);
-            for (const WordSample& sample : row.samples) add(sample);
+                counts_.push_back(row_.begin[x + 1] - row_.begin[x]);
+            for (const WordSample& sample : row_.samples) add(sample);
             for (std::size_t x = 0; x < static_cast<std::size_t>(width_); ++x) {
-                flat_.insert(flat_.end(), row.rgba[x].begin(), row.rgba[x].end());
-                flat_.insert(flat_.end(), row.counts[x].begin(), row.counts[x].end());
+                flat_.insert(flat_.end(), row_.rgba[x].begin(), row_.rgba[x].end());
+                flat_.insert(flat_.end(), row_.counts[x].begin(), row_.counts[x].end());
             }
         }
+        return success();
     }
-    [[nodiscard]] const Status& status() const { return status_; }
 
     void write(Imf::OutputPart& flat, Imf::DeepScanLineOutputPart& words, Imf::DeepScanLineOutputPart& parts,
                int rows) {
@@ -84,6 +88,15 @@ class AtlasBand {
     }
 
   private:
+    void clear() {
+        counts_.clear();
+        words_.clear();
+        flat_.clear();
+        pointers_.clear();
+        for (auto* planes : {&colors_, &rests_})
+            for (std::vector<float>& plane : *planes) plane.clear();
+        for (std::vector<Imath::half>& part : parts_) part.clear();
+    }
     void add(const WordSample& sample) {
         words_.push_back(sample.word);
         for (std::size_t c = 0; c < 3; ++c) {
@@ -126,10 +139,11 @@ class AtlasBand {
                                            sizeof(char*) * static_cast<std::size_t>(width_), sizeof(Value)));
     }
 
+    AtlasSource& source_;
+    AtlasRow row_;
     std::ptrdiff_t width_;
-    int y0_;
+    int y0_ = 0;
     bool is_signed_;
-    Status status_ = success();
     std::vector<unsigned> counts_;
     std::vector<std::uint32_t> words_;
     std::array<std::vector<float>, 3> colors_, rests_;
@@ -151,10 +165,10 @@ Status write_atlas(const std::string& path, AtlasSource& source, const ImageDesc
         Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()));
         Imf::OutputPart flat(output, 0);
         Imf::DeepScanLineOutputPart words(output, 1), parts(output, 2);
+        AtlasBand band(source);
         for (int y = 0; y < source.height(); y += atlas_rows_written) {
             const int end = std::min(y + atlas_rows_written, source.height());
-            AtlasBand band(source, y, end);
-            if (!band.status()) return band.status();
+            if (Status read = band.read(y, end); !read) return read;
             band.write(flat, words, parts, end - y);
         }
     } catch (const std::exception& exception) {

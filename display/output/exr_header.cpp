@@ -105,6 +105,7 @@ Imf::Compression compression_of(ExrCompression compression) {
 Imf::Header base_header(const std::string& name, int width, int height, const ImageDescription& description) {
     Imf::Header header(width, height);
     header.setName(name);
+    header.zipCompressionLevel() = zip_level;
     const auto xy = [](const std::array<double, 2>& p) {
         return Imath::V2f(static_cast<float>(p[0]), static_cast<float>(p[1]));
     };
@@ -137,7 +138,6 @@ Imf::Header make_header(const PlannedPart& part, const FrameBufferLayout& layout
     if (const auto& window = description.data_window)
         header.dataWindow() = {{window->x0, window->y0}, {window->x1 - 1, window->y1 - 1}};
     header.compression() = compression_of(part.storage.compression);
-    header.zipCompressionLevel() = zip_level;
     // The library goes by the first, readers by the second.
     if (is_lossy(part.storage.compression)) {
         header.dwaCompressionLevel() = part.storage.level;

@@ -115,7 +115,8 @@ WordTree::WordTree() : nodes_(1), slots_(64, 0) {}
 
 std::size_t WordTree::slot_of(std::uint32_t parent, Letter letter) const {
     const std::size_t mask = slots_.size() - 1;
-    std::size_t at = mix64((std::uint64_t{parent} << 16) | letter) & mask;
+    // Words of one parent stand side by side: most lookups follow one of a sibling, and are then in the cache.
+    std::size_t at = (mix64(parent) + letter) & mask;
     while (slots_[at] != 0 && (nodes_[slots_[at]].parent != parent || nodes_[slots_[at]].letter != letter))
         at = (at + 1) & mask;
     return at;
