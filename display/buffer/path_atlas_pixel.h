@@ -10,8 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "display/buffer/frame_buffer_storage.h"
+#include "display/buffer/fixed_point.h"
 #include "display/buffer/path_atlas.h"
+#include "display/buffer/plane.h"
 #include "display/services/branches.h"
 
 namespace raylex::display {

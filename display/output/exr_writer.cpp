@@ -121,12 +121,15 @@ class WrittenSplits {
     std::vector<Split> splits_;
 };
 
-/// Rows that are resolved, packed and written together: no more than the image wants to be asked for at a time, nor
-/// than two million pixels, so that the pixels of a part are small against the image.
+/// Rows that are resolved, packed and written together: what the encoders want to be busy, for rows at rest in a cache
+/// and in memory that is used again cost less than a whole image at a time; no more than the image wants to be asked
+/// for, nor than two million pixels, so that the pixels of a part are small against the image.
 std::vector<PixelRegion> bands_to_write(const PixelImage& frame_buffer, const ImageDescription& description) {
     constexpr int most_pixels = 1 << 21;
     const PixelRegion all = frame_buffer.whole();
-    const int most_rows = std::max(1, most_pixels / all.x1),
+    start_encoder_threads();
+    const int busy_rows = 32 * std::max(1, Imf::globalThreadCount());
+    const int most_rows = std::max(1, std::min(busy_rows, most_pixels / all.x1)),
               end = description.data_window ? description.data_window->y1 : all.y1;
     std::vector<PixelRegion> bands;
     for (int y = description.data_window ? description.data_window->y0 : 0; y < end;) {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <future>
 #include <limits>
 #include <optional>
 
@@ -106,14 +108,23 @@ class AskedLayers::Builder {
         const WordAnswers answers(atlas_.table(), *program, techniques());
         if (Status planned = plan_layers(answers, program_channel); !planned) return planned;
         atlas_.read_parts(settings_.errors);
-        to_.alpha_ = std::make_unique_for_overwrite<float[]>(pixel_count());
-        std::vector<display::AtlasRow> rows(32);  // what is read together, or a share of it
-        const int together = static_cast<int>(rows.size());
+        to_.alpha_.allocate(pixel_count());
+        // Rows are read while those before them become pixels.
+        constexpr int together = 32;  // what the file gives at once, or a share of it
+        std::vector<display::AtlasRow> rows(together), next_rows(together);
+        const auto read_rows = [&](int first, std::vector<display::AtlasRow>& to) {
+            for (int y = first; y < std::min(first + together, atlas_.height()); ++y)
+                if (Status had = atlas_.row(y, to[static_cast<std::size_t>(y - first)]); !had) return had;
+            return success();
+        };
+        std::future<Status> next = std::async(std::launch::async, read_rows, 0, std::ref(next_rows));
         for (int first = 0; first < atlas_.height(); first += together) {
-            const int count = std::min(together, atlas_.height() - first);
-            for (int i = 0; i < count; ++i)
-                if (Status read = atlas_.row(first + i, rows[static_cast<std::size_t>(i)]); !read) return read;
-            tbb::parallel_for(0, count, [&](int i) { add_row(rows[static_cast<std::size_t>(i)], first + i, answers); });
+            if (Status had = next.get(); !had) return had;
+            std::swap(rows, next_rows);
+            if (first + together < atlas_.height())
+                next = std::async(std::launch::async, read_rows, first + together, std::ref(next_rows));
+            tbb::parallel_for(first, std::min(first + together, atlas_.height()),
+                              [&](int y) { add_row(rows[static_cast<std::size_t>(y - first)], y, answers); });
         }
         return success();
     }
@@ -153,7 +164,8 @@ class AskedLayers::Builder {
         }
         to_.channels_.push_back(std::move(channel));
         const std::size_t components = light ? 3 : 1;
-        to_.layers_.push_back({components, std::make_unique_for_overwrite<float[]>(components * pixel_count())});
+        to_.layers_.emplace_back().components = components;
+        to_.layers_.back().pixels.allocate(components * pixel_count());
         return static_cast<int>(to_.channels_.size()) - 1;
     }
 
@@ -248,7 +260,7 @@ class AskedLayers::Builder {
         for (std::size_t k = 0; k < luminance.size(); ++k) luminance[k] += whole * static_cast<double>(sample.parts[k]);
     }
     void put(int layer, std::size_t pixel, const std::array<double, 3>& rgb) {
-        float* const to = to_.layers_[static_cast<std::size_t>(layer)].pixels.get() + 3 * pixel;
+        float* const to = to_.layers_[static_cast<std::size_t>(layer)].pixels.values().data() + 3 * pixel;
         for (std::size_t c = 0; c < 3; ++c) to[c] = static_cast<float>(rgb[c]);
     }
 
@@ -274,7 +286,7 @@ std::vector<double> AskedLayers::resolve(display::ChannelId id, const display::P
         const std::size_t first = (static_cast<std::size_t>(y) * static_cast<std::size_t>(layout_.width) +
                                    static_cast<std::size_t>(region.x0)) *
                                   layer.components;
-        const float* const row = layer.pixels.get() + first;
+        const float* const row = layer.pixels.values().data() + first;
         values.insert(values.end(), row, row + region.width() * static_cast<std::ptrdiff_t>(layer.components));
     }
     return values;

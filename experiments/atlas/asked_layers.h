@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "display/buffer/pixel_image.h"
+#include "display/buffer/plane.h"
 #include "display/output/atlas_file.h"
 #include "experiments/atlas/word_answers.h"
 #include "experiments/job/channel_plan.h"
@@ -40,13 +41,13 @@ class AskedLayers final : public display::PixelImage {
   private:
     struct Layer {
         std::size_t components = 3;
-        std::unique_ptr<float[]> pixels;
+        display::Plane<float> pixels;
     };
     class Builder;
     display::FrameBufferLayout layout_;
     std::vector<display::ChannelDefinition> channels_;
     std::vector<Layer> layers_;  // [channel]
-    std::unique_ptr<float[]> alpha_;
+    display::Plane<float> alpha_;
     std::vector<std::string> undecided_;
 };
 
