@@ -17,6 +17,7 @@
 #include "experiments/cli/loading_line.h"
 #include "experiments/cli/progress.h"
 #include "experiments/cli/render_outputs.h"
+#include "experiments/cli/render_summary.h"
 #include "experiments/job/channel_plan.h"
 #include "experiments/job/effect_report.h"
 #include "experiments/job/job_scene.h"
@@ -54,7 +55,7 @@ class RenderRun {
              {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::build, &RenderRun::plan, &RenderRun::render,
               &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_statistics})
             if (const std::optional<int> code = (this->*step)()) return *code;
-        print_summary();
+        print_summary({job_, *output_, image_, splits_, deep_, atlas_, beauties_, outputs_.files(), phases_});
         if (!output_->complete) return interrupt_flag().load() ? exit_interrupted : exit_does_not_hold;
         if ((deep_ && !deep_->holds) || (atlas_ && !atlas_->holds)) return exit_does_not_hold;
         return std::all_of(splits_.begin(), splits_.end(), [](const display::SplitVerdict& each) { return each.holds; })
@@ -403,66 +404,6 @@ class RenderRun {
         Status written = display::write_text_file(job_.statistics, statistics_json(record));
         if (!written) return report_error(written.error());
         return go_on;
-    }
-
-    void print_summary() const {
-        const transport::RenderStatistics& statistics = output_->statistics;
-        for (const display::SplitVerdict& verdict : splits_) {
-            print_verdict(verdict_line(verdict), verdict.holds);
-            if (!verdict.holds) print_line("  " + write_residual_map(verdict, image_));
-        }
-        if (deep_) print_verdict(deep_line(*deep_), deep_->holds);
-        if (atlas_) {
-            const auto pixels =
-                static_cast<std::uint64_t>(output_->width) * static_cast<std::uint64_t>(output_->height);
-            print_verdict(atlas_line(*atlas_, pixels), atlas_->holds);
-        }
-        std::error_code failed;
-        const auto bytes = fs::file_size(job_.output, failed);
-        std::string line = job_.output + ": " + std::to_string(output_->width) + "x" + std::to_string(output_->height) +
-                           ", " + std::to_string(image_.layers.size()) +
-                           (image_.layers.size() == 1 ? " layer, " : " layers, ") +
-                           size_text(failed ? 0.0 : static_cast<double>(bytes));
-        if (!output_->complete)
-            line += interrupt_flag().load() ? "; INCOMPLETE: interrupted"
-                                            : "; INCOMPLETE: the time was up before all pixels had as many samples";
-        print_line(line);
-        if (!output_->complete && (job_.checkpoint_seconds > 0 || output_->bands) &&
-            fs::exists(checkpoint_file(job_), failed))
-            print_line(checkpoint_file(job_) + ": --resume goes on from here");
-        print_sampling();
-        if (!beauties_.empty())
-            print_line("the beauty by another name: " + lpe::joined_by(beauties_, ", ") +
-                       " (every path of this scene)");
-        for (const std::string& path : outputs_.files()) print_line(path);
-        if (!job_.statistics.empty()) print_line(job_.statistics);
-        const auto seconds = [this](const char* phase) { return duration_text(phases_.at(phase).wall_seconds); };
-        const double cpu = statistics.render_cpu_seconds;
-        print_line("load " + seconds("load") + ", plan " + seconds("plan") + ", build " + seconds("build") +
-                   ", prepare " + seconds("prepare") + ", render " + seconds("render") + " (" + duration_text(cpu) +
-                   " CPU, " + number_text(cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu * 1e-6 : 0) +
-                   " M samples per CPU second), write " + seconds("write"));
-    }
-
-    void print_sampling() const {
-        const std::uint64_t samples = output_->statistics.camera_samples;
-        if (output_->resumed_samples > 0)
-            print_line("resumed from a checkpoint with " + std::to_string(output_->resumed_samples) + " of " +
-                       std::to_string(samples) + " samples");
-        if (job_.settings.limit && output_->complete)
-            print_line("time: " + std::to_string(output_->samples_per_pixel) + " samples per pixel; --spp " +
-                       std::to_string(output_->samples_per_pixel) + " gives the same bits");
-        if (!output_->adaptive) return;
-        const double pixels = static_cast<double>(output_->width) * static_cast<double>(output_->height);
-        std::string line =
-            "adaptive: " + number_text(static_cast<double>(samples) / pixels, 6) + " samples per pixel in the mean";
-        if (!output_->adaptive->channel.empty())
-            line +=
-                ", error of " + output_->adaptive->channel + " " + number_text(100 * output_->adaptive->error) + " %";
-        if (const std::uint64_t missed = output_->unconverged_pixels; missed > 0)
-            line += "; " + std::to_string(missed) + " pixels are above " +
-                    number_text(100 * output_->adaptive->target) + " % with the most samples that they may have";
-        print_line(line);
     }
 
     Job job_;
