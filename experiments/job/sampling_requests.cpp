@@ -176,7 +176,10 @@ Status check_recovery(const Job& job) {
     std::error_code failed;
     const bool exists = std::filesystem::exists(file, failed);
     if (job.shard) return success();  // it goes on from what is there
-    if (exists && !job.resume)
+    // A folder of buckets that has none, as after a full disk, keeps nothing that could be lost.
+    const bool holds_samples =
+        exists && !(std::filesystem::is_directory(file, failed) && std::filesystem::is_empty(file, failed));
+    if (holds_samples && !job.resume)
         return error_at({file, 0, 0},
                         "this is the checkpoint of a render that was not finished; a new render would "
                         "replace it",

@@ -138,6 +138,33 @@ TEST_CASE("finished buckets are not rendered again after a kill, whatever the si
     CHECK_FALSE(folder.has("out.exr.checkpoint"));
 }
 
+TEST_CASE("a full disk amid buckets loses none that are finished", "[buckets][law7]") {
+    const SceneFolder folder;
+    // 40 x 37 pixels: a bucket of 4 rows takes 10 to 25 kB, one of all rows 100 to 200, and so does the image.
+    const std::string what = "render room.pbrt" + bucket_layers;
+    REQUIRE(run_raylex(folder, what + " -o whole.exr").code == 0);
+    const auto within = [&](int kilobytes, const std::string& more) {
+        return run_shell(folder, "ulimit -f " + std::to_string(kilobytes) + "; exec \"$RAYLEX\" " + what +
+                                     " -o out.exr --bucket-rows " + more);
+    };
+    const Outcome no_bucket = within(4, "4");
+    CAPTURE(no_bucket.err);
+    CHECK(no_bucket.code == 2);
+    CHECK(contains(no_bucket.err, "rows-00000-00004.bucket: a finished bucket could not be saved"));
+    CHECK(buckets_in(folder).empty());
+    const Outcome no_image = within(40, "4");
+    CAPTURE(no_image.err);
+    CHECK(no_image.code == 2);
+    CHECK(contains(no_image.err, "out.exr"));
+    CHECK(buckets_in(folder).size() == 10);
+    CHECK_FALSE(folder.has("out.exr"));
+    const Outcome outcome = run_raylex(folder, what + " -o out.exr --bucket-rows 4 --resume");
+    CAPTURE(outcome.err);
+    REQUIRE(outcome.code == 0);
+    CHECK(contains(outcome.out, "resumed from a checkpoint with 5920 of 5920 samples"));
+    CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
+}
+
 TEST_CASE("what is stopped amid a bucket is written, and goes on amid it", "[buckets][law3][release-only]") {
     const SceneFolder folder;
     const std::string what = "render room.pbrt --spp 2048" + bucket_layers;
