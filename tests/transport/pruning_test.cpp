@@ -62,17 +62,18 @@ transport::RenderSettings asking_for(const std::string& expression) {
 constexpr std::array from_lights{"bdpt", "lighttracer"};
 
 /// Means of blocks of the image with and without pruning, by independent seeds.
-void check_means(const std::string& scene, const std::string& expression, const std::string& integrator = "path") {
+void check_means(const std::string& scene, const std::string& expression,
+                 const transport::SceneEntity& integrator = named("path")) {
     auto built = transport::BuiltScene::build(grouped(scene_of(scene)));
     REQUIRE(built.ok());
     transport::RenderSettings settings = asking_for(expression);
-    settings.integrator = named(integrator);
+    settings.integrator = integrator;
     constexpr int seeds = 12;
     const Replicates pruned = replicates(**built, settings, 1, seeds, 0);
     settings.prune = false;
     const Replicates whole = replicates(**built, settings, 1, seeds, 1000);
     const Estimate a = pruned.channel(0), b = whole.channel(0);
-    CAPTURE(integrator, expression, a.mean, a.error, b.mean, b.error);
+    CAPTURE(integrator.type, expression, a.mean, a.error, b.mean, b.error);
     CHECK(b.mean > 0);
     // Of Student's t with at least 11 degrees of freedom, 6 is exceeded once in 10,000.
     CHECK(deviation(a, b) < 6);
@@ -151,9 +152,13 @@ TEST_CASE("a light group alone is sampled alone: less noise from as many samples
 TEST_CASE("channels keep their means where paths begin at lights", "[render][pruning][law4]") {
     for (const char* integrator : from_lights)
         for (const char* expression : {"C<RD>L", "C<RD><RD>B", "C<RD><.S>+L", "C.*<L.'rim'>", "C<RD>.*<L.'key'>"})
-            check_means(corner(), expression, integrator);
+            check_means(corner(), expression, named(integrator));
     for (const char* expression : {"C<RD>{2}L", "C<TS>+[LB]", "C<RS>.*<L.'rim'>", "C<.S>+<RD>L"})
-        check_means(corner(), expression, "bdpt");
+        check_means(corner(), expression, named("bdpt"));
+    transport::SceneEntity chains = named("pssmlt");
+    chains.parameters.parameters = {text_parameter("integrator", "bdpt"), number_parameter("chains", 20),
+                                    number_parameter("bootstrapsamples", 2000)};
+    check_means(corner(), "C<RD>{2}<L.'rim'>", chains);
     const std::string fog = R"(
 AttributeBegin
   MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_s" [0.4 0.4 0.4] "rgb sigma_a" [0.2 0.2 0.2]
@@ -164,10 +169,10 @@ AttributeBegin
 AttributeEnd
 )";
     for (const char* integrator : from_lights) {
-        check_means(corner("Shape \"sphere\" \"float alpha\" 0.5 \"float radius\" 0.3\n"), "C<RD>L", integrator);
+        check_means(corner("Shape \"sphere\" \"float alpha\" 0.5 \"float radius\" 0.3\n"), "C<RD>L", named(integrator));
         // Where no channel takes what a medium scatters, flights through it only lose light, at both ends.
-        check_means(corner(fog), "C<RD>L", integrator);
-        check_means(corner(fog), "CV+<RD>L", integrator);
+        check_means(corner(fog), "C<RD>L", named(integrator));
+        check_means(corner(fog), "CV+<RD>L", named(integrator));
     }
 }
 
