@@ -46,6 +46,16 @@ class ReversedProgram {
     /// A state of the program that accepts what the camera subpath followed by the light subpath does; `whole` has the
     /// program's word_count() words and may be `camera`. Nothing is to be read after it. False when no channel accepts.
     bool join(const State* camera, const State* light, State* whole) const noexcept;
+    /// Of one word, for who asks ahead; 0 is the end of which nothing is made. Not for packed channels.
+    [[nodiscard]] std::size_t state_count(std::size_t word) const noexcept {
+        return tables_[word].outcome.size() / tables_[word].rows;
+    }
+    [[nodiscard]] State before(std::size_t word, EventClass event, State state) const noexcept {
+        return tables_[word].next[std::size_t{state} * program_.class_count + event];
+    }
+    [[nodiscard]] bool accepts(std::size_t word, State camera, State light) const noexcept {
+        return outcome(word, camera, light) != 0;
+    }
     /// Bytes of the reversed automata.
     [[nodiscard]] std::size_t bytes() const noexcept;
 

@@ -1,22 +1,19 @@
 #include "display/services/foresight.h"
 
 #include <algorithm>
-#include <utility>
+
+#include "display/services/state_steps.h"
 
 namespace raylex::display {
-namespace {
 
 using lpe::EventClass;
 using lpe::State;
 
-/// Ascending.
-std::vector<EventClass> distinct(std::vector<EventClass> classes) {
+std::vector<EventClass> Foresight::distinct(std::vector<EventClass> classes) {
     std::sort(classes.begin(), classes.end());
     classes.erase(std::unique(classes.begin(), classes.end()), classes.end());
     return classes;
 }
-
-}  // namespace
 
 /// Works on the program's table alone: state 0 is dead, and so are those that no word of the scene leads on from.
 struct Foresight::Maker {
@@ -34,19 +31,13 @@ struct Foresight::Maker {
 
     /// Backwards from the states that accept with one event more.
     void find_anything() const {
-        std::vector<std::vector<State>> before(program.state_count);
-        const auto note = [&](State from, State to) { before[to].push_back(from); };
-        for_each_step(scatterings, note);
-        for_each_step(straight, note);
-        std::vector<State> open;
-        for (State state = 1; state < program.state_count; ++state)
-            if (states[state].anything) open.push_back(state);
-        while (!open.empty()) {
-            const State state = open.back();
-            open.pop_back();
-            for (const State from : before[state])
-                if (!std::exchange(states[from].anything, true)) open.push_back(from);
-        }
+        std::vector<std::uint8_t> anything(states.size());
+        for (std::size_t state = 0; state < states.size(); ++state) anything[state] = states[state].anything;
+        mark_backwards(anything, [&](auto visit) {
+            for_each_step(scatterings, visit);
+            for_each_step(straight, visit);
+        });
+        for (std::size_t state = 0; state < states.size(); ++state) states[state].anything = anything[state] != 0;
     }
 
     /// What can come behind cutouts can come before them.

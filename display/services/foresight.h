@@ -20,6 +20,8 @@ class Foresight {
         std::vector<lpe::EventClass> user;  ///< what surfaces say of themselves, ended by `user_terminal`
         lpe::EventClass user_terminal = 0;
     };
+    /// Ascending, each once.
+    static std::vector<lpe::EventClass> distinct(std::vector<lpe::EventClass> classes);
     /// Of a path.
     struct Ahead {
         std::uint64_t terminals = ~std::uint64_t{0};  ///< bit by bit_of(): can count with no scattering before them

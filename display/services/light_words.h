@@ -35,6 +35,7 @@ class LightWord {
     [[nodiscard]] int branches() const { return branches_; }
 
   private:
+    friend class LightForesight;
     friend class LightWords;
     friend class LpeServices;
     std::uint32_t state_ = 0, share_ = 0;  // where they begin in the pool; state_ may be that of an event
@@ -54,6 +55,7 @@ class LightWords {
     void clear() { states_.clear(), shares_.clear(), events_.clear(), parts_.clear(); }
 
   private:
+    friend class LightForesight;
     friend class LpeServices;
     [[nodiscard]] const lpe::State* states(const LightWord& word) const { return states_.data() + word.state_; }
     [[nodiscard]] const BranchShare* shares(const LightWord& word) const {

@@ -81,6 +81,7 @@ class Tracker {
   private:
     friend class LpeServices;
     friend class Foresight;
+    friend class LightForesight;
     void copy(const Tracker& other) noexcept;
     std::int32_t row_ = 0;
     std::uint32_t path_ = 0;                    // in the batch's PathWords, where an atlas keeps words
@@ -135,6 +136,7 @@ class LpeSetup {
     [[nodiscard]] bool follows(lpe::EventClass event) const;
 
   private:
+    friend class LightForesight;
     friend class LpeServices;
     enum Reach : std::uint8_t { reaches_ordinary = 1, reaches_holdouts = 2 };
     [[nodiscard]] lpe::EventClass column_of(const lpe::Event& event) const;

@@ -138,7 +138,9 @@ std::string statistics_json(const RunRecord& record) {
                       {"shadow_rays", pruned(transport::Pruned::shadow_rays)},
                       {"rays_left_to_light_samples", pruned(transport::Pruned::rays_left_to_light_samples)},
                       {"light_samples_left_to_rays", pruned(transport::Pruned::light_samples_left_to_rays)},
-                      {"lobes", pruned(transport::Pruned::lobes)}};
+                      {"lobes", pruned(transport::Pruned::lobes)},
+                      {"light_paths", pruned(transport::Pruned::light_paths)},
+                      {"joins", pruned(transport::Pruned::joins)}};
     json["samples"] = {{"camera", statistics.camera_samples},
                        {"per_pixel", output.samples_per_pixel},
                        {"per_cpu_second", cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu : 0.0}};

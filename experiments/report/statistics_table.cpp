@@ -99,7 +99,9 @@ std::string statistics_table(const std::string& record) {
         {"Shadow rays not traced: no layer takes their light", "/pruned/shadow_rays"},
         {"Last rays left to light samples", "/pruned/rays_left_to_light_samples"},
         {"Last light samples left to rays", "/pruned/light_samples_left_to_rays"},
-        {"Lobes not drawn: no layer takes that side of a surface", "/pruned/lobes"}};
+        {"Lobes not drawn: no layer takes that side of a surface", "/pruned/lobes"},
+        {"Light paths ended: no layer takes what they could become", "/pruned/light_paths"},
+        {"Joins with light paths not made: no layer takes them", "/pruned/joins"}};
     for (const auto& [label, place] : pruned)
         if (const double count = number_at(json, place); count > 0) text += row(label, counted(count));
     text += row("Merged attributions", counted(number_at(json, "/attribution_overflow")));

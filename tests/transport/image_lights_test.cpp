@@ -145,8 +145,8 @@ TEST_CASE("goniometric and projection lights give their power, and draw directio
         const Lit scene = lit(each.text + sphere_in_the_middle);
         const auto emit = [&](std::uint64_t i, EmissionSample& s) {
             const PixelSampler sampler = numbers(i);
-            return scene.lights.sample_emission(scene.geometry, sampler.get_1d(1), sampler.get_2d(2), sampler.get_2d(3),
-                                                s);
+            return scene.lights.sample_emission(scene.lights.chooser(LightChoice::light_sampling), scene.geometry,
+                                                sampler.get_1d(1), sampler.get_2d(2), sampler.get_2d(3), s);
         };
         if (each.power > 0) {
             // Drawn by pixel, so only the solid angle within pixels varies: 2^14 points.
@@ -159,7 +159,8 @@ TEST_CASE("goniometric and projection lights give their power, and draw directio
         for (std::uint64_t i = 0; i < 500; ++i) {
             EmissionSample s;
             if (!emit(i, s)) continue;
-            const EmissionDensity density = scene.lights.emission_density(scene.geometry, s.from, s.direction);
+            const EmissionDensity density = scene.lights.emission_density(
+                scene.lights.chooser(LightChoice::light_sampling), scene.geometry, s.from, s.direction);
             REQUIRE(density.position == 1);
             // Power times density is the intensity that a light sample finds in that direction.
             LightSample seen;
@@ -179,7 +180,10 @@ TEST_CASE("goniometric and projection lights give their power, and draw directio
                 return true;
             },
             [&](const Vec3& d) {
-                return static_cast<double>(scene.lights.emission_density(scene.geometry, LightSample(), d).direction);
+                return static_cast<double>(scene.lights
+                                               .emission_density(scene.lights.chooser(LightChoice::light_sampling),
+                                                                 scene.geometry, LightSample(), d)
+                                               .direction);
             });
     }
 }
@@ -233,7 +237,9 @@ TEST_CASE("a portal in front of a white sky gives Lambert's polygon formula", "[
         const Mean power = mean_of(1 << 14, [&](std::uint64_t i) {
             const PixelSampler sampler = numbers(i);
             EmissionSample e;
-            if (!scene.lights.sample_emission(scene.geometry, 0, sampler.get_2d(2), sampler.get_2d(3), e)) return 0.0;
+            if (!scene.lights.sample_emission(scene.lights.chooser(LightChoice::light_sampling), scene.geometry, 0,
+                                              sampler.get_2d(2), sampler.get_2d(3), e))
+                return 0.0;
             return static_cast<double>(e.power.g);
         });
         CHECK(std::abs(power.value - pi_d * 3 * 2) < 4 * power.error);
@@ -356,8 +362,8 @@ TEST_CASE("an image on an area light: pbrt's orientation, means, densities, powe
         const Mean found = mean_of(1 << 12, [&, &scene = scene](std::uint64_t i) {
             const PixelSampler sampler = numbers(i);
             EmissionSample s;
-            if (!scene.lights.sample_emission(scene.geometry, sampler.get_1d(1), sampler.get_2d(2), sampler.get_2d(3),
-                                              s))
+            if (!scene.lights.sample_emission(scene.lights.chooser(LightChoice::light_sampling), scene.geometry,
+                                              sampler.get_1d(1), sampler.get_2d(2), sampler.get_2d(3), s))
                 return 0.0;
             return static_cast<double>(s.power.g);
         });

@@ -242,12 +242,13 @@ TEST_CASE("what a light subpath begins with is its light over the density of bid
         for (std::uint64_t i = 0; i < 4000; ++i) {
             const PixelSampler sampler(SamplerKind::independent, 3, 0, 0, i);
             EmissionSample s;
-            if (!scene.lights.sample_emission(scene.geometry, sampler.get_1d(1), sampler.get_2d(2), sampler.get_2d(3),
-                                              s))
+            if (!scene.lights.sample_emission(scene.lights.chooser(LightChoice::light_sampling), scene.geometry,
+                                              sampler.get_1d(1), sampler.get_2d(2), sampler.get_2d(3), s))
                 continue;
             const Light& light = scene.lights.lights()[s.from.light];
             if (light.kind == LightKind::point && light.emission.r == 7) continue;
-            const EmissionDensity density = scene.lights.emission_density(scene.geometry, s.from, s.direction);
+            const EmissionDensity density = scene.lights.emission_density(
+                scene.lights.chooser(LightChoice::light_sampling), scene.geometry, s.from, s.direction);
             double radiated = 1;
             if (light.is_area()) radiated = std::abs(static_cast<double>(dot(s.from.target_normal, s.direction)));
             else if (light.kind == LightKind::spot) radiated = static_cast<double>(spot_falloff(light, s.direction));
@@ -264,7 +265,10 @@ TEST_CASE("what a light subpath begins with is its light over the density of bid
             LightSample other;  // whose position's density is that it is chosen
             while (lights[other.light].kind != LightKind::point) ++other.light;
             const double chosen =
-                1 - static_cast<double>(scene.lights.emission_density(scene.geometry, other, s.direction).position);
+                1 - static_cast<double>(scene.lights
+                                            .emission_density(scene.lights.chooser(LightChoice::light_sampling),
+                                                              scene.geometry, other, s.direction)
+                                            .position);
             const double inverse_density = chosen / static_cast<double>(density.position);
             inverse += inverse_density;
             inverse_squared += inverse_density * inverse_density;

@@ -44,6 +44,12 @@ transport::SceneDescription grouped(transport::SceneDescription scene) {
     return scene;
 }
 
+transport::SceneEntity named(const std::string& integrator) {
+    transport::SceneEntity entity;
+    entity.type = integrator;
+    return entity;
+}
+
 transport::RenderSettings asking_for(const std::string& expression) {
     transport::RenderSettings settings;
     settings.samples_per_pixel = 16;
@@ -52,17 +58,22 @@ transport::RenderSettings asking_for(const std::string& expression) {
     return settings;
 }
 
+/// Those methods whose paths begin at lights, too.
+constexpr std::array from_lights{"bdpt", "lighttracer"};
+
 /// Means of blocks of the image with and without pruning, by independent seeds.
-void check_means(const std::string& scene, const std::string& expression) {
+void check_means(const std::string& scene, const std::string& expression,
+                 const transport::SceneEntity& integrator = named("path")) {
     auto built = transport::BuiltScene::build(grouped(scene_of(scene)));
     REQUIRE(built.ok());
     transport::RenderSettings settings = asking_for(expression);
+    settings.integrator = integrator;
     constexpr int seeds = 12;
     const Replicates pruned = replicates(**built, settings, 1, seeds, 0);
     settings.prune = false;
     const Replicates whole = replicates(**built, settings, 1, seeds, 1000);
     const Estimate a = pruned.channel(0), b = whole.channel(0);
-    CAPTURE(expression, a.mean, a.error, b.mean, b.error);
+    CAPTURE(integrator.type, expression, a.mean, a.error, b.mean, b.error);
     CHECK(b.mean > 0);
     // Of Student's t with at least 11 degrees of freedom, 6 is exceeded once in 10,000.
     CHECK(deviation(a, b) < 6);
@@ -136,4 +147,102 @@ TEST_CASE("a light group alone is sampled alone: less noise from as many samples
         b += whole.variance(block);
     }
     CHECK(a * 1.6 < b);
+}
+
+TEST_CASE("channels keep their means where paths begin at lights", "[render][pruning][law4]") {
+    for (const char* integrator : from_lights)
+        for (const char* expression : {"C<RD>L", "C<RD><RD>B", "C<RD><.S>+L", "C.*<L.'rim'>", "C<RD>.*<L.'key'>"})
+            check_means(corner(), expression, named(integrator));
+    for (const char* expression : {"C<RD>{2}L", "C<TS>+[LB]", "C<RS>.*<L.'rim'>", "C<.S>+<RD>L"})
+        check_means(corner(), expression, named("bdpt"));
+    transport::SceneEntity chains = named("pssmlt");
+    chains.parameters.parameters = {text_parameter("integrator", "bdpt"), number_parameter("chains", 20),
+                                    number_parameter("bootstrapsamples", 2000)};
+    check_means(corner(), "C<RD>{2}<L.'rim'>", chains);
+    const std::string fog = R"(
+AttributeBegin
+  MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_s" [0.4 0.4 0.4] "rgb sigma_a" [0.2 0.2 0.2]
+  MediumInterface "fog" ""
+  Material "interface"
+  Translate 0 1.2 -2
+  Shape "sphere" "float radius" 0.9
+AttributeEnd
+)";
+    for (const char* integrator : from_lights) {
+        check_means(corner("Shape \"sphere\" \"float alpha\" 0.5 \"float radius\" 0.3\n"), "C<RD>L", named(integrator));
+        // Where no channel takes what a medium scatters, flights through it only lose light, at both ends.
+        check_means(corner(fog), "C<RD>L", named(integrator));
+        check_means(corner(fog), "CV+<RD>L", named(integrator));
+    }
+}
+
+TEST_CASE("light paths that are left out change no bit of the others", "[render][pruning][law4]") {
+    // Every light is live and there are no media, so that only rays and joins are left out.
+    for (const char* integrator : from_lights)
+        for (const char* expression : {"C<RD>L", "C<RD>{2}L", "C<RD><.S>+L", "C<TS>+L", "C<RD>(<RS>|<RD><TS>)L"}) {
+            transport::RenderSettings settings = asking_for(expression);
+            settings.integrator = named(integrator);
+            const auto scene = grouped(scene_of(corner()));
+            const auto pruned = render_of(scene, settings);
+            settings.prune = false;
+            const auto whole = render_of(scene, settings);
+            CAPTURE(integrator, expression);
+            CHECK(pruned.frame_buffer.resolve(0) == whole.frame_buffer.resolve(0));
+            CHECK(pruned.statistics.scattering_rays < whole.statistics.scattering_rays);
+        }
+}
+
+TEST_CASE("what no word joins is not traced from the lights", "[render][pruning][law4]") {
+    const auto statistics = [](const char* integrator, const std::string& expression, bool prune = true) {
+        transport::RenderSettings settings = asking_for(expression);
+        settings.integrator = named(integrator);
+        settings.prune = prune;
+        return render_of(grouped(scene_of(corner())), settings).statistics;
+    };
+    const auto count = [](const auto& statistics, transport::Pruned cause) {
+        return statistics.pruned[static_cast<std::size_t>(cause)];
+    };
+    for (const char* integrator : from_lights) {
+        CAPTURE(integrator);
+        // Nothing in the scene transmits diffusely, and no light is in this group.
+        for (const char* dead : {"C<TD>L", "C.*<L.'nobody'>"}) {
+            const auto nothing = statistics(integrator, dead);
+            CHECK(nothing.scattering_rays == 0);
+            CHECK(nothing.shadow_rays == 0);
+        }
+        const auto whole = statistics(integrator, "C<RD>L", false);
+        for (const std::uint64_t each : whole.pruned) CHECK(each == 0);
+        const auto caustic = statistics(integrator, "C<RD><TS>+L");
+        CHECK(count(caustic, transport::Pruned::light_paths) > 0);
+        CHECK(caustic.shadow_rays * 10 < whole.shadow_rays);
+    }
+    // A light path of one ray, and its vertex seen by the camera.
+    const auto direct = statistics("lighttracer", "C<RD>L");
+    CHECK(direct.scattering_rays <= direct.camera_samples);
+    CHECK(direct.shadow_rays <= direct.camera_samples);
+    // Of two scatterings one is the light path's, and only the camera's first vertex is joined with it.
+    const auto second = statistics("bdpt", "C<RD>{2}L");
+    CHECK(count(second, transport::Pruned::joins) > 0);
+    CHECK(count(second, transport::Pruned::light_samples) > 0);  // none from the camera's first vertex
+    CHECK(count(statistics("bdpt", "C<RD><.S>+L"), transport::Pruned::joins) > 0);
+}
+
+TEST_CASE("light paths begin at live lights alone: less noise from as many", "[render][pruning][law4]") {
+    auto built = transport::BuiltScene::build(grouped(scene_of(corner())));
+    REQUIRE(built.ok());
+    for (const char* integrator : from_lights) {
+        transport::RenderSettings settings = asking_for("C<RD>.*<L.'key'>");
+        settings.integrator = named(integrator);
+        const Replicates pruned = replicates(**built, settings, 1, 12, 0);
+        settings.prune = false;
+        const Replicates whole = replicates(**built, settings, 1, 12, 0);
+        // As above.
+        double a = 0, b = 0;
+        for (std::size_t block = 0; block < blocks_across * blocks_across; ++block) {
+            a += pruned.variance(block);
+            b += whole.variance(block);
+        }
+        CAPTURE(integrator, a, b);
+        CHECK(a * 1.6 < b);
+    }
 }

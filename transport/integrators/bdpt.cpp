@@ -25,13 +25,18 @@ IntegratorTraits Bdpt::traits() const {
 Status Bdpt::prepare(const IntegratorContext& context) {
     context_ = context;
     view_ = {context.camera, context.width, context.height, context.filter_radius};
-    const LightTable& lights = *context.scene.lights;
-    can_sample_lights_ = !lights.chooser(LightChoice::mis).empty();
-    can_emit_ = parameters_.max_depth > 0 && !lights.chooser(LightChoice::light_sampling).empty() &&
-                (context.beauty || context.events->any());
-    if (!can_emit_) return success();
-    media_of_lights_ = media_of_lights(context.scene, camera_position(context));
-    if (context.events->any()) language_.emplace(*context.lpe);
+    const EventTable& events = *context.events;
+    if (events.any()) language_.emplace(*context.lpe, events);
+    const LightLanguage* const language = language_ ? &*language_ : nullptr;
+    emitters_ = choose_live_lights(context.scene, events, language, LightChoice::light_sampling);
+    sampled_ = choose_live_lights(context.scene, events, language, LightChoice::mis);
+    sampled_terminals_ = 0;
+    for (std::uint32_t light = 0; light < context.scene.lights->lights().size(); ++light)
+        if (sampled_.probability(Vec3(), light) > 0)
+            sampled_terminals_ |= events.foresight().bit_of(events.terminal(light));
+    can_sample_lights_ = !sampled_.empty();
+    can_emit_ = parameters_.max_depth > 0 && !emitters_.empty() && (context.beauty || events.any());
+    if (can_emit_) media_of_lights_ = media_of_lights(context.scene, camera_position(context));
     return success();
 }
 
@@ -40,6 +45,8 @@ std::unique_ptr<IntegratorThread> Bdpt::make_thread_state() const {
     LightSubpathOptions of_light;
     of_light.walk = walk;
     of_light.language = language_ ? &*language_ : nullptr;
+    of_light.emitters = &emitters_;
+    of_light.sampled = &sampled_;
     of_light.media_of_lights = media_of_lights_;
     return std::make_unique<BdptThread>(context_.scene, *context_.events, camera_subpath_options(context_, walk),
                                         of_light, static_cast<std::size_t>(context_.batch_capacity));
@@ -55,9 +62,13 @@ void Bdpt::integrate(const CameraBatch& batch, IntegratorThread& state, ThreadSe
         if (services.leaving()) return;
         camera.advance(services.display, ends);
         write_first_hits(context_, camera.vertices(), camera.first_entries(), thread.first_hits, services.display);
-        for (std::size_t j = 0; j < camera.vertices().count; ++j) {
-            if (!camera.can_connect(j) || !camera.record().worth(camera.vertices().rows[j])) continue;
-            if (can_sample_lights_) sample_light(thread, j);
+        const VertexBatch& v = camera.vertices();
+        for (std::size_t j = 0; j < v.count; ++j) {
+            if (!camera.can_connect(j)) continue;
+            const display::Foresight::Ahead ahead =
+                camera.record().ahead(v.rows[j], v.sources[j].label, v.points[j].material);
+            if (!ahead.anything) continue;
+            if (can_sample_lights_) sample_light(thread, j, ahead);
             join_vertices(thread, j);
         }
         thread.joins.report(camera, thread.counters);
@@ -87,14 +98,15 @@ void Bdpt::keep_light_vertices(BdptThread& thread) const {
     const EmbreeScene& geometry = *context_.scene.geometry;
     for (std::size_t j = 0; j < v.count; ++j) {
         if (!v.bsdfs[j].has_density()) continue;
+        const display::LightForesight::Ahead ahead = thread.light.ahead(j);
         const std::uint32_t row = v.rows[j];
         const Subpath& path = thread.light.path(row);
         const auto index = static_cast<std::uint32_t>(thread.light_vertices.size());
         const bool holdout = j < v.surfaces && geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
         thread.light_vertices.push_back({v.points[j], v.bsdfs[j], v.sources[j].offset, row, path.depth,
-                                         path.counted_depth(), thread.light.end(j), thread.last_vertex[row], holdout,
-                                         path.one_wavelength, path.beta, thread.light.sums(row)});
-        thread.last_vertex[row] = index;
+                                         path.counted_depth(), thread.light.end(j), thread.last_vertex[row], ahead,
+                                         holdout, path.one_wavelength, path.beta, thread.light.sums(row)});
+        if (ahead.scatters) thread.last_vertex[row] = index;
     }
 }
 

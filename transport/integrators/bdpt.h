@@ -17,6 +17,9 @@
 // begin in the medium that their light stands in (media_of_lights). Light that media emit is found by camera subpaths
 // alone (s = 0).
 //
+// Without beauty, what no channel can take of a subpath, a join or a light sample is left out (Law 4): the weights of
+// what is left stay, since all strategies that find a word are left out together.
+//
 // The prefixes nothruput, unoccluded and shadows look at lights found and sampled by camera subpaths (s < 2), as with
 // `path`.
 #pragma once

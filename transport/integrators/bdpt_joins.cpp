@@ -12,7 +12,8 @@ void Bdpt::Ends::add(std::uint32_t row, const Rgb& emitted, const LightSample& a
     if (path.depth > 0) {  // what the camera sees directly is found in no other way
         const SceneView& scene = self.context_.scene;
         const EmissionDensity emission =
-            self.can_emit_ ? scene.lights->emission_density(*scene.geometry, at, towards) : EmissionDensity();
+            self.can_emit_ ? scene.lights->emission_density(self.emitters_, *scene.geometry, at, towards)
+                           : EmissionDensity();
         const double pdf = path.specular ? 1 : static_cast<double>(path.pdf);
         weight = StrategySums::weight(camera.sums(row).others_at_light(static_cast<double>(sampled) / pdf,
                                                                        static_cast<double>(emission.position),
@@ -36,8 +37,7 @@ void Bdpt::Ends::emits(std::size_t j) {
     const Rgb emitted = scene.lights->emitted(at.light, point, point.wo);
     if (emitted.is_black()) return;
     const Subpath& path = camera.path(v.rows[j]);
-    const Real sampled =
-        path.depth > 0 ? scene.lights->density(self.samples_lights_by(), *scene.geometry, path.from, at) : 0.0f;
+    const Real sampled = path.depth > 0 ? scene.lights->density(self.sampled_, *scene.geometry, path.from, at) : 0.0f;
     add(v.rows[j], emitted, at, sampled, point.wo);
 }
 
@@ -52,7 +52,7 @@ void Bdpt::Ends::escapes(std::uint32_t row, const Ray& ray) {
         at.infinite = true;
         at.wi = ray.direction;
         add(row, lights.environment_radiance(light, path.from, ray.direction), at,
-            lights.environment_density(self.samples_lights_by(), light, path.from, ray.direction), -ray.direction);
+            lights.environment_density(self.sampled_, light, path.from, ray.direction), -ray.direction);
     }
 }
 
@@ -73,7 +73,7 @@ StrategySums::Wide Bdpt::others_beside_light_sample(const BdptThread& thread, st
     // The camera subpath meets the light by itself; light subpaths begin there.
     const StrategySums::Wide met = light.is_delta() ? 0 : StrategySums::squared(static_cast<double>(f.f.pdf) / pdf);
     if (!can_emit_) return met;
-    const EmissionDensity emission = lights.emission_density(*context_.scene.geometry, sample, -sample.wi);
+    const EmissionDensity emission = lights.emission_density(emitters_, *context_.scene.geometry, sample, -sample.wi);
     const double near = sample.infinite ? 1 : 1 / static_cast<double>(length_squared(sample.target - point.position));
     const double light_cosine = light.is_area() ? std::abs(dot(sample.target_normal, sample.wi)) : 1;
     const double to_light = light.is_area() ? light_cosine * near : 1;
@@ -84,10 +84,11 @@ StrategySums::Wide Bdpt::others_beside_light_sample(const BdptThread& thread, st
                                                           static_cast<double>(f.pdf_reverse));
 }
 
-void Bdpt::sample_light(BdptThread& thread, std::size_t j) const {
+void Bdpt::sample_light(BdptThread& thread, std::size_t j, const display::Foresight::Ahead& ahead) const {
+    if ((ahead.terminals & sampled_terminals_) == 0) return thread.counters.count(Pruned::light_samples);
     const CameraSubpaths& camera = thread.camera;
     LightSample sample;
-    if (!draw_light_sample(context_.scene, samples_lights_by(), camera, j, sample)) return;
+    if (!draw_light_sample(context_.scene, sampled_, camera, j, sample)) return;
     const JoinedScattering scattering = evaluate_scattering<TransportMode::radiance>(
         camera.vertices().bsdfs[j], camera.vertices().points[j], sample.wi);
     if (scattering.f.value.is_black()) return;
@@ -104,6 +105,10 @@ void Bdpt::join_vertices(BdptThread& thread, std::size_t j) const {
     for (std::uint32_t i = thread.last_vertex[row]; i != LightVertex::none; i = thread.light_vertices[i].previous) {
         const LightVertex& y = thread.light_vertices[i];
         if (path.counted_depth() + y.counted_depth + 2 > parameters_.max_depth) continue;
+        if (!thread.light.worth_joining(thread.camera, j, y.end, y.point.material)) {
+            thread.counters.count(Pruned::joins);
+            continue;
+        }
         const Vec3 between = y.point.position - point.position;
         const Real d2 = length_squared(between);
         if (!(d2 > 0)) continue;
@@ -135,6 +140,10 @@ void Bdpt::join_vertices(BdptThread& thread, std::size_t j) const {
 
 void Bdpt::connect_to_camera(const CameraBatch& batch, BdptThread& thread, ThreadServices& services) const {
     for (const LightVertex& y : thread.light_vertices) {
+        if (!y.ahead.seen) {
+            thread.counters.count(Pruned::joins);
+            continue;
+        }
         const Rgb power = y.one_wavelength ? y.power * thread.light.wavelength_weight(y.row) : y.power;
         const Vec2 lens = context_.camera->has_lens()
                               ? batch.samplers[y.row].get_2d(
@@ -145,7 +154,8 @@ void Bdpt::connect_to_camera(const CameraBatch& batch, BdptThread& thread, Threa
                            batch.rays[y.row].time, connection_key(context_.scene, batch.samplers[y.row], y.depth)},
                           lens);
     }
-    if (!context_.beauty && !context_.scene.geometry->has_alpha()) thread.splats.drop_dead(thread.camera.record());
+    if (!context_.beauty && !context_.scene.geometry->has_alpha())
+        thread.splats.drop_dead(thread.camera.record(), thread.counters);
     thread.splats.splat(context_.scene, *context_.events, batch.rows, *services.raster, thread.counters);
     for (const auto& [row, power] : thread.invalid_powers) reject_power(services, batch.rows[row], power);
 }

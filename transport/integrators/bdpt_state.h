@@ -8,6 +8,7 @@
 #include "transport/integrators/bdpt.h"
 #include "transport/paths/connect.h"
 #include "transport/paths/light_subpaths.h"
+#include "transport/paths/live_lights.h"
 
 namespace raylex::transport {
 
@@ -20,6 +21,7 @@ struct LightVertex {
     std::uint32_t row = 0, depth = 0, counted_depth = 0;  ///< Subpath's
     LightEnd end;
     std::uint32_t previous = none;  ///< of the same subpath
+    display::LightForesight::Ahead ahead;
     bool holdout = false, one_wavelength = false;
     Rgb power;  ///< Subpath::beta
     StrategySums sums;
@@ -60,7 +62,7 @@ class Bdpt final : public Integrator {
     void keep_light_vertices(BdptThread& thread) const;
     // bdpt_joins.cpp
     struct Ends;
-    void sample_light(BdptThread& thread, std::size_t j) const;
+    void sample_light(BdptThread& thread, std::size_t j, const display::Foresight::Ahead& ahead) const;
     void join_vertices(BdptThread& thread, std::size_t j) const;
     void connect_to_camera(const CameraBatch& batch, BdptThread& thread, ThreadServices& services) const;
     /// What all strategies beside a light sample weigh, as a share of it.
@@ -68,15 +70,14 @@ class Bdpt final : public Integrator {
                                                                 const LightSample& sample,
                                                                 const JoinedScattering& f) const;
 
-    [[nodiscard]] const LightChooser& samples_lights_by() const {
-        return context_.scene.lights->chooser(LightChoice::mis);
-    }
     DepthParameters parameters_;
     std::uint32_t first_depth_ = 0;
     IntegratorContext context_;
     CameraView view_;
     std::vector<std::int32_t> media_of_lights_;
     std::optional<LightLanguage> language_;  // when channels read words
+    LightChooser emitters_, sampled_;        // where light subpaths begin, and light samples go: live lights
+    std::uint64_t sampled_terminals_ = 0;    // Foresight's bits of those
     bool can_emit_ = false, can_sample_lights_ = false;
 };
 
@@ -87,7 +88,7 @@ struct Bdpt::Ends : CameraEnds {
 
     void emits(std::size_t j);
     void arrives(std::size_t j) {
-        if (camera.record().wants_blocked_light()) camera.report_hidden_environments(self.samples_lights_by(), j);
+        if (camera.record().wants_blocked_light()) camera.report_hidden_environments(self.sampled_, j);
     }
     void escapes(std::uint32_t row, const Ray& ray);
     void volume_emits(std::uint32_t row, const Rgb& emitted);

@@ -6,6 +6,7 @@
 #include "transport/integrators/path.h"
 #include "transport/paths/camera_connections.h"
 #include "transport/paths/light_subpaths.h"
+#include "transport/paths/live_lights.h"
 #include "transport/paths/transmittance.h"
 
 namespace raylex::transport {
@@ -41,12 +42,11 @@ class LightTracer final : public Integrator {
     Status prepare(const IntegratorContext& context) override {
         context_ = context;
         view_ = {context.camera, context.width, context.height, context.filter_radius};
-        can_emit_ = parameters_.max_depth > 0 && !context.scene.lights->chooser(LightChoice::light_sampling).empty() &&
-                    (context.beauty || context.events->any());
-        if (can_emit_) {
-            media_of_lights_ = media_of_lights(context.scene, camera_position(context));
-            if (context.events->any()) language_.emplace(*context.lpe);
-        }
+        if (context.events->any()) language_.emplace(*context.lpe, *context.events);
+        emitters_ = choose_live_lights(context.scene, *context.events, language_ ? &*language_ : nullptr,
+                                       LightChoice::light_sampling);
+        can_emit_ = parameters_.max_depth > 0 && !emitters_.empty() && (context.beauty || context.events->any());
+        if (can_emit_) media_of_lights_ = media_of_lights(context.scene, camera_position(context));
         return camera_->prepare(context);
     }
     [[nodiscard]] std::vector<std::string> omissions() const override;
@@ -54,6 +54,7 @@ class LightTracer final : public Integrator {
         LightSubpathOptions options;
         options.walk = {parameters_.max_depth, parameters_.roulette_below, false};
         options.language = language_ ? &*language_ : nullptr;
+        options.emitters = &emitters_;
         options.media_of_lights = media_of_lights_;
         auto thread = std::make_unique<LightTracerThread>(context_.scene, *context_.events, options,
                                                           static_cast<std::size_t>(context_.batch_capacity));
@@ -71,6 +72,7 @@ class LightTracer final : public Integrator {
     std::unique_ptr<Integrator> camera_;  // what camera rays find by themselves
     std::vector<std::int32_t> media_of_lights_;
     std::optional<LightLanguage> language_;  // when channels read words
+    LightChooser emitters_;
     bool can_emit_ = false;
 };
 
@@ -98,6 +100,10 @@ void LightTracer::connect(const CameraBatch& batch, LightTracerThread& thread, T
     const VertexBatch& v = thread.subpaths.vertices();
     const EmbreeScene& geometry = *context_.scene.geometry;
     for (std::size_t j = 0; j < v.count; ++j) {
+        if (!thread.subpaths.ahead(j).seen) {
+            thread.counters.count(Pruned::joins);
+            continue;
+        }
         const std::uint32_t row = v.rows[j];
         const Subpath& path = thread.subpaths.path(row);
         const Vec2 lens = context_.camera->has_lens()
@@ -114,7 +120,7 @@ void LightTracer::connect(const CameraBatch& batch, LightTracerThread& thread, T
     if (!context_.beauty && !geometry.has_alpha()) {
         Record record(*context_.events);
         record.begin(services.lpe);
-        thread.connections.drop_dead(record);
+        thread.connections.drop_dead(record, thread.counters);
     }
     thread.connections.splat(context_.scene, *context_.events, batch.rows, *services.raster, thread.counters);
 }

@@ -73,10 +73,10 @@ bool LightTable::emit_through_portal(const Light& light, const EmbreeScene& geom
     return true;
 }
 
-EmissionDensity LightTable::emission_density(const EmbreeScene& geometry, const LightSample& at,
-                                             const Vec3& direction) const {
+EmissionDensity LightTable::emission_density(const LightChooser& chooser, const EmbreeScene& geometry,
+                                             const LightSample& at, const Vec3& direction) const {
     const Light& light = lights_[at.light];
-    const Real chosen = chooser(LightChoice::light_sampling).probability(Vec3(), at.light);
+    const Real chosen = chooser.probability(Vec3(), at.light);
     if (light.is_area()) {
         const Real cosine = dot(at.target_normal, direction);
         const Real of_direction = light.two_sided ? 0.5f * std::abs(cosine) : std::max(cosine, Real(0));
@@ -94,7 +94,7 @@ EmissionDensity LightTable::emission_density(const EmbreeScene& geometry, const 
         return {chosen * portal_of(light).emission_pdf(-direction), portal_of(light).density_across(-direction)};
     const Real radius = covering_radius(geometry), across = 1 / (pi * radius * radius);
     if (light.kind == LightKind::distant) return {chosen, across};
-    return {environment_density(chooser(LightChoice::light_sampling), at.light, Vec3(), -direction), across};
+    return {environment_density(chooser, at.light, Vec3(), -direction), across};
 }
 
 Real LightTable::sample_area_point(const EmbreeScene& geometry, const Light& light, Vec2 u, LightSample& s) const {
@@ -118,13 +118,12 @@ Vec3 LightTable::some_point(const EmbreeScene& geometry, std::uint32_t light) co
     return sample.target;
 }
 
-bool LightTable::sample_emission(const EmbreeScene& geometry, Real u_choice, Vec2 u_position, Vec2 u_direction,
-                                 EmissionSample& s) const {
-    const LightChooser& lights = chooser(LightChoice::light_sampling);
-    if (lights.empty()) return false;
+bool LightTable::sample_emission(const LightChooser& chooser, const EmbreeScene& geometry, Real u_choice,
+                                 Vec2 u_position, Vec2 u_direction, EmissionSample& s) const {
+    if (chooser.empty()) return false;
     s = EmissionSample();
     LightSample& from = s.from;
-    const LightTree::Chosen chosen = lights.choose(Vec3(), u_choice, u_position);
+    const LightTree::Chosen chosen = chooser.choose(Vec3(), u_choice, u_position);
     from.light = chosen.light;
     from.pdf = chosen.probability;
     const Light& light = lights_[from.light];

@@ -66,16 +66,16 @@ class LightTable {
     /// False when nothing can arrive at `from`. u in [0, 1)^2; u_choice in [0, 1), read only if chooser.needs_number().
     bool sample(const LightChooser& chooser, const EmbreeScene& geometry, const LightReceiver& from, Real u_choice,
                 Vec2 u, LightSample& sample) const;
-    /// Draws where and in what direction light leaves: a light by its power, then a point and a cosine-weighted
-    /// direction of an area light, a direction of a point or spot, a direction of an infinite light and a point of the
-    /// disk that covers the scene across it. False when nothing leaves. All u in [0, 1); u_choice is read only if
-    /// the chooser of LightChoice::light_sampling needs it.
-    bool sample_emission(const EmbreeScene& geometry, Real u_choice, Vec2 u_position, Vec2 u_direction,
-                         EmissionSample& sample) const;
+    /// Draws where and in what direction light leaves: a light, then a point and a cosine-weighted direction of an area
+    /// light, a direction of a point or spot, a direction of an infinite light and a point of the disk that covers the
+    /// scene across it. False when nothing leaves. All u in [0, 1); u_choice is read only if chooser.needs_number().
+    /// The chooser does not go by receivers.
+    bool sample_emission(const LightChooser& chooser, const EmbreeScene& geometry, Real u_choice, Vec2 u_position,
+                         Vec2 u_direction, EmissionSample& sample) const;
     /// The density with which sample_emission() lets light leave a light in `direction` from `at`: target,
     /// target_normal and uv; of infinite lights, from where `direction` comes.
-    [[nodiscard]] EmissionDensity emission_density(const EmbreeScene& geometry, const LightSample& at,
-                                                   const Vec3& direction) const;
+    [[nodiscard]] EmissionDensity emission_density(const LightChooser& chooser, const EmbreeScene& geometry,
+                                                   const LightSample& at, const Vec3& direction) const;
     /// A point of an area light, always the same.
     [[nodiscard]] Vec3 some_point(const EmbreeScene& geometry, std::uint32_t light) const;
     /// Whether a ray can find any light: if not, a path's last scattering need not be traced.

@@ -46,10 +46,13 @@ void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end, 
     shadow_rays_.push_back(ray);
 }
 
-void CameraConnections::drop_dead(const Record& record) {
+void CameraConnections::drop_dead(const Record& record, IntegratorCounters& counters) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < pending_.size(); ++i) {
-        if (!record.worth_splatting(pending_[i].row, pending_[i].end)) continue;
+        if (!record.worth_splatting(pending_[i].row, pending_[i].end)) {
+            counters.count(Pruned::shadow_rays);
+            continue;
+        }
         pending_[kept] = pending_[i];
         shadow_rays_[kept++] = shadow_rays_[i];
     }

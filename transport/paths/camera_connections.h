@@ -55,7 +55,7 @@ class CameraConnections {
     void add(const CameraView& view, const LightSubpathEnd& end, const Vec2& lens);
     /// Leaves out what no channel accepts (Law 4): for renders without beauty, and without cutouts, whose events come
     /// before.
-    void drop_dead(const Record& record);
+    void drop_dead(const Record& record, IntegratorCounters& counters);
     /// Adds all that are visible, and forgets them. `rows` say whose they are.
     void splat(const SceneView& scene, const EventTable& events, std::span<const display::CameraRow> rows,
                display::RasterSplats& raster, IntegratorCounters& counters);

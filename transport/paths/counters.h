@@ -15,9 +15,11 @@ enum class Pruned : std::uint8_t {
     shadow_rays,                 ///< of light samples and joins that no channel accepts
     rays_left_to_light_samples,  ///< last vertices where light samples find more for less,
     light_samples_left_to_rays,  ///< and the other way round
-    lobes                        ///< not drawn: no channel takes that side of an interface
+    lobes,                       ///< not drawn: no channel takes that side of an interface
+    light_paths,                 ///< not begun or ended: no word of a light subpath can be completed any more
+    joins                        ///< of its vertices with others or the camera, not looked at: no channel takes any
 };
-inline constexpr std::size_t pruned_causes = 6;
+inline constexpr std::size_t pruned_causes = 8;
 using PrunedCounts = std::array<std::uint64_t, pruned_causes>;
 
 /// Work done, for statistics. Added up over threads at the end.

@@ -92,15 +92,20 @@ EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene, c
         terminal_.push_back(setup.classify(
             terminal_event(light.is_environment(), scene.lights->groups()[static_cast<std::size_t>(light.group)])));
     if (!prunes_) return;
+    passes_cutouts_ = scene.geometry->has_alpha();
     find_scatterings(*scene.materials, scene.media->names().size());
+    foresight_ = display::Foresight(setup, alphabet());
+}
+
+display::Foresight::Alphabet EventTable::alphabet() const {
     display::Foresight::Alphabet alphabet;
     alphabet.scatterings = by_material_;
-    if (scene.geometry->has_alpha()) alphabet.straight = straight_;
+    if (passes_cutouts_) alphabet.straight = straight_;
     alphabet.terminals = terminal_;
     alphabet.terminals.push_back(emission_);
     if (wants_user()) alphabet.user = user_;
     alphabet.user_terminal = user_terminal_;
-    foresight_ = display::Foresight(setup, alphabet);
+    return alphabet;
 }
 
 void EventTable::find_scatterings(const MaterialTable& materials, std::size_t media) {

@@ -86,6 +86,8 @@ class EventTable {
         return {by_material_.data() + begin_[at], by_material_.data() + begin_[at + 1]};
     }
     [[nodiscard]] const display::Foresight& foresight() const { return foresight_; }
+    /// What paths of this scene can bring; of scatterings nothing without prunes().
+    [[nodiscard]] display::Foresight::Alphabet alphabet() const;
 
   private:
     void find_scatterings(const MaterialTable& materials, std::size_t media);
@@ -94,7 +96,7 @@ class EventTable {
     std::array<bool, user_lobes.size()> wants_user_{};
     std::size_t lobe_count_ = 0;
     std::int32_t first_medium_label_ = 0;
-    bool any_ = false, prunes_ = true;
+    bool any_ = false, prunes_ = true, passes_cutouts_ = false;
     std::vector<std::uint32_t> begin_;  // [label][material + 1], into by_material_
     std::vector<lpe::EventClass> by_material_;
     std::size_t materials_ = 0;

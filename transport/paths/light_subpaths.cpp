@@ -20,13 +20,14 @@ void LightSubpaths::begin(std::span<const Ray> camera_rays, std::span<const Pixe
     walk_.begin(samplers, counters);
     record_.begin(lpe);
     const LightTable& lights = *scene_.lights;
-    const bool own_choice = lights.chooser(LightChoice::light_sampling).needs_number();
+    const LightChooser& emitters = *options_.emitters;
+    const bool own_choice = emitters.needs_number();
     for (std::size_t i = 0; i < samplers.size(); ++i) {
         const auto row = static_cast<std::uint32_t>(i);
         const PixelSampler& sampler = samplers[i];
         walk_.path(row) = Subpath();
         EmissionSample s;
-        if (lights.sample_emission(*scene_.geometry,
+        if (lights.sample_emission(emitters, *scene_.geometry,
                                    own_choice ? sampler.get_1d(light_dimensions + emitter_dimension) : 0.0f,
                                    sampler.get_2d(light_dimensions + origin_dimension),
                                    sampler.get_2d(light_dimensions + direction_dimension), s))
@@ -53,9 +54,10 @@ void LightSubpaths::start(std::uint32_t row, const EmissionSample& s, Real time)
     path.specular = false;
     path.from = light.is_area() ? s.from.target : s.origin;
     record_.leave_light(row, s.from.light);
-    if (power.is_black() || !record_.worth(row)) return walk_.finish(row);
+    if (power.is_black() || !worth(row)) return walk_.finish(row);
     if (options_.walk.densities) {
-        const EmissionDensity density = scene_.lights->emission_density(*scene_.geometry, s.from, s.direction);
+        const EmissionDensity density =
+            scene_.lights->emission_density(*options_.emitters, *scene_.geometry, s.from, s.direction);
         path.pdf = density.direction;
         path.cosine = light.is_area() ? std::abs(dot(s.from.target_normal, s.direction)) : 1;
         path.from_infinity = s.from.infinite;
@@ -83,6 +85,15 @@ Rgb LightSubpaths::from_infinity(std::uint32_t row, const EmissionSample& s) con
 struct LightSubpaths::Visitor : WalkVisitor {
     LightSubpaths& self;
 
+    bool arrives(std::size_t j) {
+        const bool worth = self.ahead(j).anything();
+        if (!worth) self.walk_.counters().count(Pruned::light_paths);
+        return worth;
+    }
+    bool worth_colliding(std::uint32_t row) {
+        const std::int32_t label = self.record_.events().medium_label(self.path(row).medium);
+        return self.record_.ahead(row, label, SurfacePoint::no_material).anything();
+    }
     void passes_cutout(std::size_t j) {
         self.record_.pass_straight(self.vertices().rows[j], self.vertices().sources[j].label);
     }
@@ -90,8 +101,8 @@ struct LightSubpaths::Visitor : WalkVisitor {
     void first_vertex(std::uint32_t row, const SurfacePoint& point, Real /*time*/, StrategySums& sums) {
         const LightSample& origin = self.origins_[row];
         const LightTable& lights = *self.scene_.lights;
-        const auto sampled = static_cast<double>(lights.density(lights.chooser(self.options_.camera_samples_by),
-                                                                *self.scene_.geometry, point.position, origin));
+        const auto sampled =
+            static_cast<double>(lights.density(*self.options_.sampled, *self.scene_.geometry, point.position, origin));
         const bool area = lights.lights()[origin.light].is_area();
         sums.join = StrategySums::squared(sampled * (area ? sums.to_previous : 1) / sums.previous);
     }

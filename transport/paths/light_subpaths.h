@@ -12,16 +12,16 @@
 #include <span>
 #include <vector>
 
-#include "transport/paths/record.h"
-#include "transport/paths/walk.h"
+#include "transport/paths/camera_subpaths.h"
 
 namespace raylex::transport {
 
 struct LightSubpathOptions {
     WalkOptions walk;
-    const LightLanguage* language = nullptr;           ///< null when no channel reads words
-    LightChoice camera_samples_by = LightChoice::mis;  ///< how camera subpaths sample lights, for sums()
-    std::span<const std::int32_t> media_of_lights;     ///< media_of_lights(); must outlive the subpaths
+    const LightLanguage* language = nullptr;        ///< null when no channel reads words
+    const LightChooser* emitters = nullptr;         ///< where subpaths begin
+    const LightChooser* sampled = nullptr;          ///< where camera subpaths sample lights, for sums()
+    std::span<const std::int32_t> media_of_lights;  ///< media_of_lights(); all of these must outlive the subpaths
 };
 
 class LightSubpaths {
@@ -48,6 +48,17 @@ class LightSubpaths {
     [[nodiscard]] Rgb throughput(std::uint32_t row) const { return walk_.throughput(row); }
     /// Of paths that are of one wavelength: its weight.
     [[nodiscard]] const Rgb& wavelength_weight(std::uint32_t row) const { return walk_.wavelengths().weight(row); }
+    /// What channels may take of joins at vertex j, and of what is scattered there (Law 4).
+    [[nodiscard]] display::LightForesight::Ahead ahead(std::size_t j) const {
+        return record_.ahead(vertices().rows[j], vertices().sources[j].label, vertices().points[j].material);
+    }
+    /// Whether vertex j of a camera subpath may be joined with `end`, where this material is.
+    [[nodiscard]] bool worth_joining(const CameraSubpaths& camera, std::size_t j, const LightEnd& end,
+                                     std::int32_t material) const {
+        const VertexBatch& v = camera.vertices();
+        return record_.worth_joining(camera.record(), v.rows[j], v.sources[j].label, v.points[j].material, end,
+                                     material);
+    }
     /// For joins at vertex j: its lobes are to be filled in.
     [[nodiscard]] LightEnd end(std::size_t j) const {
         return record_.end(vertices().rows[j], vertices().sources[j].label);
@@ -65,9 +76,14 @@ class LightSubpaths {
             const std::uint32_t row = self.vertices().rows[j];
             self.record_.scatter(row, self.vertices().sources[j].label, lobes, self.choice_key(row));
         }
-        bool goes_on(std::uint32_t row) { return self.record_.worth(row); }
+        bool goes_on(std::uint32_t row) { return self.worth(row); }
         void invalid(std::uint32_t row) { report(row, self.path(row).beta); }
     };
+    [[nodiscard]] bool worth(std::uint32_t row) {
+        const bool worth = record_.worth(row);
+        if (!worth) walk_.counters().count(Pruned::light_paths);
+        return worth;
+    }
     void start(std::uint32_t row, const EmissionSample& sample, Real time);
     [[nodiscard]] Rgb from_infinity(std::uint32_t row, const EmissionSample& sample) const;
     /// For a choice between lobes at the current vertex.

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "transport/paths/event_table.h"
+#include "transport/paths/record.h"
 
 namespace raylex::transport {
 
@@ -35,5 +35,10 @@ class LiveLights {
     std::vector<Set> sets_;
     std::vector<LightChooser> choosers_{2};
 };
+
+/// For methods whose weights cannot depend on where a path stands: one chooser for all vertices, among the lights that
+/// some word of `language` leads to behind a scattering. Null: all.
+LightChooser choose_live_lights(const SceneView& scene, const EventTable& events, const LightLanguage* language,
+                                LightChoice choice);
 
 }  // namespace raylex::transport

@@ -4,9 +4,12 @@
 
 namespace raylex::transport {
 
-LightLanguage::LightLanguage(const display::LpeSetup& setup) : keeps_paths_(setup.words() != nullptr) {
+LightLanguage::LightLanguage(const display::LpeSetup& setup, const EventTable& events)
+    : keeps_paths_(setup.words() != nullptr) {
     if (Result<lpe::ReversedProgram> reversed = lpe::ReversedProgram::build(setup.program()))
         reversed_.emplace(std::move(*reversed));
+    if (setup.beauty() < 0 && events.prunes())
+        foresight_ = display::LightForesight(setup, this->reversed(), events.alphabet());
 }
 
 bool Record::worth_colliding(std::uint32_t row, std::int32_t medium) const {

@@ -14,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "display/services/light_foresight.h"
 #include "display/services/light_words.h"
 #include "display/services/lpe_services.h"
 #include "transport/lights/light_table.h"
@@ -158,25 +159,31 @@ class Record {
     std::vector<display::Tracker> trackers_;  // by row
 };
 
-/// Reads the words of a render's channels from their lights.
+/// Reads the words of a render's channels from their lights. Does not move: it points at itself.
 class LightLanguage {
   public:
-    explicit LightLanguage(const display::LpeSetup& setup);
+    LightLanguage(const display::LpeSetup& setup, const EventTable& events);
+    LightLanguage(const LightLanguage&) = delete;
+    LightLanguage& operator=(const LightLanguage&) = delete;
     /// Null where the channels' program is too large to be reversed.
     [[nodiscard]] const lpe::ReversedProgram* reversed() const { return reversed_ ? &*reversed_ : nullptr; }
     /// Whether a path atlas wants to know the events as well.
     [[nodiscard]] bool keeps_paths() const { return keeps_paths_; }
+    /// Knows nothing where beauty is asked for, which takes all.
+    [[nodiscard]] const display::LightForesight& foresight() const { return foresight_; }
 
   private:
     bool keeps_paths_;
     std::optional<lpe::ReversedProgram> reversed_;
+    display::LightForesight foresight_;
 };
 
 /// The record of light subpaths, row by row.
 class LightRecord {
   public:
     /// `language`: null when no channel reads words. Must outlive the record.
-    LightRecord(const EventTable& events, const LightLanguage* language, std::size_t rows) : events_(&events) {
+    LightRecord(const EventTable& events, const LightLanguage* language, std::size_t rows)
+        : events_(&events), language_(language) {
         if (language == nullptr) return;
         words_.emplace(language->reversed(), language->keeps_paths());
         word_.resize(rows);
@@ -198,9 +205,23 @@ class LightRecord {
     void pass_straight(std::uint32_t row, std::int32_t label) {
         if (words_) word_[row] = lpe_->prepend(*words_, word_[row], events_->straight(label));
     }
-    /// Whether any join with it counts (Law 4).
+    /// Whether anything counts that it may become by scatterings, its own or those of camera subpaths (Law 4).
     [[nodiscard]] bool worth(std::uint32_t row) const {
-        return lpe_->wants_beauty() || !events_->prunes() || (words_ && word_[row].live());
+        return takes_all() || (words_ && language_->foresight().of(*words_, word_[row]).scatters);
+    }
+    /// What of it may once its current vertex scatters as the material there does.
+    [[nodiscard]] display::LightForesight::Ahead ahead(std::uint32_t row, std::int32_t label,
+                                                       std::int32_t material) const {
+        if (takes_all()) return {};
+        if (!words_) return {false, false};
+        return language_->foresight().after(*words_, word_[row], events_->scatterings(label, material));
+    }
+    /// Whether a camera subpath may be joined with `end`: where they stand, and what scatters there.
+    [[nodiscard]] bool worth_joining(const Record& camera, std::uint32_t row, std::int32_t label, std::int32_t material,
+                                     const LightEnd& end, std::int32_t material_of_end) const {
+        return camera.takes_all(row) || !words_ ||
+               language_->foresight().joins(camera.tracker(row), events_->scatterings(label, material), *end.words,
+                                            end.word, events_->scatterings(end.label, material_of_end));
     }
     /// The word before the current vertex, which itself scatters from `lobes` when it is joined.
     [[nodiscard]] LightEnd end(std::uint32_t row, std::int32_t label) const {
@@ -209,9 +230,13 @@ class LightRecord {
         if (words_) end.words = &*words_, end.word = word_[row];
         return end;
     }
+    [[nodiscard]] const EventTable& events() const { return *events_; }
 
   private:
+    [[nodiscard]] bool takes_all() const { return lpe_->wants_beauty() || !events_->prunes(); }
+
     const EventTable* events_;
+    const LightLanguage* language_;
     display::LpeServices* lpe_ = nullptr;
     std::optional<display::LightWords> words_;
     std::vector<display::LightWord> word_;  // by row
