@@ -27,6 +27,7 @@ constexpr BudgetRow table[] = {
     {"include_depth", 256, 4'096, "files that include one another"},
     {"include_repeats", 128 * mega, any, "bytes of files that are included again"},
     {"block_depth", 4'096, 65'536, "AttributeBegin, TransformBegin and ObjectBegin inside one another"},
+    {"parameters", 4'096, 65'536, "parameters of one directive, each as often as it is given"},
     {"texture_depth", 512, 1'024, "textures that use one another in a row"},
     {"texture_work", 100'000, any, "textures looked up for one value"},
     {"material_depth", 256, 4'096, "mix materials inside one another"},

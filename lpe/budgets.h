@@ -25,6 +25,7 @@ enum class Budget : std::uint8_t {
     include_depth,
     include_repeats,
     block_depth,
+    parameters,
     texture_depth,
     texture_work,
     material_depth,

@@ -76,7 +76,8 @@ void doubt_unused_entities(const SceneDescription& scene, const Used& used, Doub
     for (const auto& each : scene.media) doubt_unused(each, "medium", used.media, doubts);
     for (std::size_t i = 0; i < scene.area_lights.size(); ++i)
         if (used.area_lights.count(static_cast<int>(i)) == 0)
-            doubts.push_back(error_at(scene.area_lights[i].location, "no shape follows this area light: it is dark"));
+            doubts.push_back(
+                error_at(scene.area_lights[i].location, "no shape that can shine follows this area light: it is dark"));
     for (std::size_t i = 0; i < scene.objects.size(); ++i)
         if (used.objects.count(static_cast<int>(i)) == 0)
             doubts.push_back(error_at(scene.objects[i].shapes.empty() ? SourceLocation{scene.file, 0, 0}

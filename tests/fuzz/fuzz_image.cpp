@@ -10,6 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto image = content.starts_with("PF") || content.starts_with("Pf") ? read_pfm(content, "fuzzed")
                        : content.starts_with("\x89PNG")                       ? read_png(content, "fuzzed", {})
                        : content.starts_with("\xff\xd8")                      ? read_jpeg(content, "fuzzed", {})
+                       : content.starts_with("qoif")                          ? read_qoi(content, "fuzzed", {})
                                                                               : read_with_stb(content, "fuzzed", {});
     if (!image) {
         fuzz::require(!image.error().message.empty(), "a refusal says why");

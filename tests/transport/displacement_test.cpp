@@ -168,6 +168,14 @@ TEST_CASE("displacement: what cannot be meant is an error at its line, too much 
     REQUIRE_FALSE(mesh);
     CHECK(contains(mesh.error().message, "the budget tessellated_triangles is 1000"));
     CHECK(mesh.error().line == 3);
+    // Refused by the area of its triangles: halving until there are too many takes a second.
+    const SceneDescription absurd =
+        displaced_scene(folder, up.substr(11) +
+                                    "Shape \"plymesh\" \"string filename\" \"a.ply\" \"texture displacement\" \"up\" "
+                                    "\"float edgelength\" 1e-9");
+    const auto refused = displaced_of(absurd);
+    REQUIRE_FALSE(refused);
+    CHECK(contains(refused.error().message, "edges of at most 1e-09 ('edgelength')"));
 }
 
 TEST_CASE("a displaced mesh that is written reads back as it was", "[displacement][pbrt-writer]") {

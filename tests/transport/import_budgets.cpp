@@ -240,6 +240,19 @@ TEST_CASE("blocks inside one another end at a budget", "[law7][budget]") {
     CHECK(contains(error_of(text).to_string(), "the budget block_depth is 4096"));
 }
 
+TEST_CASE("parameters of one directive end at a budget", "[law7][budget]") {
+    std::string distinct = "WorldBegin\nShape \"sphere\"\n", repeated = distinct;
+    for (int i = 0; i < 5'000; ++i) {
+        distinct += "\"float r" + std::to_string(i) + "\" 1 ";
+        repeated += "\"float radius\" 1 ";
+    }
+    for (const std::string& text : {distinct, repeated}) {
+        const Error error = error_of(text);
+        CHECK(contains(error.message, "the budget parameters is 4096"));
+        CHECK(error.line == 3);
+    }
+}
+
 TEST_CASE("an image of more pixels than its bytes can mean is refused before it is unpacked", "[law7][budget]") {
     const Folder folder;
     const auto be = [](unsigned value) {
@@ -247,11 +260,17 @@ TEST_CASE("an image of more pixels than its bytes can mean is refused before it 
         for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
         return bytes;
     };
-    const std::string header = "IHDR" + be(30'000) + be(20'000) + std::string("\x08\0\0\0\0", 5);
-    const auto checksum = static_cast<unsigned>(
-        crc32(0, reinterpret_cast<const Bytef*>(header.data()), static_cast<uInt>(header.size())));
-    const std::string png = std::string("\x89PNG\r\n\x1a\n", 8) + be(13) + header + be(checksum) + be(0) + "IDAT" +
-                            be(0x35af061e) + std::string(1'000, '\0');
+    const auto png_of = [&](unsigned width, unsigned height) {
+        const std::string header = "IHDR" + be(width) + be(height) + std::string("\x08\0\0\0\0", 5);
+        const auto checksum = static_cast<unsigned>(
+            crc32(0, reinterpret_cast<const Bytef*>(header.data()), static_cast<uInt>(header.size())));
+        return std::string("\x89PNG\r\n\x1a\n", 8) + be(13) + header + be(checksum) + be(0) + "IDAT" + be(0x35af061e) +
+               std::string(1'000, '\0');
+    };
+    const std::string png = png_of(30'000, 20'000);
+    // libpng would have memory for a row of 2 GB before it says how many bytes a row has.
+    CHECK(contains(message_of(read_image(folder.write("row.png", png_of(0x7fffffff, 1)))),
+                   "the budget image_pixels is 268435456"));
     CHECK(contains(message_of(read_image(folder.write("a.png", png))), "the budget image_pixels is 268435456"));
     const BudgetGuard guard("image_pixels=1G");
     CHECK(contains(message_of(read_image(folder.write("a.png", png))), "the budget unpack_ratio is 100"));

@@ -259,6 +259,10 @@ TEST_CASE("what is no image is an error that lists the formats", "[image][law7]"
     const Folder folder;
     const auto image = read_image(folder.write("a.png", "hello, I am text"));
     REQUIRE_FALSE(image);
-    CHECK(contains(image.error().message, "expected PNG, JPEG, TGA, HDR, OpenEXR or PFM"));
+    CHECK(contains(image.error().message,
+                   "unknown image format; expected PNG, JPEG, TGA, BMP, QOI, HDR, OpenEXR or PFM"));
+    const auto gif = read_image(folder.write("a.gif", "GIF89a and the rest"));
+    REQUIRE_FALSE(gif);
+    CHECK(contains(gif.error().message, "GIF images are not read; expected PNG"));
     CHECK_FALSE(read_image(folder.path("missing.png")));
 }

@@ -89,6 +89,25 @@ TEST_CASE("names that no shape uses need not be defined, and media may be define
     CHECK(scene.shapes[0].outside_medium == -1);
 }
 
+TEST_CASE("area lights are dark on shapes that have no surface, as in pbrt", "[import]") {
+    const SceneDescription scene = scene_of(R"(WorldBegin
+        NamedMaterial "border" AreaLightSource "diffuse" "rgb L" [1 1 1]
+        Shape "sphere"
+        Material "" Shape "sphere"
+        MakeNamedMaterial "border" "string type" "interface"
+        MakeNamedMaterial "some" "string type" "mix" "string materials" ["border" "white"]
+        MakeNamedMaterial "white" "string type" "diffuse"
+        NamedMaterial "white" Shape "sphere"
+        NamedMaterial "some" Shape "sphere")");
+    REQUIRE(scene.shapes.size() == 4);
+    for (std::size_t i : {0u, 1u}) CHECK(scene.shapes[i].area_light == -1);
+    for (std::size_t i : {2u, 3u}) CHECK(scene.shapes[i].area_light == 0);
+    REQUIRE(scene.warnings.size() == 2);
+    CHECK(contains(scene.warnings[0].message, "area lights do not emit from shapes without a surface"));
+    CHECK(scene.warnings[0].line == 3);
+    CHECK(scene.warnings[1].line == 4);
+}
+
 TEST_CASE("lone ends of blocks and unknown coordinate systems are warnings", "[import]") {
     const SceneDescription scene = scene_of(R"(WorldBegin
         AttributeEnd CoordinateSystem "here" CoordSysTransform "there"

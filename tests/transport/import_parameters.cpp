@@ -61,8 +61,9 @@ const ParameterCase ignored[] = {
     {"Integrator \"path\"\n\"bool regularize\" true WorldBegin",
      "parameter 'regularize' of integrator 'path' is ignored: specular lobes are never blurred", "false"},
     {"Film \"spectral\"\n\"integer nbuckets\" 30 WorldBegin", "parameter 'nbuckets' of film 'spectral' is ignored", ""},
-    {"Integrator \"volpath\"\n\"string lightsampler\" \"bvh\" WorldBegin",
-     "parameter 'lightsampler' of integrator 'volpath' is ignored: lights are chosen by their power", "\"power\""},
+    {"Integrator \"volpath\"\n\"string lightsampler\" \"exhaustive\" WorldBegin",
+     "parameter 'lightsampler' of integrator 'volpath' is ignored: lights are chosen by a tree where there are many",
+     "\"bvh\""},
     {"Integrator \"sppm\"\n\"float radius\" 3 WorldBegin", "parameter 'radius' of integrator 'sppm' is ignored", ""},
     {"WorldBegin Material \"diffuse\"\n\"float sigma\" 20", "parameter 'sigma' of material 'diffuse' is ignored", "0"},
     {"WorldBegin Material \"\"\n\"float eta\" 1.5",
@@ -151,4 +152,10 @@ TEST_CASE("the scenes that come with raylex say nothing that is not read", "[imp
         ++count;
     }
     CHECK(count >= 11);
+}
+
+TEST_CASE("what pbrt-v4 reads and makes no use of is taken without a word", "[import]") {
+    CHECK(scene_of("Camera \"spherical\" \"float lensradius\" 1 \"float focaldistance\" 2 \"float frameaspectratio\" 1 "
+                   "\"float screenwindow\" [-1 1 -1 1] WorldBegin")
+              .warnings.empty());
 }

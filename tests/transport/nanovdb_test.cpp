@@ -126,6 +126,18 @@ TEST_CASE("a grid of temperatures in a nanovdb file makes black bodies", "[media
     CHECK_FALSE(build_medium(medium(path, "\"float LeScale\" 0")).medium().emits);
 }
 
+TEST_CASE("grids of a nanovdb file go by the names that the scene gives them", "[media][grids][nanovdb]") {
+    const Folder folder;
+    const std::string path = folder.path("fire.nvdb");
+    std::vector<Handle> both = handles(density_grid("smoke"));
+    both.push_back(temperature_grid());
+    write(path, std::move(both));
+    const std::string smoke = "\"string gridname\" \"smoke\" ";
+    CHECK(build_medium(medium(path, smoke)).medium().emits);
+    CHECK_FALSE(build_medium(medium(path, smoke + "\"string temperaturename\" \"heat\"")).medium().emits);
+    CHECK(contains(refused_medium(medium(path)).message, "has no grid 'density'; it has: 'smoke', 'temperature'"));
+}
+
 TEST_CASE("nanovdb tiles and backgrounds that reach far are neither looked up voxel by voxel nor kept",
           "[media][grids][nanovdb]") {
     const Folder folder;

@@ -109,6 +109,21 @@ TEST_CASE("directionmix goes by the normal along its direction, in the texture's
     CHECK(nowhere.error().message.find("expected a direction") != std::string::npos);
 }
 
+TEST_CASE("bilerp blends its corners by the mapped texture coordinates", "[textures]") {
+    const auto at = [](const TextureTable& table, Real u, Real v) { return number_at(table, {u, v, {}, -1, {}}); };
+    const TextureTable table =
+        built(real_texture("bilerp", "x", {real("v00", 2), real("v01", 3), real("v10", 5), real("v11", 9)}));
+    // Corners and quarters are exact in float.
+    CHECK(at(table, 0, 0) == 2);
+    CHECK(at(table, 0, 1) == 3);
+    CHECK(at(table, 1, 0) == 5);
+    CHECK(at(table, 1, 1) == 9);
+    CHECK(at(table, Real(0.25), Real(0.5)) == Real(0.75) * 2.5f + Real(0.25) * 7);
+    CHECK(at(table, 2, 0) == 8);
+    const TextureTable plain = built(real_texture("bilerp", "x", {real("vscale", 2), real("vdelta", 0.5)}));
+    CHECK(at(plain, Real(0.75), Real(0.125)) == Real(0.75));  // pbrt's defaults: v
+}
+
 TEST_CASE("dots lie where noise puts one, inside their cells, and cover pi 0.35^2 of those cells", "[textures]") {
     const TextureTable table = built(
         real_texture("dots", "x", {real("inside", 2), real("outside", 1), real("uscale", 16), real("vscale", 16)}));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <string>
 
@@ -34,24 +35,40 @@ class EdgeHalver {
     EdgeHalver(SceneShape& mesh, const Transform& placement) : mesh_(mesh), to_world_(placement.matrix()) {}
 
     Status halve_all() {
-        const std::uint64_t most = budget(Budget::tessellated_triangles);
+        if (least_triangles() > static_cast<double>(budget(Budget::tessellated_triangles))) return too_many();
         while (find_long()) {
+            // One more for each edge of each face.
+            if (mesh_.indices.size() / 3 + halves_ > budget(Budget::tessellated_triangles)) return too_many();
             const std::size_t before = mesh_.positions.size();
             for (const std::uint64_t edge : long_) add_middle(edge);
             std::vector<std::uint32_t> finer;
             finer.reserve(2 * mesh_.indices.size());
             for (std::size_t i = 0; i < mesh_.indices.size(); i += 3) cut(mesh_.indices.data() + i, before, finer);
             mesh_.indices = std::move(finer);
-            if (mesh_.indices.size() / 3 > most)
-                return over_budget(Budget::tessellated_triangles,
-                                   "edges of at most " + std::to_string(mesh_.edge_length) +
-                                       " ('edgelength') make more triangles of the displaced mesh than can be kept",
-                                   mesh_.location.file, mesh_.location.line, mesh_.location.column);
         }
         return success();
     }
 
   private:
+    /// By area: no triangle with edges of at most l has more than sqrt(3) / 4 l^2.
+    [[nodiscard]] double least_triangles() const {
+        double area = 0;
+        for (std::size_t i = 0; i < mesh_.indices.size(); i += 3) {
+            const std::uint32_t* k = mesh_.indices.data() + i;
+            const DVec3 a(mesh_.positions[k[0]]), b(mesh_.positions[k[1]]), c(mesh_.positions[k[2]]);
+            area += length(cross(to_world_.vector(b - a), to_world_.vector(c - a))) / 2;
+        }
+        const double edge = mesh_.edge_length;
+        return area / (0.433 * edge * edge);
+    }
+    [[nodiscard]] Error too_many() const {
+        std::array<char, 32> shown{};
+        const auto end = std::to_chars(shown.data(), shown.data() + shown.size(), mesh_.edge_length);
+        return over_budget(Budget::tessellated_triangles,
+                           "edges of at most " + std::string(shown.data(), end.ptr) +
+                               " ('edgelength') make more triangles of the displaced mesh than can be kept",
+                           mesh_.location.file, mesh_.location.line, mesh_.location.column);
+    }
     static std::uint64_t key_of(std::uint32_t a, std::uint32_t b) {
         return (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
     }
@@ -68,6 +85,7 @@ class EdgeHalver {
                 if (length_of(std::min(a, b), std::max(a, b)) > double{mesh_.edge_length})
                     long_.push_back(key_of(a, b));
             }
+        halves_ = long_.size();
         std::sort(long_.begin(), long_.end());
         long_.erase(std::unique(long_.begin(), long_.end()), long_.end());
         return !long_.empty();
@@ -125,6 +143,7 @@ class EdgeHalver {
     SceneShape& mesh_;
     Matrix34 to_world_;
     std::vector<std::uint64_t> long_;
+    std::size_t halves_ = 0;  ///< of edges of this round, those of two faces counted twice
 };
 
 Status move_vertices(SceneShape& mesh, const Transform& placement, const TextureTable& textures) {

@@ -79,8 +79,30 @@ Status EmbreeScene::add_surface(const SceneShape& shape, const SceneDescription&
     } else if (shape.alpha < 1) {
         g.alpha = textures.add_constant(Rgb(std::max(shape.alpha, Real(0))));
     }
+    if (const TextureId share = material < surface_shares_.size() ? surface_shares_[material] : -1; share >= 0)
+        if (Status s = mix_in_interface(shape, share, textures, g); !s) return s;
+    g.border = g.border || g.interface;
     has_alpha_ = has_alpha_ || g.alpha >= 0;
     g.hidden = !g.interface && g.alpha >= 0 && textures.is_constant(g.alpha) && textures.real(g.alpha, {}) <= 0;
+    return success();
+}
+
+/// Rays pass the share of the material that is an interface, as they pass cutouts.
+Status EmbreeScene::mix_in_interface(const SceneShape& shape, TextureId share, TextureTable& textures,
+                                     ShapeGeometry& g) {
+    g.border = true;
+    if (g.alpha < 0) {
+        g.alpha = share;
+        return success();
+    }
+    // Which of both a ray has passed says whether it is in another medium now: a question for every shadow ray.
+    if (g.inside_medium != g.outside_medium)
+        return error_at(shape.location,
+                        "the shape has 'alpha', a mix with an interface and other media on its two sides; expected two "
+                        "of these at most");
+    auto both = textures.add_mix(textures.add_constant(Rgb(0)), g.alpha, share);
+    if (!both) return error_at(shape.location, "alpha and a mix with an interface: " + both.error().message);
+    g.alpha = *both;
     return success();
 }
 
@@ -386,6 +408,7 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
     EmbreeScene result;
     result.space_ = options.space;
     result.shutter_ = options.shutter;
+    result.surface_shares_ = options.surface_shares;
     if (Status s = result.start_device(options); !s) return s.error();
     std::vector<PlacedObject> objects;
     if (Status s = result.add_shapes(scene, textures, objects); !s) return s.error();

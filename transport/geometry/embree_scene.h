@@ -52,6 +52,7 @@ struct ShapeGeometry {
     int inside_medium = -1, outside_medium = -1;  ///< indices into MediumTable; -1 = none
     TextureId alpha = -1;                         ///< opacity; -1 = opaque everywhere
     bool interface = false;                       ///< no surface at all: rays pass, but an area light on it shines
+    bool border = false;                          ///< what passes it changes media: interfaces, also mixed ones
     bool hidden = false;                          ///< alpha is 0 everywhere: no ray ever stops here
     int label = 0;                                ///< index into object_labels()
     bool holdout = false;                         ///< see LabelRule
@@ -138,6 +139,7 @@ class EmbreeScene {
         int threads = 0;  ///< for building; 0 = all
         RenderSpace space{};  ///< where everything is placed; this class's "world"
         ShutterSpan shutter{};
+        std::vector<TextureId> surface_shares{};  ///< [material] MaterialTable's; none: all are surfaces, or interfaces
     };
 
     /// Vertices that are not finite or beyond largest_coordinate, indices out of range, transforms that are singular or
@@ -208,6 +210,7 @@ class EmbreeScene {
                      TextureTable& textures, bool instanced);
     Status add_surface(const SceneShape& shape, const SceneDescription& scene, TextureTable& textures,
                        ShapeGeometry& geometry);
+    static Status mix_in_interface(const SceneShape& shape, TextureId share, TextureTable& textures, ShapeGeometry& g);
     Status add_mesh(const SceneShape& shape, const Transform& placement, const TextureTable& textures,
                     ShapeGeometry& geometry, RTCGeometryTy*& made);
     Status add_curves(const SceneShape& shape, const Transform& placement, ShapeGeometry& geometry,
@@ -253,6 +256,7 @@ class EmbreeScene {
     ShutterSpan shutter_;
     std::vector<Error> warnings_;
     mutable RayLog* log_ = nullptr;  // one test a batch; never part of a result
+    std::vector<TextureId> surface_shares_;
     bool has_alpha_ = false, has_holdouts_ = false;
     /// Whether shadow rays go to Embree as streams. Whether anything lies on a ray is a matter of that ray and a
     /// triangle at a time, so the answers are those of single rays, whatever stands beside them (geometry_test.cpp).

@@ -26,6 +26,16 @@ bool starts_with(const std::string& content, std::string_view magic) {
     return content.compare(0, magic.size(), magic) == 0;
 }
 
+/// What a file is that raylex does not read.
+std::string unread_format(const std::string& content) {
+    static constexpr std::pair<std::string_view, const char*> known[] = {
+        {"GIF8", "GIF"},        {"8BPS", "Photoshop (PSD)"}, {"P5", "PGM"},   {"P6", "PPM"},
+        {{"II*\0", 4}, "TIFF"}, {{"MM\0*", 4}, "TIFF"},      {"DDS ", "DDS"}, {"RIFF", "WebP"}};
+    for (const auto& [magic, name] : known)
+        if (starts_with(content, magic)) return std::string(name) + " images are not read";
+    return "unknown image format";
+}
+
 }  // namespace
 
 // IEC 61966-2-1 for sRGB.
@@ -70,8 +80,11 @@ Result<Image> read_image(const std::string& path, const std::string& encoding) {
     if (starts_with(*content, "PF") || starts_with(*content, "Pf")) return read_pfm(*content, path);
     if (starts_with(*content, "\x89PNG")) return read_png(*content, path, *decoding);
     if (starts_with(*content, "\xff\xd8")) return read_jpeg(*content, path, *decoding);
-    if (!starts_with(*content, "#?") && lower_extension(path) != ".tga")
-        return Error{"unknown image format; expected PNG, JPEG, TGA, HDR, OpenEXR or PFM", path, 0, 0, {}, {}};
+    if (starts_with(*content, "qoif"))
+        return read_qoi(*content, path, encoding.empty() ? std::nullopt : std::optional(*decoding));
+    if (!starts_with(*content, "#?") && !starts_with(*content, "BM") && lower_extension(path) != ".tga")
+        return Error{
+            unread_format(*content) + "; expected PNG, JPEG, TGA, BMP, QOI, HDR, OpenEXR or PFM", path, 0, 0, {}, {}};
     return read_with_stb(*content, path, *decoding);
 }
 

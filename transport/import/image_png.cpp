@@ -49,22 +49,29 @@ struct Decoder {
         png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
         png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // the budgets judge
         png_read_info(png, info);
-        png_set_expand(png);
-        if constexpr (std::endian::native == std::endian::little) png_set_swap(png);
-        png_set_interlace_handling(png);
-        png_read_update_info(png, info);
         width = static_cast<int>(png_get_image_width(png, info));
         height = static_cast<int>(png_get_image_height(png, info));
-        channels = png_get_channels(png, info);
+        // As read_rows() has it expanded: libpng itself says so only once it has memory for a row.
+        channels = png_get_color_type(png, info) == PNG_COLOR_TYPE_PALETTE ? 3 : png_get_channels(png, info);
+        if (png_get_valid(png, info, PNG_INFO_tRNS) != 0) ++channels;
         wide = png_get_bit_depth(png, info) == 16;
         return true;
     }
 
     bool read_rows() {
         if (setjmp(png_jmpbuf(png)) != 0) return false;
+        png_set_expand(png);
+        if constexpr (std::endian::native == std::endian::little) png_set_swap(png);
+        png_set_interlace_handling(png);
+        png_read_update_info(png, info);
+        if (png_get_rowbytes(png, info) != row_bytes()) png_error(png, "its rows are not as long as its header says");
         png_read_image(png, rows.data());
         png_read_end(png, nullptr);
         return true;
+    }
+
+    [[nodiscard]] std::size_t row_bytes() const {
+        return static_cast<std::size_t>(width) * static_cast<std::size_t>(channels) * (wide ? 2 : 1);
     }
 
     template <class Sample>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,7 +29,9 @@ Result<Encoding> parse_encoding(const std::string& text);
 Result<Image> read_png(const std::string& content, const std::string& path, const Encoding& encoding);
 /// Baseline and progressive, grey, colour and CMYK, by TurboJPEG.
 Result<Image> read_jpeg(const std::string& content, const std::string& path, const Encoding& encoding);
-/// TGA and HDR by stb_image.
+/// 8 bits, with or without alpha. Without an encoding the file says whether it is sRGB or linear.
+Result<Image> read_qoi(const std::string& content, const std::string& path, const std::optional<Encoding>& encoding);
+/// TGA, HDR and BMP by stb_image.
 Result<Image> read_with_stb(const std::string& content, const std::string& path, const Encoding& encoding);
 /// R, G, B with or without A, Y, or a file of one channel, whatever its name; any pixel type; the data window is kept.
 Result<Image> read_exr_image(const std::string& path);

@@ -15,11 +15,13 @@
 #define STBI_NO_STDIO
 #define STBI_ONLY_TGA
 #define STBI_ONLY_HDR
+#define STBI_ONLY_BMP
 #include <stb_image.h>
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
 
+#include <cstdlib>
 #include <limits>
 #include <memory>
 
@@ -52,6 +54,27 @@ bool tga_is_whole(const std::string& content) {
         done += count;
     }
     return at <= content.size();
+}
+
+/// Likewise of a BMP: its rows, padded to four bytes each, have to be there. stb_image refuses compressed ones.
+bool bmp_is_whole(const std::string& content) {
+    constexpr std::size_t old_header = 26, header = 54;
+    const auto number = [&content](std::size_t i, std::size_t bytes) {
+        std::uint64_t value = 0;
+        for (std::size_t k = bytes; k-- > 0;) value = value << 8 | static_cast<unsigned char>(content[i + k]);
+        return value;
+    };
+    if (content.size() < old_header) return false;
+    const bool old = number(14, 4) == 12;  // OS/2 1.x
+    if (!old && content.size() < header) return false;
+    const auto side = [](std::uint64_t written) {  // rows from the top down are written as a negative height
+        return static_cast<std::uint64_t>(std::abs(std::int64_t{static_cast<std::int32_t>(written)}));
+    };
+    const std::uint64_t width = old ? number(18, 2) : side(number(18, 4)),
+                        height = old ? number(20, 2) : side(number(22, 4)), bits = number(old ? 24 : 28, 2),
+                        begin = number(10, 4);
+    const std::uint64_t row = (width * bits + 31) / 32 * 4;
+    return row > 0 && content.size() >= begin && (content.size() - begin) / row >= height;
 }
 
 /// Of an HDR file stb_image takes a run of no pixels for progress, and zeros behind the end for such runs: it would not
@@ -88,12 +111,15 @@ bool hdr_is_whole(const std::string& content, int width, int height) {
 Result<Image> read_with_stb(const std::string& content, const std::string& path, const Encoding& encoding) {
     const auto failure = [&path](const char* reason) { return undecodable(reason != nullptr ? reason : "", path); };
     if (content.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return failure("larger than 2 GiB");
-    const bool hdr = content.starts_with("#?");
-    if (!hdr && !tga_is_whole(content)) return failure("TGA is truncated; expected as many pixels as its header says");
+    const bool hdr = content.starts_with("#?"), bmp = content.starts_with("BM");
+    if (bmp && !bmp_is_whole(content)) return failure("BMP is truncated; expected as many rows as its header says");
+    if (!hdr && !bmp && !tga_is_whole(content))
+        return failure("TGA is truncated; expected as many pixels as its header says");
     const auto* bytes = reinterpret_cast<const stbi_uc*>(content.data());
     const int size = static_cast<int>(content.size());
     int width = 0, height = 0, channels = 0;
     if (stbi_info_from_memory(bytes, size, &width, &height, &channels) == 0) return failure(stbi_failure_reason());
+    height = std::abs(height);  // of a BMP that is written from the top down
     const std::uint64_t pixel_bytes = static_cast<std::uint64_t>(channels) * (hdr ? sizeof(float) : 1);
     if (Status fits = check_unpacked_size(width, height, pixel_bytes, content.size(), path); !fits) return fits.error();
     if (hdr && !hdr_is_whole(content, width, height))

@@ -53,6 +53,7 @@ std::vector<Row> camera_rows() {
     Names geometry = every_film;
     geometry.emplace_back("coordinatesystem");
     return {
+        {camera, "spherical", {"frameaspectratio", "screenwindow", "lensradius", "focaldistance"}, {}},
         {film, "gbuffer", geometry, values},
         {film, "rgb", every_film, values},
         {film, "spectral", every_film, spectrum},
@@ -61,9 +62,10 @@ std::vector<Row> camera_rows() {
 
 std::vector<Row> method_rows() {
     using enum EntityKind;
-    const std::string by_power = "lights are chosen by their power", as_path = "'path' takes the integrator's place";
+    const std::string by_tree = "lights are chosen by a tree where there are many, else by their power",
+                      as_path = "'path' takes the integrator's place";
     const std::vector<Ignored> owen{{"randomization", {"owen", "fastowen"}, scrambled}};
-    const Ignored light_choice{"lightsampler", {"power", "uniform"}, by_power},
+    const Ignored light_choice{"lightsampler", {"bvh", "power", "uniform"}, by_tree},
         regularize{"regularize", {"false"}, "specular lobes are never blurred"};
     const std::string no_pictures = "channels with techniques (s2t1;C.*) show strategies and weights";
     return {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "lpe/budgets.h"
+
 namespace raylex::transport {
 
 namespace {
@@ -243,12 +245,17 @@ Result<double> parse_number(const Tokenizer& tokenizer, const Token& token, cons
 }
 
 Status parse_parameters(Tokenizer& tokenizer, ParameterSet& set, std::vector<Error>& warnings) {
-    while (true) {
+    for (std::uint64_t count = 0;; ++count) {
         const Result<Token> token = tokenizer.next();
         if (!token) return token.error();
         if (token->kind != TokenKind::string) {
             tokenizer.push_back(*token);
             return success();
+        }
+        if (count >= budget(Budget::parameters)) {
+            const SourceLocation where = tokenizer.location(*token);
+            return over_budget(Budget::parameters, "the directive has too many parameters", where.file, where.line,
+                               where.column);
         }
         const Declaration declaration = split_declaration(token->text);
         if (declaration.type.empty() || declaration.name.empty())

@@ -11,12 +11,20 @@ namespace {
 
 using Built = Result<std::unique_ptr<Material>>;
 
+/// How much of either part is surface. Where interfaces are mixed in, rays pass by the share of all of them before
+/// anybody asks for a material (EmbreeScene), and what is chosen then is among surfaces.
+struct SurfaceShares {
+    TextureId first = -1, second = -1, whole = -1;  ///< -1: all of it
+};
+
 class MixMaterial final : public Material {
   public:
-    MixMaterial(const Material& first, const Material& second, const RealInput& amount, std::uint32_t salt)
+    MixMaterial(const Material& first, const Material& second, const RealInput& amount, const SurfaceShares& shares,
+                std::uint32_t salt)
         : first_(first),
           second_(second),
           amount_(amount),
+          shares_(shares),
           salt_(salt),
           depth_(1 + std::max(depth_of(first), depth_of(second))) {
         // Once and each once: mixes of mixes that share their parts would list them as often as there are ways down.
@@ -36,12 +44,14 @@ class MixMaterial final : public Material {
         for (const std::uint32_t& i : hits) chosen(textures, points[i]).shade(textures, {&i, 1}, points, closures);
     }
     const Material& chosen(const TextureTable& textures, const SurfacePoint& point) const override {
-        const Real amount = amount_.at(textures, point);
+        Real amount = amount_.at(textures, point);
+        if (shares_.whole >= 0) amount = among_surfaces(textures, point, amount);
         return (draw(point.random_key) < amount ? second_ : first_).chosen(textures, point);
     }
     const Medium* interior() const override {
         return first_.interior() != nullptr ? first_.interior() : second_.interior();
     }
+    TextureId surface_share() const override { return shares_.whole; }
     void append_lobes(std::vector<LobeId>& lobes) const override {
         lobes.insert(lobes.end(), lobes_.begin(), lobes_.end());
     }
@@ -51,13 +61,38 @@ class MixMaterial final : public Material {
     [[nodiscard]] Real draw(std::uint32_t key) const {
         return unit_float(mix_bits(std::uint64_t{salt_} << 32 ^ mix_bits(key + 0x6d6978ull)));
     }
+    /// The second's share of what is surface here.
+    [[nodiscard]] Real among_surfaces(const TextureTable& textures, const SurfacePoint& point, Real amount) const {
+        const auto share = [&](TextureId id) {
+            return id < 0 ? Real(1) : std::clamp(textures.real(id, texture_point(point)), Real(0), Real(1));
+        };
+        amount = std::clamp(amount, Real(0), Real(1));
+        const Real first = (1 - amount) * share(shares_.first), second = amount * share(shares_.second);
+        return first + second > 0 ? second / (first + second) : amount;
+    }
     const Material& first_;
     const Material& second_;
     RealInput amount_;
+    SurfaceShares shares_;
     std::uint32_t salt_;
     std::uint64_t depth_;
     std::vector<LobeId> lobes_;
 };
+
+Result<SurfaceShares> shares_of(const Material& first, const Material& second, const RealInput& amount,
+                                TextureTable& textures) {
+    const auto share = [&](const Material& material) {
+        return material.is_interface() ? textures.add_constant(Rgb(0)) : material.surface_share();
+    };
+    SurfaceShares shares{share(first), share(second), -1};
+    if (shares.first < 0 && shares.second < 0) return shares;
+    const auto or_all = [&](TextureId id) { return id < 0 ? textures.add_constant(Rgb(1)) : id; };
+    const TextureId by = amount.texture < 0 ? textures.add_constant(Rgb(amount.value)) : amount.texture;
+    auto whole = textures.add_mix(or_all(shares.first), or_all(shares.second), by);
+    if (!whole) return whole.error();
+    shares.whole = *whole;
+    return shares;
+}
 
 Built make_mix(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
@@ -71,16 +106,12 @@ Built make_mix(const SceneEntity& entity, const MaterialContext& context) {
     const Result<const Material*> second = context.materials.find(names->strings[1], reader.where(*names));
     if (!second) return second.error();
     if (reader.error()) return *reader.error();
-    for (std::size_t i : {0u, 1u})
-        if ((i == 0 ? *first : *second)->is_interface())
-            return error_at(reader.where(*names),
-                            "a mix with the interface '" + names->strings[i] +
-                                "' is not supported: hits on it would absorb; expected two surfaces",
-                            "give the shape an \"alpha\" for the share that is to pass");
     if (std::max(MixMaterial::depth_of(**first), MixMaterial::depth_of(**second)) >= budget(Budget::material_depth))
         return over_budget(Budget::material_depth, "mix materials inside one another too deep", entity.location.file,
                            entity.location.line, entity.location.column);
-    return std::unique_ptr<Material>(std::make_unique<MixMaterial>(**first, **second, amount, context.salt));
+    const auto shares = shares_of(**first, **second, amount, context.textures);
+    if (!shares) return error_at(entity.location, "mix material with an interface: " + shares.error().message);
+    return std::unique_ptr<Material>(std::make_unique<MixMaterial>(**first, **second, amount, *shares, context.salt));
 }
 
 }  // namespace

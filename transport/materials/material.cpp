@@ -74,6 +74,12 @@ Status MaterialTable::add(std::size_t index, const SceneDescription& scene, Text
     return success();
 }
 
+std::vector<TextureId> MaterialTable::surface_shares() const {
+    std::vector<TextureId> shares;
+    for (const std::unique_ptr<Material>& material : materials_) shares.push_back(material->surface_share());
+    return shares;
+}
+
 Result<const Material*> MaterialTable::find(std::string_view name, const SourceLocation& where) const {
     for (std::size_t i = names_.size(); i-- > 0;)
         if (names_[i] == name) return named_[i];

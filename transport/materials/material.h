@@ -41,6 +41,8 @@ class Material {
     [[nodiscard]] virtual const Material& chosen(const TextureTable&, const SurfacePoint&) const { return *this; }
     /// No surface at all.
     [[nodiscard]] virtual bool is_interface() const { return false; }
+    /// How much of it is a surface and no interface, where it mixes them: a float texture. -1: all, or nothing.
+    [[nodiscard]] virtual TextureId surface_share() const { return -1; }
     /// What fills the shapes of this material, if it brings its own; a mix has that of the first that does.
     [[nodiscard]] virtual const Medium* interior() const { return nullptr; }
     /// Bump or normal map, as the table read it.
@@ -94,6 +96,8 @@ class MaterialTable {
         return materials_[static_cast<std::size_t>(point.material)]->chosen(textures, point).index_spectrum.get();
     }
     [[nodiscard]] const Material* material(std::size_t index) const { return materials_[index].get(); }
+    /// Material::surface_share() of each.
+    [[nodiscard]] std::vector<TextureId> surface_shares() const;
     [[nodiscard]] std::size_t size() const { return materials_.size(); }
     /// The last material so far that is called `name`, or an Error at `where` with the near miss.
     [[nodiscard]] Result<const Material*> find(std::string_view name, const SourceLocation& where) const;

@@ -70,6 +70,18 @@ Result<std::unique_ptr<Pattern>> make_dots(PatternReader& reader) {
     });
 }
 
+/// Blends four corners of the unit square of texture coordinates, and goes on as steeply beyond it.
+Result<std::unique_ptr<Pattern>> make_bilerp(PatternReader& reader) {
+    const TextureId v00 = reader.input("v00", 0), v01 = reader.input("v01", 1), v10 = reader.input("v10", 0),
+                    v11 = reader.input("v11", 1);
+    const TextureMapping mapping = read_mapping(reader, reader.texture.to_world);
+    return pattern_of([=](const PatternPoint& point, const auto& value) {
+        const Vec2 st = mapping.map(point.at);
+        return value(v00) * ((1 - st.x) * (1 - st.y)) + value(v01) * ((1 - st.x) * st.y) +
+               value(v10) * (st.x * (1 - st.y)) + value(v11) * (st.x * st.y);
+    });
+}
+
 Octaves read_octaves(PatternReader& reader) {
     // 64 octaves reach 10^19 times as fine: more than a float tells apart.
     return {reader.integer("octaves", 8, 0, 64), reader.real("roughness", Real(0.5))};
@@ -161,6 +173,12 @@ void register_procedural_patterns(Registry<PatternFactory>& registry) {
                    {"tex2", texture, "1", "where it lies across"},
                    {"dir", vector3, "0 1 0", "in the texture's space"}},
                   make_directionmix});
+    registry.add({"bilerp", "a blend of four values at the corners of the unit square of texture coordinates",
+                  with_mapping({{"v00", texture, "0", "at (0, 0)"},
+                                {"v01", texture, "1", "at (0, 1)"},
+                                {"v10", texture, "0", "at (1, 0)"},
+                                {"v11", texture, "1", "at (1, 1)"}}),
+                  make_bilerp});
     registry.add({"dots", "dots of radius 0.35 in half of the cells of a grid, at random",
                   with_mapping({{"inside", texture, "1", "of the dots"}, {"outside", texture, "0", "around them"}}),
                   make_dots});

@@ -226,6 +226,19 @@ TextureId TextureTable::add_constant(const Rgb& value) {
     return storage_->add(constant);
 }
 
+Result<TextureId> TextureTable::add_mix(TextureId first, TextureId second, TextureId amount) {
+    TextureNode node;
+    node.kind = TextureNode::Kind::mix;
+    node.a = first;
+    node.b = second;
+    node.amount = amount;
+    SceneTexture source;
+    source.name = "share of a surface";
+    if (Status fits = storage_->check_cost(node, source); !fits) return fits.error();
+    const TextureId id = storage_->add(node);
+    return is_constant(first) && is_constant(second) && is_constant(amount) ? add_constant(rgb(id, {})) : id;
+}
+
 Result<TextureId> TextureTable::rgb_parameter(const ParameterSet& set, std::string_view name, const Rgb& fallback,
                                               SpectrumRole role, const ColorContext& color) {
     storage_->color = color;

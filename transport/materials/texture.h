@@ -54,6 +54,8 @@ class TextureTable {
     void warn(Error warning);
 
     [[nodiscard]] TextureId add_constant(const Rgb& value);
+    /// first (1 - amount) + second amount. An Error without a place where that looks up too many textures.
+    [[nodiscard]] Result<TextureId> add_mix(TextureId first, TextureId second, TextureId amount);
     /// The texture behind a "texture"-typed parameter, or a constant from its value, or from `fallback` when absent.
     Result<TextureId> rgb_parameter(const ParameterSet& set, std::string_view name, const Rgb& fallback,
                                     SpectrumRole role, const ColorContext& color);

@@ -36,17 +36,30 @@ struct Grids {
     std::optional<NanoVdbGrid> temperature;
 };
 
-Result<Grids> read_grids(const SceneMedium& entity, const Parameter& file, bool emits, std::vector<Error>& warnings) {
+/// What the file calls them.
+struct GridNames {
+    std::string density, temperature;
+};
+
+Result<GridNames> read_grid_names(const ParameterSet& set) {
+    auto density = set.string_or("gridname", "density"), temperature = set.string_or("temperaturename", "temperature");
+    if (!density) return density.error();
+    if (!temperature) return temperature.error();
+    return GridNames{*std::move(density), *std::move(temperature)};
+}
+
+Result<Grids> read_grids(const SceneMedium& entity, const Parameter& file, const GridNames& called, bool emits,
+                         std::vector<Error>& warnings) {
     const std::string& path = file.strings.front();
-    auto density = read_nanovdb_grid(path, "density", false);
+    auto density = read_nanovdb_grid(path, called.density, false);
     if (!density) return at_parameter(density.error(), file);
     Grids grids{std::move(**density), {}};
-    warn_of(grids.density.bad, entity, file.location, "density", warnings);
+    warn_of(grids.density.bad, entity, file.location, called.density.c_str(), warnings);
     if (!emits) return grids;
-    auto temperature = read_nanovdb_grid(path, "temperature", true);
+    auto temperature = read_nanovdb_grid(path, called.temperature, true);
     if (!temperature) return at_parameter(temperature.error(), file);
     grids.temperature = *std::move(temperature);
-    warn_of(grids.temperature->bad, entity, file.location, "temperature", warnings);
+    warn_of(grids.temperature->bad, entity, file.location, called.temperature.c_str(), warnings);
     return grids;
 }
 
@@ -70,15 +83,20 @@ Result<Medium> make_nanovdb(const SceneMedium& entity, const MediumContext& cont
     if (!temperature) return temperature.error();
     auto names = nanovdb_grid_names(file->strings.front());
     if (!names) return at_parameter(names.error(), *file);
-    const auto has = [&](const char* name) { return std::find(names->begin(), names->end(), name) != names->end(); };
-    if (!has("density"))
-        return error_at(file->location, file->strings.front() + " has no grid 'density'; it has: " + list_of(*names));
-    const bool emits = has("temperature") && *scale > 0 && !coefficients->sigma_a.is_black();
+    auto called = read_grid_names(entity.parameters);
+    if (!called) return called.error();
+    const auto has = [&](const std::string& name) {
+        return std::find(names->begin(), names->end(), name) != names->end();
+    };
+    if (!has(called->density))
+        return error_at(file->location,
+                        file->strings.front() + " has no grid '" + called->density + "'; it has: " + list_of(*names));
+    const bool emits = has(called->temperature) && *scale > 0 && !coefficients->sigma_a.is_black();
     GridMediumParts parts;
     parts.sigma_a = coefficients->sigma_a;
     parts.sigma_s = coefficients->sigma_s;
     if (context.space != nullptr) {
-        auto grids = read_grids(entity, *file, emits, context.warnings);
+        auto grids = read_grids(entity, *file, *called, emits, context.warnings);
         if (!grids) return grids.error();
         const Transform to_cells = cells_of(grids->density);
         CellFrame& frame = parts.frame;
@@ -108,7 +126,9 @@ void register_nanovdb_medium(Registry<MediumFactory>& registry) {
     registry.add(
         {"nanovdb",
          "densities from a NanoVDB file, that scale coefficients",
-         {{"filename", T::string, "", "its grid 'density' is taken, and 'temperature' where there is one"},
+         {{"filename", T::string, "", "with a grid of densities, and perhaps one of temperatures"},
+          {"gridname", T::string, "density", "of the grid of densities"},
+          {"temperaturename", T::string, "temperature", "of the grid of temperatures, which the file need not have"},
           {"sigma_a", T::spectrum, "1", "absorption per unit length where the density is 1"},
           {"sigma_s", T::spectrum, "1", "scattering per unit length where the density is 1"},
           {"preset", T::string, "", "a measured medium's name, instead of both; per millimetre"},

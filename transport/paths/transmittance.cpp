@@ -54,7 +54,7 @@ Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std
                                   Real(0), Real(1));
         if (visible > 0) walk.record.pass_straight(tracker, source[0].label);
         else if (!walk.to_the_end) return 0;
-        if (shape.interface) medium = shape.medium_towards(point[0].geometric_normal, ray.direction, medium);
+        if (shape.border) medium = shape.medium_towards(point[0].geometric_normal, ray.direction, medium);
         ray.origin =
             straight_ray_origin(ray, hit.t, point[0].position, point[0].geometric_normal, source[0].offset.here);
         if (finite_end) {

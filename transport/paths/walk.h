@@ -360,7 +360,7 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
                 visitor.passes_cutout(j);
                 // What a cutout takes away of a surface is no border between media either.
                 const Vec3& direction = v.rays[j].direction;
-                if (in_media_ && shape.interface)
+                if (in_media_ && shape.border)
                     path.medium = shape.medium_towards(point.geometric_normal, direction, path.medium);
                 ++path.segment;
                 Ray onward = ray_from(v, j, direction);

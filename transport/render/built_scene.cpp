@@ -48,7 +48,9 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
         if (options.progress != nullptr) options.progress->begin(what);
     };
     begin("acceleration structure");
-    auto geometry = EmbreeScene::build(description, scene->textures_, {options.isa, options.threads, space, *shutter});
+    auto geometry =
+        EmbreeScene::build(description, scene->textures_,
+                           {options.isa, options.threads, space, *shutter, scene->materials_.surface_shares()});
     if (!geometry) return geometry.error();
     scene->geometry_ = std::make_unique<EmbreeScene>(*std::move(geometry));
     scene->warnings = scene->textures_.warnings();
@@ -137,7 +139,8 @@ struct SurfaceWords {
         const auto material = static_cast<std::size_t>(std::max(shape.material, 0));
         const bool interface = material < scene.materials.size() && (scene.materials[material].type == "interface" ||
                                                                      scene.materials[material].type.empty());
-        if (interface || shape.alpha < 1 || !shape.alpha_texture.empty()) straight.insert(label);
+        const bool mixed = material < materials.size() && materials.material(material)->surface_share() >= 0;
+        if (interface || mixed || shape.alpha < 1 || !shape.alpha_texture.empty()) straight.insert(label);
         if (interface || material >= materials.size()) return;
         std::vector<LobeId> lobes;
         materials.material(material)->append_lobes(lobes);

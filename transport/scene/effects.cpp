@@ -196,7 +196,9 @@ EffectFindings analyse_effects(const SceneDescription& scene) {
     put(Effect::media, find_media(scene, used));
     put(Effect::depth_of_field, find_lens(scene));
     put(Effect::image_textures, find_images(used));
-    put(Effect::alpha, find_shapes(used, [&](const SceneShape& each) { return has_cutouts(scene, each); }));
+    put(Effect::alpha, find_shapes(used, [&, mixed = mixes_with_interface(scene)](const SceneShape& each) {
+            return has_cutouts(scene, each, mixed);
+        }));
     put(Effect::shading_normals, find_shapes(used, [](const SceneShape& each) { return !each.normals.empty(); }));
     put(Effect::bump, find_materials(used, has_bumps));
     put(Effect::transmission, find_materials(used, lets_light_through));

@@ -77,17 +77,31 @@ Status leave_out_images(SceneDescription& scene) {
 }
 
 void leave_out_cutouts(SceneDescription& scene) {
-    const auto invisible = [&](const SceneShape& shape) {
-        return has_cutouts(scene, shape) && shape.alpha_texture.empty() && !(shape.alpha > 0) && shape.area_light < 0;
+    const auto invisible = [&, mixed = mixes_with_interface(scene)](const SceneShape& shape) {
+        return has_cutouts(scene, shape, mixed) && shape.alpha_texture.empty() && !(shape.alpha > 0) &&
+               shape.area_light < 0;
     };
     erase_shapes(scene, invisible);
     for_each_shape(scene, [](SceneShape& shape) {
         shape.alpha = 1;
         shape.alpha_texture.clear();
     });
+    // Mixes with an interface have their other part everywhere; mixes use materials before them.
+    std::set<std::string> interfaces;
+    for (SceneEntity& material : scene.materials) {
+        if (is_interface(material)) interfaces.insert(material.name);
+        if (material.type != "mix") continue;
+        for (Parameter& each : material.parameters.parameters) {
+            if (each.name != "materials" || each.strings.size() != 2) continue;
+            const bool first = interfaces.contains(each.strings[0]), second = interfaces.contains(each.strings[1]);
+            if (first && second) interfaces.insert(material.name);
+            else if (first) each.strings[0] = each.strings[1];
+            else if (second) each.strings[1] = each.strings[0];
+        }
+    }
 }
 
-/// A mix cannot hold an interface, which is no surface: there a sheet that passes everything stands for it.
+/// Of what a mix holds, a sheet that passes everything is left; all else goes.
 void leave_out_transmission(SceneDescription& scene) {
     std::set<std::string> mixed;
     for (const SceneEntity& material : scene.materials)

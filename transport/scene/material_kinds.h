@@ -1,6 +1,8 @@
 // What analysis and substitution of effects take materials, shapes and lights for. Types of plugins are none of these.
 #pragma once
 
+#include <algorithm>
+
 #include "transport/color/spectrum.h"
 #include "transport/scene/used_surfaces.h"
 
@@ -29,9 +31,13 @@ namespace raylex::transport {
         if (each.name == "raylex:compensate") return each.booleans.size() == 1 && each.booleans.front() != 0;
     return false;
 }
-/// An interface is no surface that could be cut out of.
-[[nodiscard]] inline bool has_cutouts(const SceneDescription& scene, const SceneShape& shape) {
-    return !is_interface(scene, shape) && (shape.alpha < 1 || !shape.alpha_texture.empty());
+/// An interface is no surface that could be cut out of; what a mix has of one is passed like a cutout.
+/// `mixed`: mixes_with_interface().
+[[nodiscard]] inline bool has_cutouts(const SceneDescription& scene, const SceneShape& shape,
+                                      const std::vector<std::uint8_t>& mixed) {
+    const auto material = static_cast<std::size_t>(std::max(shape.material, 0));
+    return !is_interface(scene, shape) &&
+           (shape.alpha < 1 || !shape.alpha_texture.empty() || (material < mixed.size() && mixed[material] != 0));
 }
 /// A medium that differs from place to place.
 [[nodiscard]] inline bool is_grid(const SceneEntity& medium) {

@@ -64,6 +64,12 @@ Status SceneBuilder::resolve_materials() {
         }
         shape.material = reference.index;
         if (shape.label.empty()) shape.label = scene_.materials[static_cast<std::size_t>(shape.material)].name;
+        if (shape.area_light >= 0 && is_interface(scene_, shape)) {
+            warn(error_at(shape.location,
+                          "area lights do not emit from shapes without a surface (pbrt's rule); this shape is dark",
+                          "its material is 'interface'; expected one with a surface, such as diffuse"));
+            shape.area_light = -1;
+        }
         return success();
     });
 }

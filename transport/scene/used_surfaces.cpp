@@ -1,6 +1,8 @@
 #include "transport/scene/used_surfaces.h"
 
 #include <algorithm>
+#include <map>
+#include <string_view>
 
 namespace raylex::transport {
 
@@ -77,10 +79,30 @@ void UsedSurfaces::use_textures_of(const SceneDescription& scene, const Paramete
             for (const std::string& name : each.strings) use_texture(scene, name);
 }
 
+bool is_interface(const SceneEntity& material) {
+    return material.type == "interface" || material.type.empty();
+}
+
 bool is_interface(const SceneDescription& scene, const SceneShape& shape) {
     const auto material = static_cast<std::size_t>(std::max(shape.material, 0));
-    return material < scene.materials.size() &&
-           (scene.materials[material].type == "interface" || scene.materials[material].type.empty());
+    return material < scene.materials.size() && is_interface(scene.materials[material]);
+}
+
+std::vector<std::uint8_t> mixes_with_interface(const SceneDescription& scene) {
+    std::vector<std::uint8_t> found(scene.materials.size(), 0);
+    std::map<std::string_view, bool> passed;  // by name, of the last so far
+    // As materials are built: named ones use those before them, others all.
+    for (const bool named : {true, false})
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            const SceneEntity& material = scene.materials[i];
+            if (material.name.empty() == named) continue;
+            const Parameter* parts = material.type == "mix" ? material.parameters.find("materials") : nullptr;
+            if (parts != nullptr)
+                for (const std::string& part : parts->strings)
+                    if (const auto known = passed.find(part); known != passed.end() && known->second) found[i] = 1;
+            if (named) passed[material.name] = found[i] != 0 || is_interface(material);
+        }
+    return found;
 }
 
 }  // namespace raylex::transport

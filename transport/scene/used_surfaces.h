@@ -48,5 +48,8 @@ void read_images_unfiltered(SceneDescription& scene);
 
 /// No surface at all: pbrt's "interface", or a material without a type.
 [[nodiscard]] bool is_interface(const SceneDescription& scene, const SceneShape& shape);
+[[nodiscard]] bool is_interface(const SceneEntity& material);
+/// [material] whether it is a mix, of mixes perhaps, that has an interface among its parts.
+[[nodiscard]] std::vector<std::uint8_t> mixes_with_interface(const SceneDescription& scene);
 
 }  // namespace raylex::transport
