@@ -51,7 +51,7 @@ struct ShapeGeometry {
     int area_light = -1;  ///< index into SceneDescription::area_lights; -1 also for instanced shapes
     int inside_medium = -1, outside_medium = -1;  ///< indices into MediumTable; -1 = none
     TextureId alpha = -1;                         ///< opacity; -1 = opaque everywhere
-    bool interface = false;                       ///< no surface at all: rays pass, but an area light on it shines
+    bool interface = false;                       ///< no surface at all: rays pass, and no area light shines there
     bool border = false;                          ///< what passes it changes media: interfaces, also mixed ones
     bool hidden = false;                          ///< alpha is 0 everywhere: no ray ever stops here
     int label = 0;                                ///< index into object_labels()
