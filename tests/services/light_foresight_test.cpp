@@ -125,13 +125,22 @@ TEST_CASE("foresight of light words is that of all words there are", "[foresight
         Language language({expression_channel("asked", expression)});
         check_against_all_words(language);
     }
-    lpe::CompileOptions in_groups;
-    in_groups.state_cap = 6;
-    Language language({expression_channel("caustic", "C<RD><RS>+L"), expression_channel("second", "C.*<RD><RD>L"),
-                       expression_channel("sky", "C<RS>.*B")},
-                      in_groups);
-    REQUIRE(language.setup.program().word_count() > 1);
-    check_against_all_words(language);
+    const auto three = [](std::size_t state_cap) {
+        lpe::CompileOptions options;
+        options.state_cap = state_cap;
+        return Language({expression_channel("caustic", "C<RD><RS>+L"), expression_channel("second", "C.*<RD><RD>L"),
+                         expression_channel("sky", "C<RS>.*B")},
+                        options);
+    };
+    Language in_groups = three(10);
+    REQUIRE(in_groups.setup.program().word_count() > 1);
+    REQUIRE_FALSE(in_groups.setup.program().view().has_lanes());
+    check_against_all_words(in_groups);
+    // Of channels in lanes it knows nothing.
+    Language in_lanes = three(6);
+    REQUIRE(in_lanes.setup.program().view().has_lanes());
+    const Classes& c = in_lanes.classes;
+    CHECK(in_lanes.foresight({{c.singular}, {}, {c.light}, {}, 0}).of(c.emission).anything());
 }
 
 TEST_CASE("cutouts before the camera and between joined vertices are foreseen", "[foresight][law4]") {
