@@ -30,8 +30,8 @@ std::vector<Imf::Header> atlas_headers(const AtlasSource& source, const ImageDes
         Imf::Header header = base_header(name, source.width(), source.height(), description);
         const bool flat = headers.empty();
         header.setType(flat ? Imf::SCANLINEIMAGE : Imf::DEEPSCANLINE);
-        // Eighths are zeros for the most part: as runs, files are 9 to 19 % larger than by zip, and half as long in
-        // writing.
+        // Eighths are zeros for the most part: as runs, files are 9 to 19 % larger, and what is left for zip takes it
+        // half the time.
         const bool eighths = headers.size() == 2;
         header.compression() = flat ? Imf::ZIP_COMPRESSION : eighths ? Imf::RLE_COMPRESSION : Imf::ZIPS_COMPRESSION;
         headers.push_back(header);
