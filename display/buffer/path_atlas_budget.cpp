@@ -62,7 +62,7 @@ bool PathAtlas::merge_round(std::uint64_t most_entries) {
     const std::vector<double> light = light_of_words();
     std::vector<Candidate> candidates;
     std::vector<bool> alive(words_.size(), false);
-    pools_->entries.for_each([&](const Entry& entry) { alive[entry.word >> 1] = true; });
+    pools_->entries.for_each([&](const Entry& entry) { alive[entry.word >> 1] = entry.word != Entry::unused; });
     for (std::uint32_t word = 0; word < alive.size(); ++word) {
         if (!alive[word]) continue;
         if (const std::uint32_t merged = class_above(word); merged != word)
