@@ -110,11 +110,13 @@ std::uint32_t PathAtlas::survivor(std::uint32_t word) const {
 void PathAtlas::add(std::size_t pixel, std::uint32_t word, const Sums& light, Reserves& reserves) {
     if (std::all_of(light.begin(), light.end(), [](double each) { return each == 0; })) return;
     Pixel& of = pixels_[pixel];
-    Entry* entry = of.find(word);
-    if (entry == nullptr) {
-        entry = reserves.entries.take();
-        of.insert(word, entry, reserves.slots);
+    std::uint32_t number = of.find(word);
+    if (number == Pool<Entry>::none) {
+        number = reserves.entries.take();
+        reserves.entries[number].word = word;
+        of.insert({word, number}, reserves.slots);
     }
+    Entry& entry = reserves.entries[number];
     const int exponent = quantum_exponent + settings_.scale_exponent;
     std::uint32_t lit = 0, last = 0;
     for (std::uint32_t k = 0; k < parts; ++k) {
@@ -122,20 +124,20 @@ void PathAtlas::add(std::size_t pixel, std::uint32_t word, const Sums& light, Re
         ++lit;
         last = k + 1;
     }
-    const bool of_one = lit == 1 && (entry->eighth == Entry::no_eighth || entry->eighth == last);
-    if (of_one) entry->eighth = last;
-    else reserves.spread(*entry);
+    const bool of_one = lit == 1 && (entry.eighth == Entry::no_eighth || entry.eighth == last);
+    if (of_one) entry.eighth = last;
+    else reserves.spread(entry);
     Int128 all = 0;
     for (std::size_t c = 0; c < 3; ++c) {
         Int128 term = 0;
-        if (light[c] == 0 || !to_fixed(light[c], exponent, term) || !add_fixed(entry->light[c], term)) continue;
+        if (light[c] == 0 || !to_fixed(light[c], exponent, term) || !add_fixed(entry.light[c], term)) continue;
         static_cast<void>(add_fixed(all, term));
     }
-    if (entry->eighths == nullptr) return;
+    if (!entry.is_spread()) return;
     for (std::uint32_t k = 0; k < parts; ++k) {
         Int128 term = all;
         if (light[3 + k] != 0 && (lit == 1 || to_fixed(light[3 + k], exponent, term)))
-            static_cast<void>(add_fixed(entry->eighths->sums[k], term));
+            static_cast<void>(add_fixed(reserves.eighths[entry.eighths].sums[k], term));
     }
 }
 
@@ -225,13 +227,13 @@ void PathAtlas::resolve(std::size_t pixel, std::uint64_t light_paths, std::vecto
     const long double by_samples = divisor != 0 ? 1 / divisor : 0;
     const long double by_paths =
         light_paths == 0 ? 0 : static_cast<long double>(pixels_.size()) / static_cast<long double>(light_paths);
-    of.for_each([&](const Entry& entry) {
+    of.for_each(*pools_, [&](const Entry& entry) {
         const long double scale = (entry.word & 1) != 0 ? by_paths : by_samples;
         Light light;
         light.word = entry.word >> 1;
         const auto value = [&](Int128 sum) { return static_cast<double>(to_long_double(sum, exponent) * scale); };
         for (std::size_t c = 0; c < 3; ++c) light.rgb[c] = value(entry.light[c]);
-        entry.for_each_eighth([&](std::uint32_t k, Int128 sum) { light.eighths[k] = value(sum); });
+        entry.for_each_eighth(pools_->eighths, [&](std::uint32_t k, Int128 sum) { light.eighths[k] = value(sum); });
         words.push_back(light);
     });
     if (settings_.raster == nullptr) return;
@@ -254,7 +256,7 @@ std::span<const std::uint32_t, PathAtlas::parts> PathAtlas::samples(std::size_t 
 
 std::size_t PathAtlas::expected_bytes() const {
     constexpr std::size_t likely_words = 24;  // what the ready scenes have, more or less
-    constexpr std::size_t word = sizeof(Entry) + sizeof(Eighths) + 3 * sizeof(Entry*);
+    constexpr std::size_t word = sizeof(Entry) + sizeof(Eighths) + 2 * sizeof(Slot);
     const std::uint64_t all = pixels_.size() * (sizeof(Pixel) + likely_words * word);
     return static_cast<std::size_t>(settings_.budget > 0 ? std::min(all, settings_.budget) : all);
 }

@@ -15,7 +15,7 @@
 // nothing but the samples, so the merges do not depend on threads either; until then memory may pass the budget by what
 // one phase brings. Light that arrives later of a word that was merged goes to its class.
 //
-// Memory: 64 bytes a pixel and word, 128 more where its light is of more than one eighth, 16 to 32 for finding it, 80 a
+// Memory: 64 bytes a pixel and word, 128 more where its light is of more than one eighth, 11 to 22 for finding it, 80 a
 // pixel.
 #pragma once
 
@@ -81,6 +81,7 @@ class PathAtlas final : public SampleSink {
   private:
     struct Eighths;
     struct Entry;
+    struct Slot;
     struct Pixel;
     template <class Item>
     class Pool;

@@ -79,7 +79,7 @@ bool PathAtlas::merge_round(std::uint64_t most_entries) {
         std::uint64_t count = 0;
         for (const Pixel& pixel : pixels_) {
             ++stamp;
-            pixel.for_each([&](const Entry& entry) {
+            pixel.for_each(*pools_, [&](const Entry& entry) {
                 std::uint64_t& at = seen_at[2 * std::size_t{target[entry.word >> 1]} + (entry.word & 1)];
                 if (at != stamp) ++count;
                 at = stamp;
@@ -102,29 +102,32 @@ bool PathAtlas::merge_round(std::uint64_t most_entries) {
 
 /// Light of both, which is of one eighth only where it is the same.
 void PathAtlas::take_in(Entry& entry, const Entry& more, Reserves& reserves) {
-    if (more.eighths != nullptr || more.eighth != entry.eighth) reserves.spread(entry);
-    if (entry.eighths != nullptr)
-        more.for_each_eighth(
-            [&](std::uint32_t k, Int128 sum) { static_cast<void>(add_fixed(entry.eighths->sums[k], sum)); });
+    if (more.is_spread() || more.eighth != entry.eighth) reserves.spread(entry);
+    if (entry.is_spread())
+        more.for_each_eighth(reserves.eighths, [&](std::uint32_t k, Int128 sum) {
+            static_cast<void>(add_fixed(reserves.eighths[entry.eighths].sums[k], sum));
+        });
     for (std::size_t c = 0; c < 3; ++c) static_cast<void>(add_fixed(entry.light[c], more.light[c]));
 }
 
 void PathAtlas::apply_merges() {
     Reserves reserves(*pools_);
     for (Pixel& pixel : pixels_) {
-        const std::span<Entry*> before = std::exchange(pixel.slots, {});
+        const std::span<Slot> before = std::exchange(pixel.slots, {});
         pixel.count = 0;
-        for (Entry* const entry : before) {
-            if (entry == nullptr) continue;
-            const std::uint32_t word = 2 * survivor(entry->word >> 1) + (entry->word & 1);
-            Entry* const to = pixel.find(word);
-            if (to == nullptr) {
-                pixel.insert(word, entry, reserves.slots);
+        for (const Slot slot : before) {
+            if (slot.word == Entry::unused) continue;
+            const std::uint32_t word = 2 * survivor(slot.word >> 1) + (slot.word & 1);
+            Entry& entry = reserves.entries[slot.entry];
+            const std::uint32_t to = pixel.find(word);
+            if (to == Pool<Entry>::none) {
+                entry.word = word;
+                pixel.insert({word, slot.entry}, reserves.slots);
                 continue;
             }
-            take_in(*to, *entry, reserves);
-            if (entry->eighths != nullptr) pools_->eighths.give_back(entry->eighths);
-            pools_->entries.give_back(entry);
+            take_in(reserves.entries[to], entry, reserves);
+            if (entry.is_spread()) pools_->eighths.give_back(entry.eighths);
+            pools_->entries.give_back(slot.entry);
         }
         reserves.slots.give_back(before);
     }

@@ -5,9 +5,10 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <mutex>
+#include <new>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "display/buffer/fixed_point.h"
@@ -22,32 +23,14 @@ struct PathAtlas::Eighths {
     std::array<Int128, parts> sums{};
 };
 
-/// One word of one pixel. Most words of most pixels have light of one eighth alone, and their eighths need no memory.
-struct PathAtlas::Entry {
-    static constexpr std::uint32_t unused = 0;  // the camera alone is no word; and memory comes as zeros
-    static constexpr std::uint32_t no_eighth = 0;
-    std::array<Int128, 3> light{};
-    Eighths* eighths = nullptr;        ///< null: all light is of one eighth
-    std::uint32_t word = unused;       ///< twice the word's number, and one more for raster splats
-    std::uint32_t eighth = no_eighth;  ///< one more than that eighth's number
-
-    [[nodiscard]] Int128 all_light() const {
-        Int128 sum = 0;
-        for (const Int128 each : light) static_cast<void>(add_fixed(sum, each));
-        return sum;
-    }
-    template <class Function>
-    void for_each_eighth(Function function) const {
-        if (eighth != no_eighth && eighths == nullptr) function(eighth - 1, all_light());
-        for (std::uint32_t k = 0; eighths != nullptr && k < parts; ++k) function(k, eighths->sums[k]);
-    }
-};
-
-/// Where parts of entries lie: side by side in large pages, in the order in which they came up. Each in a heap block of
-/// its own, a third of what an atlas cost at 32 samples were page faults.
+/// Where parts of entries lie: side by side in large pages, in the order in which they came up, and known by numbers.
+/// Each in a heap block of its own, a third of what an atlas cost at 32 samples were page faults.
 template <class Item>
 class PathAtlas::Pool {
   public:
+    using Number = std::uint32_t;
+    static constexpr Number none = 0;  ///< of no item
+
     /// One thread's share of a pool for a while: items are taken by the hundred, what is left is given back.
     class Reserve {
       public:
@@ -55,40 +38,44 @@ class PathAtlas::Pool {
         Reserve(const Reserve&) = delete;
         Reserve& operator=(const Reserve&) = delete;
         ~Reserve() {
-            if (count_ > 0) pool_.put_back({items_.data(), count_});
+            if (count_ > 0) pool_.put_back({numbers_.data(), count_});
         }
-        /// All zeros.
-        Item* take() {
+        /// Of an item that is all zeros.
+        Number take() {
             if (count_ == 0) {
-                pool_.take(items_);
-                count_ = items_.size();
+                pool_.take(numbers_);
+                count_ = numbers_.size();
             }
-            return items_[--count_];
+            return numbers_[--count_];
         }
+        [[nodiscard]] Item& operator[](Number number) const { return pool_[number]; }
 
       private:
         Pool& pool_;
-        std::array<Item*, 128> items_{};
+        std::array<Number, 128> numbers_{};
         std::size_t count_ = 0;
     };
 
+    Pool() { slabs_.reserve((std::size_t{1} << 32) / slab_items); }  // so that no slab moves while others are read
+    [[nodiscard]] Item& operator[](Number number) { return slabs_[number / slab_items][number % slab_items]; }
+    [[nodiscard]] const Item& operator[](Number number) const {
+        return slabs_[number / slab_items][number % slab_items];
+    }
+
     /// Not thread-safe, nor is what follows.
-    void give_back(Item* item) {
-        *item = {};
-        put_back({&item, 1});
+    void give_back(Number number) {
+        (*this)[number] = {};
+        put_back({&number, 1});
     }
     [[nodiscard]] std::uint64_t live() const { return made_ - free_.size(); }
     template <class Function>
     void for_each(Function function) const {
-        for (const Plane<Item>& slab : slabs_) {
-            const std::size_t used = &slab == &slabs_.back() ? used_of_last_ : slab_items;
-            for (const Item& item : slab.values().first(used)) function(item);
-        }
+        for (std::uint64_t number = 1; number <= made_; ++number) function((*this)[static_cast<Number>(number)]);
     }
 
   private:
     static constexpr std::size_t slab_items = (std::size_t{8} << 20) / sizeof(Item);
-    void take(std::span<Item*> taken) {
+    void take(std::span<Number> taken) {
         const std::lock_guard lock(mutex_);
         // From the end on, as they are handed out.
         for (std::size_t i = taken.size(); i-- > 0;) {
@@ -97,36 +84,62 @@ class PathAtlas::Pool {
                 free_.pop_back();
                 continue;
             }
-            if (slabs_.empty() || used_of_last_ == slab_items) {
-                slabs_.emplace_back().allocate(slab_items);
-                used_of_last_ = 0;
-            }
-            taken[i] = &slabs_.back()[used_of_last_++];
-            ++made_;
+            if (made_ == std::numeric_limits<Number>::max()) throw std::bad_alloc();
+            if (++made_ / slab_items == slabs_.size()) slabs_.emplace_back().allocate(slab_items);
+            taken[i] = static_cast<Number>(made_);
         }
     }
-    void put_back(std::span<Item* const> items) {
+    void put_back(std::span<const Number> numbers) {
         const std::lock_guard lock(mutex_);
-        free_.insert(free_.end(), items.begin(), items.end());
+        free_.insert(free_.end(), numbers.begin(), numbers.end());
     }
     std::mutex mutex_;
     std::vector<Plane<Item>> slabs_;
-    std::size_t used_of_last_ = 0;
-    std::uint64_t made_ = 0;
-    std::vector<Item*> free_;
+    std::uint64_t made_ = 0;  // the number of the last
+    std::vector<Number> free_;
+};
+
+/// One word of one pixel. Most words of most pixels have light of one eighth alone, and their eighths need no memory.
+struct PathAtlas::Entry {
+    static constexpr std::uint32_t unused = 0;  // the camera alone is no word; and memory comes as zeros
+    static constexpr std::uint32_t no_eighth = 0;
+    std::array<Int128, 3> light{};
+    std::uint32_t eighths = Pool<Eighths>::none;  ///< none: all light is of one eighth
+    std::uint32_t word = unused;                  ///< twice the word's number, and one more for raster splats
+    std::uint32_t eighth = no_eighth;             ///< one more than that eighth's number
+
+    [[nodiscard]] bool is_spread() const { return eighths != Pool<Eighths>::none; }
+    [[nodiscard]] Int128 all_light() const {
+        Int128 sum = 0;
+        for (const Int128 each : light) static_cast<void>(add_fixed(sum, each));
+        return sum;
+    }
+    /// `of`: where eighths lie.
+    template <class Pool, class Function>
+    void for_each_eighth(const Pool& of, Function function) const {
+        if (is_spread())
+            for (std::uint32_t k = 0; k < parts; ++k) function(k, of[eighths].sums[k]);
+        else if (eighth != no_eighth) function(eighth - 1, all_light());
+    }
+};
+
+/// A way to a word's entry.
+struct PathAtlas::Slot {
+    std::uint32_t word = Entry::unused;  ///< Entry's; unused: free
+    std::uint32_t entry = Pool<Entry>::none;
 };
 
 /// Where the ways to a pixel's entries lie, in large pages as well; what was outgrown serves others.
 class PathAtlas::SlotPool {
   public:
-    /// All null. `count` is a power of two. Thread-safe, as is the other.
-    std::span<Entry*> take(std::size_t count) {
+    /// All free. `count` is a power of two. Thread-safe, as is the other.
+    std::span<Slot> take(std::size_t count) {
         const std::lock_guard lock(mutex_);
-        std::vector<Entry**>& outgrown = outgrown_[size_class(count)];
+        std::vector<Slot*>& outgrown = outgrown_[size_class(count)];
         if (!outgrown.empty()) {
-            const std::span<Entry*> taken{outgrown.back(), count};
+            const std::span<Slot> taken{outgrown.back(), count};
             outgrown.pop_back();
-            std::fill(taken.begin(), taken.end(), nullptr);
+            std::fill(taken.begin(), taken.end(), Slot{});
             return taken;
         }
         if (slabs_.empty() || slabs_.back().size() - used_of_last_ < count) {
@@ -136,7 +149,7 @@ class PathAtlas::SlotPool {
         used_of_last_ += count;
         return slabs_.back().values().subspan(used_of_last_ - count, count);
     }
-    void give_back(std::span<Entry*> slots) {
+    void give_back(std::span<Slot> slots) {
         if (slots.empty()) return;
         const std::lock_guard lock(mutex_);
         outgrown_[size_class(slots.size())].push_back(slots.data());
@@ -146,9 +159,9 @@ class PathAtlas::SlotPool {
     static constexpr std::size_t slab_slots = std::size_t{1} << 18;
     static std::size_t size_class(std::size_t count) { return static_cast<std::size_t>(std::countr_zero(count)); }
     std::mutex mutex_;
-    std::vector<Plane<Entry*>> slabs_;
+    std::vector<Plane<Slot>> slabs_;
     std::size_t used_of_last_ = 0;
-    std::array<std::vector<Entry**>, 64> outgrown_;
+    std::array<std::vector<Slot*>, 64> outgrown_;
 };
 
 struct PathAtlas::Pools {
@@ -165,41 +178,49 @@ struct PathAtlas::Reserves {
 
     /// Gives eighths of its own to an entry that has none.
     void spread(Entry& entry) {
-        if (entry.eighths != nullptr) return;
-        Eighths* const of = eighths.take();
-        entry.for_each_eighth([&](std::uint32_t k, Int128 sum) { of->sums[k] = sum; });
-        entry.eighths = of;
+        if (entry.is_spread()) return;
+        const std::uint32_t own = eighths.take();
+        entry.for_each_eighth(eighths, [&](std::uint32_t k, Int128 sum) { eighths[own].sums[k] = sum; });
+        entry.eighths = own;
     }
 };
 
 /// The words of a pixel, found by open addressing.
 struct PathAtlas::Pixel {
-    std::span<Entry*> slots;  ///< null is free
+    std::span<Slot> slots;
     std::uint32_t count = 0;
     std::array<std::uint32_t, parts> samples{};
     Int128 weight = 0;
 
-    /// Null when the pixel has no such word.
-    [[nodiscard]] Entry* find(std::uint32_t word) const { return slots.empty() ? nullptr : slots[slot_of(word)]; }
-    void insert(std::uint32_t word, Entry* entry, SlotPool& pool) {
-        if (2 * (std::size_t{count} + 1) > slots.size()) {
-            const std::span<Entry*> before = slots;
+    /// The number of its entry; none when the pixel has no such word.
+    [[nodiscard]] std::uint32_t find(std::uint32_t word) const {
+        return slots.empty() ? Pool<Entry>::none : slots[slot_of(word)].entry;
+    }
+    /// A word that the pixel has not.
+    void insert(Slot slot, SlotPool& pool) {
+        if (4 * (std::size_t{count} + 1) > 3 * slots.size()) {
+            const std::span<Slot> before = slots;
             slots = pool.take(std::max<std::size_t>(8, 2 * before.size()));
-            for (Entry* const each : before)
-                if (each != nullptr) slots[slot_of(each->word)] = each;
+            for (const Slot each : before)
+                if (each.word != Entry::unused) slots[slot_of(each.word)] = each;
             pool.give_back(before);
         }
-        entry->word = word;
-        slots[slot_of(word)] = entry;
+        slots[slot_of(slot.word)] = slot;
         ++count;
     }
-    /// Entries are all over the memory: the way to them is begun before the first is needed.
-    template <class Function>
-    void for_each(Function function) const {
-        for (Entry* const entry : slots)
-            if (entry != nullptr) __builtin_prefetch(entry);
-        for (Entry* const entry : slots)
-            if (entry != nullptr) function(*entry);
+    /// Entries and their eighths are all over the memory: the ways to them are begun before the first is needed.
+    void for_each(const Pools& pools, auto function) const {
+        const auto for_each_entry = [&](auto visit) {
+            for (const Slot slot : slots)
+                if (slot.word != Entry::unused) visit(pools.entries[slot.entry]);
+        };
+        for_each_entry([](const Entry& entry) { __builtin_prefetch(&entry); });
+        for_each_entry([&](const Entry& entry) {
+            if (!entry.is_spread()) return;
+            __builtin_prefetch(&pools.eighths[entry.eighths]);
+            __builtin_prefetch(&pools.eighths[entry.eighths].sums.back());
+        });
+        for_each_entry(function);
     }
     [[nodiscard]] std::uint64_t bytes() const { return sizeof(Pixel) + slots.size_bytes(); }
 
@@ -212,7 +233,7 @@ struct PathAtlas::Pixel {
     [[nodiscard]] std::size_t slot_of(std::uint32_t word) const {
         const std::size_t mask = slots.size() - 1;
         std::size_t at = mix64(word) & mask;
-        while (slots[at] != nullptr && slots[at]->word != word) at = (at + 1) & mask;
+        while (slots[at].word != Entry::unused && slots[at].word != word) at = (at + 1) & mask;
         return at;
     }
 };

@@ -33,7 +33,7 @@ std::vector<Imf::Header> atlas_headers(const AtlasSource& source, const ImageDes
         // Eighths are zeros for the most part: as runs, files are 9 to 19 % larger, and what is left for zip takes it
         // half the time.
         const bool eighths = headers.size() == 2;
-        header.compression() = flat ? Imf::ZIP_COMPRESSION : eighths ? Imf::RLE_COMPRESSION : Imf::ZIPS_COMPRESSION;
+        header.compression() = flat ? Imf::ZIP_COMPRESSION : eighths ? Imf::RLE_COMPRESSION : Imf::RLE_COMPRESSION;
         headers.push_back(header);
     }
     for (const std::string& plane : AtlasLayout::flat_planes())

@@ -111,31 +111,30 @@ lpe::EventClass WordAlphabet::column(const lpe::Event& event) const {
     return found == columns_.end() ? lpe::EventClass{0} : found->second;
 }
 
-WordTree::WordTree() : nodes_(1), slots_(64, 0) {}
+WordTree::WordTree() : nodes_(1), slots_(64) {}
 
 std::size_t WordTree::slot_of(std::uint32_t parent, Letter letter) const {
     const std::size_t mask = slots_.size() - 1;
     // Words of one parent stand side by side: most lookups follow one of a sibling, and are then in the cache.
     std::size_t at = (mix64(parent) + letter) & mask;
-    while (slots_[at] != 0 && (nodes_[slots_[at]].parent != parent || nodes_[slots_[at]].letter != letter))
-        at = (at + 1) & mask;
+    while (slots_[at].word != root && (slots_[at].parent != parent || slots_[at].letter != letter)) at = (at + 1) & mask;
     return at;
 }
 
 std::uint32_t WordTree::child(std::uint32_t parent, Letter letter) {
-    const std::size_t at = slot_of(parent, letter);
-    if (slots_[at] != 0) return slots_[at];
+    Slot& slot = slots_[slot_of(parent, letter)];
+    if (slot.word != root) return slot.word;
     const auto word = static_cast<std::uint32_t>(nodes_.size());
     nodes_.push_back({parent, letter, static_cast<std::uint16_t>(letters_in(parent))});
-    slots_[at] = word;
+    slot = {parent, word, letter};
     if (2 * nodes_.size() > slots_.size()) grow();
     return word;
 }
 
 void WordTree::grow() {
-    slots_.assign(2 * slots_.size(), 0);
+    slots_.assign(2 * slots_.size(), {});
     for (std::uint32_t word = 1; word < nodes_.size(); ++word)
-        slots_[slot_of(nodes_[word].parent, nodes_[word].letter)] = word;
+        slots_[slot_of(nodes_[word].parent, nodes_[word].letter)] = {nodes_[word].parent, word, nodes_[word].letter};
 }
 
 std::vector<WordTree::Letter> WordTree::letters(std::uint32_t word) const {

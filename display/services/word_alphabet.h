@@ -104,13 +104,17 @@ class WordTree {
     }
     /// Letters from the camera on.
     [[nodiscard]] std::vector<Letter> letters(std::uint32_t word) const;
-    [[nodiscard]] std::size_t memory_bytes() const { return nodes_.capacity() * sizeof(Node) + 4 * slots_.size(); }
+    [[nodiscard]] std::size_t memory_bytes() const { return nodes_.capacity() * sizeof(Node) + sizeof(Slot) * slots_.size(); }
 
   private:
+    struct Slot {
+        std::uint32_t parent = root, word = root;  // word: the root where the slot is free, for it is nobody's child
+        Letter letter = 0;
+    };
     void grow();
     [[nodiscard]] std::size_t slot_of(std::uint32_t parent, Letter letter) const;
     std::vector<Node> nodes_;
-    std::vector<std::uint32_t> slots_;  // open addressing, a power of two; 0: free, for the root is nobody's child
+    std::vector<Slot> slots_;  // open addressing, a power of two
 };
 
 }  // namespace raylex::display
