@@ -78,8 +78,24 @@ std::vector<double> BandedImage::resolve_alpha(const PixelRegion& region) const 
                     [](const FrameBuffer& band, const PixelRegion& part) { return band.resolve_alpha(part); });
 }
 
-Result<FrameBuffer> BandedImage::rows(const RowRange& rows) const {
+Status BandedImage::append_record(std::string& bytes, const RowRange& rows) const {
     const std::lock_guard lock(mutex_);
+    try {
+        const FrameBuffer& band = band_of(rows.first);
+        const int first = band.layout().first_row;
+        if (rows.end <= first + band.layout().height) {
+            band.append_record(bytes, rows.first - first, rows.end - first);
+            return success();
+        }
+    } catch (const BandFailure& failure) { return failure.error(); }
+    const auto all = joined(rows);
+    if (!all) return all.error();
+    all->append_record(bytes);
+    return success();
+}
+
+/// Under the lock.
+Result<FrameBuffer> BandedImage::joined(const RowRange& rows) const {
     std::optional<FrameBuffer> all;
     try {
         for (int y = rows.first; y < rows.end;) {

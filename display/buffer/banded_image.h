@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "display/buffer/frame_buffer.h"
@@ -46,8 +47,9 @@ class BandedImage final : public PixelImage {
     [[nodiscard]] std::vector<double> resolve(ChannelId id, const PixelRegion& region) const override;
     [[nodiscard]] std::vector<double> resolve_alpha(const PixelRegion& region) const override;
 
-    /// The sums of these rows, taken from the bands that have them.
-    [[nodiscard]] Result<FrameBuffer> rows(const RowRange& rows) const;
+    /// The sums of these rows, taken from the bands that have them, as FrameBuffer::append_record() writes them. Rows
+    /// of one band are packed as they are.
+    Status append_record(std::string& bytes, const RowRange& rows) const;
 
   private:
     struct Band {
@@ -58,6 +60,7 @@ class BandedImage final : public PixelImage {
     [[nodiscard]] std::vector<double> by_bands(const PixelRegion& region, std::size_t components,
                                                Resolve resolve) const;
     const FrameBuffer& band_of(int y) const;
+    [[nodiscard]] Result<FrameBuffer> joined(const RowRange& rows) const;
 
     FrameBufferLayout layout_;
     std::vector<ChannelDefinition> channels_;

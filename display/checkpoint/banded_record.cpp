@@ -48,12 +48,11 @@ Status add_bands(RecordFileWriter& writer, const FrameBuffer& buffer) {
     return success();
 }
 
-Status add_bands(RecordFileWriter& writer, const std::vector<RowRange>& bands, const BandedImage::Load& load) {
+Status add_bands(RecordFileWriter& writer, const std::vector<RowRange>& bands, const BandedImage& image) {
+    std::string bytes;
     for (const RowRange& rows : bands) {
-        const auto band = load(rows);
-        if (!band) return band.error();
-        std::string bytes;
-        band->append_record(bytes);
+        bytes.clear();
+        if (Status packed = image.append_record(bytes, rows); !packed) return packed;
         if (Status added = writer.add(section_of(rows), bytes); !added) return added;
     }
     return success();

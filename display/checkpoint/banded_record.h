@@ -21,8 +21,8 @@ namespace raylex::display {
 
 /// Adds the sections of an image's bands, which record_bands() counts.
 Status add_bands(RecordFileWriter& writer, const FrameBuffer& buffer);
-/// Adds those of bands whose sums `load` gives.
-Status add_bands(RecordFileWriter& writer, const std::vector<RowRange>& bands, const BandedImage::Load& load);
+/// The same of an image in bands of its own.
+Status add_bands(RecordFileWriter& writer, const std::vector<RowRange>& bands, const BandedImage& image);
 
 /// A record file with the bands of a frame buffer.
 class BandedRecord {

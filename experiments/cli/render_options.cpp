@@ -137,9 +137,11 @@ void add_light_layer_options(const OptionGroup& group, RenderOptions& options) {
 }
 
 void add_sample_layer_options(const OptionGroup& group, RenderOptions& options) {
-    group.add_repeated("--aov", options.aovs, "NAME",
-                       "adds a geometric AOV by its standard name (" + aov_names() +
-                           "), or the channel that a tee texture of the scene writes to");
+    group
+        .add_repeated("--aov", options.aovs, "NAME[,NAME...]",
+                      "adds geometric AOVs by their standard names (" + aov_names() +
+                          "), or the channels that tee textures of the scene write to")
+        ->delimiter(',');
     group.add_repeated(
         "--rule", options.rules, "NAME=RULE",
         "how the samples of a channel become its pixels: filter (the pixel filter), zmin, zmax (the nearest, "

@@ -163,10 +163,8 @@ Status ShardRender::write(const transport::RenderOutput& output, const display::
     auto record =
         display::RecordFileWriter::create(request_.record, identity_, bands.size() + output.cryptomatte.size() + 1);
     if (!record) return record.error();
-    Status added = output.bands
-                       ? display::add_bands(*record, bands,
-                                            [&](const display::RowRange& rows) { return output.bands->rows(rows); })
-                       : display::add_bands(*record, output.frame_buffer);
+    Status added = output.bands ? display::add_bands(*record, bands, *output.bands)
+                                : display::add_bands(*record, output.frame_buffer);
     for (const geoaovs::Cryptomatte& matte : output.cryptomatte) {
         std::string bytes;
         matte.coverage().append_record(bytes);

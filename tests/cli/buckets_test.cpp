@@ -16,7 +16,7 @@ namespace files = std::filesystem;
 
 /// Layers of every kind, rule and statistic.
 const std::string bucket_layers =
-    " --resolution 40x37 --lpe direct=CDL --aov z --aov Nn --aov id --layer nearest=z:zmin --layer mean=Nn:average"
+    " --resolution 40x37 --lpe direct=CDL --aov z --aov Nn,id --layer nearest=z:zmin --layer mean=Nn:average"
     " --statistics beauty=variance,mse,even,odd";
 
 std::vector<std::string> buckets_in(const Folder& folder) {
