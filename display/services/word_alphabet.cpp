@@ -117,7 +117,8 @@ std::size_t WordTree::slot_of(std::uint32_t parent, Letter letter) const {
     const std::size_t mask = slots_.size() - 1;
     // Words of one parent stand side by side: most lookups follow one of a sibling, and are then in the cache.
     std::size_t at = (mix64(parent) + letter) & mask;
-    while (slots_[at].word != root && (slots_[at].parent != parent || slots_[at].letter != letter)) at = (at + 1) & mask;
+    const auto is_other = [&](const Slot& slot) { return slot.parent != parent || slot.letter != letter; };
+    while (slots_[at].word != root && is_other(slots_[at])) at = (at + 1) & mask;
     return at;
 }
 

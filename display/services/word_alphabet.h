@@ -104,7 +104,9 @@ class WordTree {
     }
     /// Letters from the camera on.
     [[nodiscard]] std::vector<Letter> letters(std::uint32_t word) const;
-    [[nodiscard]] std::size_t memory_bytes() const { return nodes_.capacity() * sizeof(Node) + sizeof(Slot) * slots_.size(); }
+    [[nodiscard]] std::size_t memory_bytes() const {
+        return nodes_.capacity() * sizeof(Node) + sizeof(Slot) * slots_.size();
+    }
 
   private:
     struct Slot {
