@@ -99,6 +99,10 @@ TEST_CASE("What stands between the numbers of a list does not matter", "[import]
     const auto spectrum = directive_of("Material \"x\" \"spectrum s\" [\"a]b\"]");
     REQUIRE(spectrum);
     CHECK(spectrum->parameters.parameters[0].strings == std::vector<std::string>{"a]b"});
+    const auto marked = directive_of("Material \"x\" \"spectrum s\" [\"a#b\"] \"float v\" [1 2 3]");
+    REQUIRE(marked);
+    CHECK(marked->parameters.parameters[0].strings == std::vector<std::string>{"a#b"});
+    CHECK(marked->parameters.parameters[0].numbers.capacity() == 0);  // '#' in a string begins no comment
     const auto pairs = directive_of("Material \"x\" \"spectrum s\" [400 .5 700 1.5]");
     REQUIRE(pairs);
     CHECK(pairs->parameters.parameters[0].numbers == std::vector<double>{400, 0.5, 700, 1.5});

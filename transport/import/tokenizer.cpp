@@ -42,7 +42,7 @@ Result<Token> Tokenizer::next() {
 std::size_t Tokenizer::words_in_list() const {
     std::size_t words = 0;
     bool between = true;
-    for (std::size_t i = at_; i < text_.size() && text_[i] != ']'; ++i) {
+    for (std::size_t i = at_; i < text_.size() && text_[i] != ']' && text_[i] != '"'; ++i) {
         const bool comment = text_[i] == '#';
         if (comment) i = end_of_comment(i) - 1;
         const bool blank = comment || is_blank(text_[i]);

@@ -34,7 +34,8 @@ class Tokenizer {
     /// each.
     template <class Accept>
     void take_numbers(std::vector<double>& numbers, const Accept& accept);
-    /// How many words stand before the next ']': what a list is going to hold, or less.
+    /// How many words stand before the next ']' or string: what a list of numbers is going to hold. No further, so that
+    /// what is looked at is read next, or is an error: a file is looked at twice at most.
     [[nodiscard]] std::size_t words_in_list() const;
     /// Makes next() return `token` once more.
     void push_back(const Token& token) { pushed_ = token, has_pushed_ = true; }
