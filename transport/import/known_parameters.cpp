@@ -175,7 +175,8 @@ std::string value_text(const Parameter& parameter) {
     return {text.data(), end.ptr};
 }
 
-bool holds(const Names& names, const std::string& name) {
+template <class List>
+bool holds(const List& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
 }
 
@@ -197,7 +198,7 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, Paramet
     const Row* row = find_row(kind, type);
     const std::vector<ParameterDescription>* entry = declared(kind, type);
     if (row == nullptr && entry == nullptr) return success();
-    Names read, known;
+    std::vector<std::string_view> read, known;  // this is asked for every shape of a scene
     if (entry != nullptr)
         for (const ParameterDescription& each : *entry) read.push_back(each.name);
     if (row != nullptr) read.insert(read.end(), row->taken.begin(), row->taken.end());
@@ -226,7 +227,7 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, Paramet
                      parameter.location);
                 continue;
             }
-            if (i < own) return unknown_parameter(kind_name(kind), type, parameter, known);
+            if (i < own) return unknown_parameter(kind_name(kind), type, parameter, {known.begin(), known.end()});
             set.parameters.erase(set.parameters.begin() + static_cast<std::ptrdiff_t>(i--));
             continue;
         }

@@ -14,7 +14,7 @@ namespace raylex::transport {
 namespace {
 
 Result<std::vector<StoredVec2>> uvs_of(const ParameterSet& set, std::size_t vertices) {
-    const Result<std::vector<double>> numbers = array_of(set, "uv", ParameterType::point2, "point2");
+    const Result<std::span<const double>> numbers = array_of(set, "uv", ParameterType::point2, "point2");
     if (!numbers) return numbers.error();
     if (!numbers->empty() && numbers->size() != 2 * vertices)
         return error_at(location_of(set, "uv"), "'uv' has " + std::to_string(numbers->size() / 2) + " points for " +

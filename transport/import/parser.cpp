@@ -22,7 +22,7 @@ enum class Form : std::uint8_t {
 };
 
 struct DirectiveRow {
-    const char* name;
+    std::string_view name;
     Form form;
     std::size_t count;      ///< of numbers
     const char* arguments;  ///< for messages
@@ -129,7 +129,7 @@ class DirectiveReader {
             const Result<double> value =
                 parse_number(tokenizer_, *token,
                              "number " + std::to_string(i + 1) + " of " + std::to_string(row_.count) + " after " +
-                                 row_.name + " (" + row_.arguments + ")");
+                                 std::string(row_.name) + " (" + row_.arguments + ")");
             if (!value) return value.error();
             directive_.numbers[i] = *value;
         }
@@ -140,8 +140,8 @@ class DirectiveReader {
         const Result<Token> token = tokenizer_.next();
         if (!token) return token.error();
         if (token->kind != kind)
-            return tokenizer_.error(*token, "found " + describe(*token) + "; expected " + shown + ": " + row_.name +
-                                                " takes " + row_.arguments);
+            return tokenizer_.error(*token, "found " + describe(*token) + "; expected " + shown + ": " +
+                                                std::string(row_.name) + " takes " + row_.arguments);
         return success();
     }
 
@@ -172,7 +172,8 @@ class DirectiveReader {
     }
 
     Error missing(const Token& token, const char* expected) const {
-        return tokenizer_.error(token, "found " + describe(token) + "; expected " + expected + " after " + row_.name);
+        return tokenizer_.error(
+            token, "found " + describe(token) + "; expected " + expected + " after " + std::string(row_.name));
     }
 
     Status read_strings(std::initializer_list<const char*> expected, bool parameters) {

@@ -104,6 +104,16 @@ class ValueReader {
         return add_number(token);
     }
 
+    /// As many numbers as stand in a row and are such as add() takes without a word.
+    void add_numbers(Tokenizer& tokenizer) {
+        if (row_.kind != ValueKind::number && (row_.kind != ValueKind::either || !parameter_.strings.empty())) return;
+        if (parameter_.numbers.empty()) parameter_.numbers.reserve(tokenizer.words_in_list());
+        tokenizer.take_numbers(parameter_.numbers,
+                               [integers = parameter_.type == ParameterType::integer](double number) {
+                                   return in_range(number) && (!integers || is_int32(number));
+                               });
+    }
+
     Status finish(const Token& declaration) const {
         const std::size_t count = parameter_.numbers.size() + parameter_.strings.size() + parameter_.booleans.size();
         const std::string shown = std::string("'").append(row_.name).append(" ").append(parameter_.name).append("'");
@@ -147,7 +157,6 @@ class ValueReader {
 
     Status add_number(const Token& token) {
         double number = 0;
-        // Meshes hold millions of numbers: the text of a message is put together only when one is wrong.
         if (!plain_number(token.text, number)) {
             if (is_broken_normal(token.text)) {  // what reads normals repairs and counts them
                 parameter_.numbers.push_back(std::numeric_limits<double>::quiet_NaN());
@@ -161,20 +170,25 @@ class ValueReader {
             }
             number = *value;
         }
-        // Everything downstream is float: what it cannot hold would be infinite there without a word.
-        if (std::abs(number) > static_cast<double>(std::numeric_limits<float>::max())) {
+        if (!in_range(number)) {
             Error error = tokenizer_.error(
                 token, "found " + describe(token) + ", beyond the range of float; expected " + expected());
             if (is_vertex()) error.message += ", at vertex " + std::to_string(parameter_.numbers.size() / 3);
             return error;
         }
-        if (parameter_.type == ParameterType::integer &&
-            (number != std::floor(number) || std::abs(number) > std::numeric_limits<std::int32_t>::max()))
+        if (parameter_.type == ParameterType::integer && !is_int32(number))
             return tokenizer_.error(token, "found " + describe(token) + "; expected " + expected() + " of 32 bits");
         parameter_.numbers.push_back(number);
         return success();
     }
 
+    /// Everything downstream is float: what it cannot hold would be infinite there without a word.
+    static bool in_range(double number) {
+        return std::abs(number) <= static_cast<double>(std::numeric_limits<float>::max());
+    }
+    static bool is_int32(double number) {
+        return number == std::floor(number) && std::abs(number) <= std::numeric_limits<std::int32_t>::max();
+    }
     [[nodiscard]] bool is_vertex() const { return row_.group == 3 && parameter_.name == "P"; }
     [[nodiscard]] bool is_broken_normal(std::string_view text) const {
         if (parameter_.type != ParameterType::normal || parameter_.name != "N") return false;
@@ -195,6 +209,7 @@ Status parse_values(Tokenizer& tokenizer, const Token& declaration, const TypeRo
     if (token->kind == TokenKind::open_bracket) {
         const Token open = *token;
         while (true) {
+            reader.add_numbers(tokenizer);
             token = tokenizer.next();
             if (!token) return token.error();
             if (token->kind == TokenKind::close_bracket) break;

@@ -48,9 +48,10 @@ class Importer {
         while (!sources_.empty()) {
             Source& source = *sources_.back();
             if (reading_stopped()) return reading_stopped_error(source.path);
+            // A directive looks for files where it begins, and most begin where the one before it did.
+            if (std::exchange(moved_on_, false)) reader_.set_search(search());
             Result<std::optional<Directive>> directive = parse_directive(source.tokenizer);
             if (!directive) return directive.error();
-            const SearchPath beside = search();
             Status status = directive->has_value() ? read_on(**directive) : success();
             if (!status) return status.error();
             if (!directive->has_value()) {
@@ -59,7 +60,7 @@ class Importer {
             } else if ((*directive)->id == DirectiveId::include || (*directive)->id == DirectiveId::import) {
                 status = open(**directive);
             } else {
-                status = reader_.apply(**directive, beside);
+                status = reader_.apply(**directive);
             }
             if (!status) return with_excerpt(status.error());
         }
@@ -75,6 +76,7 @@ class Importer {
               bool imported) {
         sources_.push_back(std::make_unique<Source>(path, identity, std::move(text)));
         sources_.back()->imported = imported;
+        moved_on_ = true;
     }
 
     Status open(const Directive& directive) {
@@ -145,6 +147,7 @@ class Importer {
         if (!status) return status;
         closed_.try_emplace(sources_.back()->path, sources_.back()->text);  // for excerpts of errors found at the end
         sources_.pop_back();
+        moved_on_ = true;
         return success();
     }
 
@@ -169,6 +172,7 @@ class Importer {
     std::vector<std::unique_ptr<Source>> sources_;                              ///< open, the innermost last
     std::map<std::string, std::shared_ptr<const std::string>> closed_, texts_;  ///< by path, by identity
     std::uint64_t opened_ = 0, repeated_bytes_ = 0;
+    bool moved_on_ = false;  ///< to another file than the one that reader_ knows
 };
 
 }  // namespace

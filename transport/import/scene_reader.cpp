@@ -56,10 +56,9 @@ constexpr struct {
 
 }  // namespace
 
-Status SceneReader::apply(Directive& directive, const SearchPath& search) {
+Status SceneReader::apply(Directive& directive) {
     if (Status status = require_block(directive); !status) return status;
     for (Error& warning : directive.warnings) scene_.warn(std::move(warning));
-    scene_.set_search(search);
     switch (directive.id) {
         case DirectiveId::transform_times:
             return scene_.set_transform_times(directive.numbers[0], directive.numbers[1], directive.location);

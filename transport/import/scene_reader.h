@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "transport/import/graphics_state.h"
@@ -21,8 +22,10 @@ class SceneReader {
         scene_.set_loading(threads, progress);
     }
 
+    /// Where directives look for files from here on.
+    void set_search(SearchPath search) { scene_.set_search(std::move(search)); }
     /// Carries out one directive other than Include and Import.
-    Status apply(Directive& directive, const SearchPath& search);
+    Status apply(Directive& directive);
 
     /// Around an imported file: what it does to the graphics state and to coordinate systems ends with it.
     Status begin_import(const Directive& directive);

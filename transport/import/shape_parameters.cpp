@@ -4,14 +4,14 @@
 
 namespace raylex::transport {
 
-Result<std::vector<double>> array_of(const ParameterSet& set, std::string_view name, ParameterType type,
-                                     const char* type_name) {
+Result<std::span<const double>> array_of(const ParameterSet& set, std::string_view name, ParameterType type,
+                                         const char* type_name) {
     const Parameter* parameter = set.find(name);
-    if (parameter == nullptr) return std::vector<double>();
+    if (parameter == nullptr) return std::span<const double>();
     if (parameter->type != type)
         return error_at(parameter->location, "parameter '" + std::string(name) + "' has the wrong type; expected \"" +
                                                  type_name + " " + std::string(name) + "\"");
-    return parameter->numbers;
+    return std::span<const double>(parameter->numbers);
 }
 
 const SourceLocation& location_of(const ParameterSet& set, std::string_view name) {
@@ -21,7 +21,7 @@ const SourceLocation& location_of(const ParameterSet& set, std::string_view name
 
 Result<std::vector<StoredVec3>> triples(const ParameterSet& set, std::string_view name, ParameterType type,
                                         const char* type_name) {
-    const Result<std::vector<double>> numbers = array_of(set, name, type, type_name);
+    const Result<std::span<const double>> numbers = array_of(set, name, type, type_name);
     if (!numbers) return numbers.error();
     std::vector<StoredVec3> result(numbers->size() / 3);
     for (std::size_t i = 0; i < result.size(); ++i) {
@@ -35,7 +35,7 @@ Result<std::vector<StoredVec3>> triples(const ParameterSet& set, std::string_vie
 }
 
 Result<std::vector<std::uint32_t>> indices_of(const ParameterSet& set, std::size_t vertices, std::size_t group) {
-    const Result<std::vector<double>> numbers = array_of(set, "indices", ParameterType::integer, "integer");
+    const Result<std::span<const double>> numbers = array_of(set, "indices", ParameterType::integer, "integer");
     if (!numbers) return numbers.error();
     std::vector<std::uint32_t> indices;
     if (numbers->empty()) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -10,9 +11,9 @@
 
 namespace raylex::transport {
 
-/// The values of an array parameter, or an Error when it has another type. Absent: no values.
-Result<std::vector<double>> array_of(const ParameterSet& set, std::string_view name, ParameterType type,
-                                     const char* type_name);
+/// The values of an array parameter, where `set` has them, or an Error when it has another type. Absent: no values.
+Result<std::span<const double>> array_of(const ParameterSet& set, std::string_view name, ParameterType type,
+                                         const char* type_name);
 /// Where the parameter stands, or the whole directive.
 const SourceLocation& location_of(const ParameterSet& set, std::string_view name);
 /// Three values each; those of points must be finite as floats.

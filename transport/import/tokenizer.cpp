@@ -4,17 +4,6 @@
 
 namespace raylex::transport {
 
-namespace {
-
-constexpr bool is_blank(char c) {
-    return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f';
-}
-constexpr bool ends_word(char c) {
-    return is_blank(c) || c == '"' || c == '[' || c == ']' || c == '#';
-}
-
-}  // namespace
-
 void Tokenizer::skip_blanks() {
     for (; at_ < text_.size(); ++at_) {
         const char c = text_[at_];
@@ -22,12 +11,7 @@ void Tokenizer::skip_blanks() {
             ++line_;
             line_start_ = at_ + 1;
         } else if (c == '#') {
-            const std::size_t end = text_.find_first_of("\r\n", at_);  // old Macintosh files end lines by "\r"
-            if (end == std::string_view::npos) {
-                at_ = text_.size();
-                return;
-            }
-            at_ = end - 1;
+            at_ = end_of_comment(at_) - 1;
         } else if (!is_blank(c)) {
             return;
         }
@@ -53,6 +37,19 @@ Result<Token> Tokenizer::next() {
     token.text = text_.substr(at_, stop - at_);
     at_ = stop;
     return token;
+}
+
+std::size_t Tokenizer::words_in_list() const {
+    std::size_t words = 0;
+    bool between = true;
+    for (std::size_t i = at_; i < text_.size() && text_[i] != ']' && text_[i] != '"'; ++i) {
+        const bool comment = text_[i] == '#';
+        if (comment) i = end_of_comment(i) - 1;
+        const bool blank = comment || is_blank(text_[i]);
+        words += between && !blank ? 1 : 0;
+        between = blank;
+    }
+    return words;
 }
 
 Result<Token> Tokenizer::string_token(Token token) {

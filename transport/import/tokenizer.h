@@ -1,9 +1,12 @@
 // Text of a pbrt scene into tokens: words, quoted strings and brackets; '#' starts a comment.
 #pragma once
 
+#include <algorithm>
+#include <charconv>
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "display/services/parameters.h"
 #include "lpe/result.h"
@@ -26,6 +29,14 @@ class Tokenizer {
 
     /// The next token; TokenKind::end at the end of the text, again and again. Errors: a string that is not closed.
     Result<Token> next();
+    /// Appends the numbers that stand next to `numbers`, up to the first word that is none as std::from_chars reads
+    /// them or that `accept(value)` refuses: next() returns that. Lists of millions go this way, without a Token for
+    /// each.
+    template <class Accept>
+    void take_numbers(std::vector<double>& numbers, const Accept& accept);
+    /// How many words stand before the next ']' or string: what a list of numbers is going to hold. No further, so that
+    /// what is looked at is read next, or is an error: a file is looked at twice at most.
+    [[nodiscard]] std::size_t words_in_list() const;
     /// Makes next() return `token` once more.
     void push_back(const Token& token) { pushed_ = token, has_pushed_ = true; }
 
@@ -36,6 +47,16 @@ class Tokenizer {
   private:
     void skip_blanks();
     Result<Token> string_token(Token token);
+    [[nodiscard]] static constexpr bool is_blank(char c) {
+        return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f';
+    }
+    [[nodiscard]] static constexpr bool ends_word(char c) {
+        return is_blank(c) || c == '"' || c == '[' || c == ']' || c == '#';
+    }
+    /// Behind the comment that begins at `at`; old Macintosh files end lines by "\r".
+    [[nodiscard]] std::size_t end_of_comment(std::size_t at) const {
+        return std::min(text_.find_first_of("\r\n", at), text_.size());
+    }
 
     std::string_view text_;
     const std::string& file_;
@@ -44,6 +65,21 @@ class Tokenizer {
     Token pushed_;
     bool has_pushed_ = false;
 };
+
+template <class Accept>
+void Tokenizer::take_numbers(std::vector<double>& numbers, const Accept& accept) {
+    if (has_pushed_) return;
+    const char* const end = text_.data() + text_.size();
+    while (true) {
+        skip_blanks();
+        const char* const begin = text_.data() + at_;
+        double value = 0;
+        const auto [stop, status] = std::from_chars(begin, end, value);
+        if (status != std::errc() || (stop != end && !ends_word(*stop)) || !accept(value)) return;
+        numbers.push_back(value);
+        at_ += static_cast<std::size_t>(stop - begin);
+    }
+}
 
 /// The string a token stands for. Escapes as in JSON: \b \f \n \r \t \\ \' \"; any other is an Error of `tokenizer`.
 Result<std::string> unescape(const Tokenizer& tokenizer, const Token& token);
