@@ -49,7 +49,8 @@ TEST_CASE("a roulette table bounds chances and knows what it does not know", "[p
 }
 
 TEST_CASE("roulette by what channels may still receive keeps their means", "[render][pruning][law4]") {
-    const auto compare = [](const std::string& scene, const std::vector<std::string>& expressions) {
+    int by_channels = 0;
+    const auto compare = [&](const std::string& scene, const std::vector<std::string>& expressions) {
         auto built = transport::BuiltScene::build(scene_of(scene));
         REQUIRE(built.ok());
         transport::RenderSettings settings = channels_alone(expressions);
@@ -58,7 +59,7 @@ TEST_CASE("roulette by what channels may still receive keeps their means", "[ren
         const int channels = static_cast<int>(expressions.size());
         const auto output = transport::render(**built, settings);
         REQUIRE(output.ok());
-        CHECK(weak_paths(*output) > 0);  // or else nothing is compared
+        by_channels += weak_paths(*output) > 0 ? 1 : 0;
         const Replicates driven = replicates(**built, settings, channels, seeds, 0);
         settings.beauty = true;
         const Replicates layers = replicates(**built, settings, 1 + channels, seeds, 1000);  // beauty is the first
@@ -74,6 +75,7 @@ TEST_CASE("roulette by what channels may still receive keeps their means", "[ren
     compare(room, {"C<RD>{4}L"});
     compare(room, {"C<RD>{3}<RS>*<RD>{2}[LB]"});
     compare(room, {"C<RD>{5}L", "C<RD>{6}[LB]"});
+    CHECK(by_channels >= 3);  // or else little is compared; the pilot leaves one of them as it is
 }
 
 TEST_CASE("roulette by channels is the same bits for any number of threads and shards", "[render][pruning][law3]") {
