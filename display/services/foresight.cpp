@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "display/services/branches.h"
 #include "display/services/state_steps.h"
 
 namespace raylex::display {
@@ -79,6 +80,14 @@ std::vector<std::uint64_t> Foresight::sets_of_terminals() const {
     for (const Ahead& ahead : states_)
         if (std::find(sets.begin(), sets.end(), ahead.terminals) == sets.end()) sets.push_back(ahead.terminals);
     return sets;
+}
+
+std::uint64_t Foresight::state_of(const Tracker& tracker) const {
+    if (states_.empty()) return 0;
+    std::uint64_t state = 1;
+    const std::size_t words = std::size_t{tracker.count_} * tracker.groups_;
+    for (std::size_t i = 0; i < words; ++i) state = mix64(state ^ tracker.state_[i]);
+    return state | 1;
 }
 
 std::uint64_t Foresight::bit_of(lpe::EventClass terminal) const {

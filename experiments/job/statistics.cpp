@@ -140,7 +140,8 @@ std::string statistics_json(const RunRecord& record) {
                       {"light_samples_left_to_rays", pruned(transport::Pruned::light_samples_left_to_rays)},
                       {"lobes", pruned(transport::Pruned::lobes)},
                       {"light_paths", pruned(transport::Pruned::light_paths)},
-                      {"joins", pruned(transport::Pruned::joins)}};
+                      {"joins", pruned(transport::Pruned::joins)},
+                      {"weak_paths", pruned(transport::Pruned::weak_paths)}};
     json["samples"] = {{"camera", statistics.camera_samples},
                        {"per_pixel", output.samples_per_pixel},
                        {"per_cpu_second", cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu : 0.0}};

@@ -101,7 +101,8 @@ std::string statistics_table(const std::string& record) {
         {"Last light samples left to rays", "/pruned/light_samples_left_to_rays"},
         {"Lobes not drawn: no layer takes that side of a surface", "/pruned/lobes"},
         {"Light paths ended: no layer takes what they could become", "/pruned/light_paths"},
-        {"Joins with light paths not made: no layer takes them", "/pruned/joins"}};
+        {"Joins with light paths not made: no layer takes them", "/pruned/joins"},
+        {"Paths ended at random: layers are expected to receive little of them", "/pruned/weak_paths"}};
     for (const auto& [label, place] : pruned)
         if (const double count = number_at(json, place); count > 0) text += row(label, counted(count));
     text += row("Merged attributions", counted(number_at(json, "/attribution_overflow")));

@@ -26,6 +26,12 @@ struct Replicates {
         const double n = static_cast<double>(of_seed.size());
         return squares / (n * (n - 1));
     }
+    /// Over all blocks of all channels.
+    [[nodiscard]] double sum_of_variances() const {
+        double sum = 0;
+        for (std::size_t i = 0; i < of_seed[0].size(); ++i) sum += variance(i);
+        return sum;
+    }
     /// A channel's mean over the image, of blocks of one size, and its standard error: blocks of a seed hang together.
     [[nodiscard]] Estimate channel(std::size_t index) const;
 };

@@ -154,14 +154,9 @@ TEST_CASE("lobes that no channel takes are not drawn", "[render][pruning][law4]"
     const Replicates live = replicates(**built, settings, 1, 12, 0);
     settings.prune = false;
     const Replicates both = replicates(**built, settings, 1, 12, 0);
-    double a = 0, b = 0;
-    for (std::size_t block = 0; block < blocks_across * blocks_across; ++block) {
-        a += live.variance(block);
-        b += both.variance(block);
-    }
     // Fresnel's 4 to 10 % were drawn before; a ratio of two variances of 11 degrees of freedom is off by more than 8
     // once in 1,000.
-    CHECK(a * 8 < b);
+    CHECK(live.sum_of_variances() * 8 < both.sum_of_variances());
 }
 
 TEST_CASE("split paths are the same bits for any number of threads, and split by channels as ever",
@@ -189,10 +184,8 @@ TEST_CASE("split paths cost less for as much noise", "[render][pruning][law4]") 
     const auto noise_times_rays = [&](bool splits) {
         transport::RenderSettings settings = only_channels({"CDS+L"}, splits);
         const Replicates seeds = replicates(**built, settings, 1, 24, 0);
-        double noise = 0;
-        for (std::size_t block = 0; block < blocks_across * blocks_across; ++block) noise += seeds.variance(block);
         const auto statistics = transport::render(**built, settings)->statistics;
-        return noise * static_cast<double>(statistics.camera_rays + statistics.scattering_rays);
+        return seeds.sum_of_variances() * static_cast<double>(statistics.camera_rays + statistics.scattering_rays);
     };
     // The pilot expects a tenth less at least, and finds about a half. A ratio of variances of 9 x 23 degrees of
     // freedom is off by more than 1.35 once in 100 (the seeds are fixed).

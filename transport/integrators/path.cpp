@@ -4,6 +4,7 @@
 
 #include "transport/integrators/first_hits.h"
 #include "transport/integrators/last_vertex.h"
+#include "transport/integrators/roulette_pilot.h"
 #include "transport/integrators/split_pilot.h"
 #include "transport/math/sampling.h"
 #include "transport/paths/connect.h"
@@ -24,7 +25,7 @@ struct PathThread final : IntegratorThread {
     geoaovs::ShadingBatch first_hits;
 };
 
-class PathIntegrator final : public Integrator, private SplitTrials {
+class PathIntegrator final : public Integrator, private PathTrials {
   public:
     explicit PathIntegrator(const PathParameters& parameters) : parameters_(parameters) {}
     [[nodiscard]] IntegratorTraits traits() const override {
@@ -42,8 +43,12 @@ class PathIntegrator final : public Integrator, private SplitTrials {
         can_sample_lights_ = !lights_[LiveLights::all].empty();
         if (can_sample_lights_ && parameters_.strategy == PathStrategy::mis && parameters_.roulette_below > 0)
             at_last_ = choose_techniques(context, lights_);
-        if (may_prune() && parameters_.splits && parameters_.strategy == PathStrategy::mis)
-            splits_ = choose_splits(context, *this);
+        if (!may_prune() || parameters_.strategy != PathStrategy::mis) return success();
+        SplitChoice splits;
+        if (parameters_.splits) splits = choose_splits(context, *this);
+        if (parameters_.channel_roulette && parameters_.roulette_below > 0)
+            roulette_ = choose_roulette(context, *this, splits, parameters_.roulette_below);
+        splits_ = splits.plan;
         return success();
     }
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override;
@@ -54,7 +59,8 @@ class PathIntegrator final : public Integrator, private SplitTrials {
     void sample_light(PathThread& thread, std::size_t j) const;
     /// Whether channels alone decide what is drawn; beauty's numbers do not depend on them (Law 2).
     [[nodiscard]] bool may_prune() const { return !context_.beauty && context_.events->prunes(); }
-    [[nodiscard]] std::unique_ptr<Integrator> trial(const SplitPlan& plan, std::uint32_t most_depth) const override;
+    [[nodiscard]] std::unique_ptr<Integrator> trial(const SplitPlan& plan, std::uint32_t most_depth,
+                                                    PathWatch* watch) const override;
     /// Whether light sampling finds the emitter too to which `light_pdf` belongs.
     [[nodiscard]] bool sampled_too(const Subpath& path, Real light_pdf) const {
         return !path.specular && light_pdf > 0 && parameters_.strategy != PathStrategy::scattering;
@@ -72,12 +78,17 @@ class PathIntegrator final : public Integrator, private SplitTrials {
     TechniqueShares at_last_;  // where only light can follow a vertex
     bool can_sample_lights_ = false;
     SplitPlan splits_;
+    RouletteTable roulette_;
+    PathWatch* watch_ = nullptr;  // of a pilot's
 };
 
-std::unique_ptr<Integrator> PathIntegrator::trial(const SplitPlan& plan, std::uint32_t most_depth) const {
+std::unique_ptr<Integrator> PathIntegrator::trial(const SplitPlan& plan, std::uint32_t most_depth,
+                                                  PathWatch* watch) const {
     auto trial = std::make_unique<PathIntegrator>(*this);
     trial->parameters_.max_depth = std::min(parameters_.max_depth, most_depth);
+    if (watch != nullptr) trial->parameters_.roulette_below = 0;
     trial->splits_ = plan;
+    trial->watch_ = watch;
     return trial;
 }
 
@@ -86,6 +97,8 @@ std::unique_ptr<IntegratorThread> PathIntegrator::make_thread_state() const {
         camera_subpath_options(context_, {parameters_.max_depth, parameters_.roulette_below, false});
     options.live_lobes = may_prune();
     options.splits = splits_;
+    if (!roulette_.empty()) options.roulette = &roulette_;
+    options.watch = watch_;
     return std::make_unique<PathThread>(context_.scene, *context_.events, options,
                                         static_cast<std::size_t>(context_.batch_capacity));
 }
@@ -149,7 +162,7 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
     while (camera.going() && !services.leaving()) {
         camera.advance(services.display, ends);
         write_first_hits(context_, camera.vertices(), camera.first_entries(), thread.first_hits, services.display);
-        if (splits_.any())
+        if (splits_.any() || watch_ != nullptr)
             for (std::size_t j = 0; j < camera.vertices().count; ++j) camera.split(j);
         if (can_sample_lights_)
             for (std::size_t j = 0; j < camera.vertices().count; ++j) sample_light(thread, j);
@@ -207,6 +220,9 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
     auto splits = entity.parameters.boolean_or("splits", true);
     if (!splits) return splits.error();
     p.splits = *splits;
+    auto channel_roulette = entity.parameters.boolean_or("channelroulette", true);
+    if (!channel_roulette) return channel_roulette.error();
+    p.channel_roulette = *channel_roulette;
     auto selection = entity.parameters.string_or("lightsampler", "bvh");
     if (!selection) return selection.error();
     // pbrt's "exhaustive" is its bvh without the tree, for reference.
@@ -239,6 +255,9 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
          {"splits", T::boolean, "true",
           "without beauty: follow several rays from a path's first diffuse or glossy vertex, and both lobes of glass "
           "behind it, where a pilot says that it pays"},
+         {"channelroulette", T::boolean, "true",
+          "without beauty: end paths at random by what the channels may still receive of them, where a pilot says that "
+          "it pays"},
          {"lightsampler", T::string, "bvh",
           "which light a sample goes to: bvh, by what each can send to the point where more than 32 stand somewhere "
           "and by power else; power; uniform; exhaustive of pbrt is bvh here"}},

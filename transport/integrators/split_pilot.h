@@ -1,21 +1,13 @@
 // Into how many rays paths are split.
 #pragma once
 
-#include <memory>
-
-#include "transport/integrators/integrator.h"
-#include "transport/paths/splits.h"
+#include "transport/integrators/pilot_paths.h"
 
 namespace raylex::transport {
 
-/// Makes integrators that follow a plan.
-class SplitTrials {
-  public:
-    /// Ready to integrate, of at most `most_depth` scattering events.
-    [[nodiscard]] virtual std::unique_ptr<Integrator> trial(const SplitPlan& plan, std::uint32_t most_depth) const = 0;
-
-  protected:
-    ~SplitTrials() = default;
+struct SplitChoice {
+    SplitPlan plan;
+    double noise = 1;  ///< the variance of what the channels receive, over that of paths that are not split
 };
 
 /// The plan with the least product of cost (rays) and variance of the requested channels, each relative to its mean, by
@@ -23,6 +15,6 @@ class SplitTrials {
 /// rays make (c_before + n c_behind) (v_before + v_behind / n) (Arvo and Kirk 1990; Rath et al. 2022, "EARS", section
 /// 3): v_behind is half of the mean square by which the two rays differ. Every doubling has to save a tenth more. Both
 /// lobes of specular vertices are followed where that costs little.
-SplitPlan choose_splits(const IntegratorContext& context, const SplitTrials& trials);
+SplitChoice choose_splits(const IntegratorContext& context, const PathTrials& trials);
 
 }  // namespace raylex::transport

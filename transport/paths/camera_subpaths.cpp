@@ -7,7 +7,7 @@ namespace raylex::transport {
 void CameraSubpaths::begin(std::span<const Ray> rays, std::span<const PixelSampler> samplers, display::LpeServices& lpe,
                            IntegratorCounters& counters) {
     levels_in_use_ = 0;
-    if (options_.splits.any()) {
+    if (by_channels_) {
         std::copy(samplers.begin(), samplers.end(), branch_samplers_.begin());
         samplers = {branch_samplers_.data(), samplers.size()};
     }
@@ -120,18 +120,40 @@ struct CameraSubpaths::Scatterer : WalkVisitor {
     }
 };
 
-struct CameraSubpaths::SplitScatterer : Scatterer {
-    static constexpr bool splits = true;
+/// Where channels alone decide which rays go on.
+struct CameraSubpaths::ChannelScatterer : Scatterer {
+    static constexpr bool splits = true, expects = true;
     std::uint32_t branch;
+
+    /// Paths that have come in a direction which light samples could not find still bring all of the light there.
+    [[nodiscard]] std::uint64_t state(std::uint32_t row) const {
+        const std::uint64_t state = self.record_.events().foresight().state_of(self.record_.tracker(row));
+        return self.walk_.path(row).specular ? state ^ (std::uint64_t{state != 0} << 63) : state;
+    }
+    [[nodiscard]] static Real throughput(const Subpath& path) { return path.beta.max() * path.roulette_scale; }
+    [[nodiscard]] Real chance(std::uint32_t row) const {
+        if (self.options_.roulette == nullptr) return 0;
+        const Subpath& path = self.walk_.path(row);
+        Real strength = throughput(path);
+        if (path.split) strength /= static_cast<Real>(self.options_.splits.rays);
+        if (!path.specular) strength /= path.ray_share;  // as it will be
+        return self.options_.roulette->chance(state(row), strength);
+    }
+    bool goes_on(std::uint32_t row) {
+        if (!Scatterer::goes_on(row)) return false;
+        const Subpath& path = self.walk_.path(row);
+        if (self.options_.watch != nullptr) self.options_.watch->leaves(row, state(row), throughput(path), path.split);
+        return true;
+    }
 };
 
 void CameraSubpaths::scatter_branch(std::uint32_t branch) {
-    SplitScatterer scatterer{{{}, *this}, branch};
+    ChannelScatterer scatterer{{{}, *this}, branch};
     walk_.scatter(scatterer);
 }
 
 void CameraSubpaths::scatter() {
-    if (options_.splits.any()) {
+    if (by_channels_) {
         keep_split_vertices();
         return scatter_branch(0);
     }

@@ -16,6 +16,7 @@
 #include "display/services/display_services.h"
 #include "transport/paths/camera_connections.h"
 #include "transport/paths/record.h"
+#include "transport/paths/roulette.h"
 #include "transport/paths/walk.h"
 
 namespace raylex::transport {
@@ -30,11 +31,13 @@ struct CameraSubpathOptions {
     WalkOptions walk;
     bool shade_first_hits =
         false;  ///< somebody reads AOVs or patterns there: the first hit is shaded whatever the light
-    bool light_can_be_hit = true;     ///< by a ray: if not, a path's last scattering need not be traced
-    bool live_lobes = false;          ///< closures draw no side that no channel takes; not for `densities`
-    SplitPlan splits;                 ///< none for samplers of chains
-    CameraView view;                  ///< for densities
-    Real world_to_camera[3][4] = {};  ///< rigid part, for surfaces that say their normal
+    bool light_can_be_hit = true;             ///< by a ray: if not, a path's last scattering need not be traced
+    bool live_lobes = false;                  ///< closures draw no side that no channel takes; not for `densities`
+    SplitPlan splits;                         ///< none for samplers of chains
+    const RouletteTable* roulette = nullptr;  ///< null: by throughput alone
+    PathWatch* watch = nullptr;               ///< a pilot's
+    CameraView view;                          ///< for densities
+    Real world_to_camera[3][4] = {};          ///< rigid part, for surfaces that say their normal
 };
 
 /// What an integrator makes of the light that camera subpaths meet. Derive and hide.
@@ -53,8 +56,12 @@ class CameraSubpaths {
   public:
     CameraSubpaths(const SceneView& scene, const EventTable& events, const CameraSubpathOptions& options,
                    std::size_t capacity)
-        : scene_(scene), options_(options), walk_(scene, events, options.walk, capacity), record_(events, capacity) {
-        if (options.splits.any()) branch_samplers_.resize(capacity);
+        : scene_(scene),
+          options_(options),
+          by_channels_(options.splits.any() || options.roulette != nullptr || options.watch != nullptr),
+          walk_(scene, events, options.walk, capacity),
+          record_(events, capacity) {
+        if (by_channels_) branch_samplers_.resize(capacity);
     }
 
     void begin(std::span<const Ray> rays, std::span<const PixelSampler> samplers, display::LpeServices& lpe,
@@ -105,7 +112,7 @@ class CameraSubpaths {
     template <class Ends>
     struct Visitor;
     struct Scatterer;
-    struct SplitScatterer;
+    struct ChannelScatterer;
     void keep_split_vertices();
     void follow_only(std::uint32_t row);
     void scatter_branch(std::uint32_t branch);
@@ -129,6 +136,7 @@ class CameraSubpaths {
 
     const SceneView scene_;
     const CameraSubpathOptions options_;
+    const bool by_channels_;  // alone it is decided which rays go on
     Walk<TransportMode::radiance> walk_;
     Record record_;
     // Where paths may be split.

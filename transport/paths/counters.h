@@ -8,7 +8,7 @@
 
 namespace raylex::transport {
 
-/// What was not simulated because no channel takes it (Law 4), by cause.
+/// What was not simulated because no channel takes it, or too little (Law 4), by cause.
 enum class Pruned : std::uint8_t {
     paths,                       ///< ended: no word can be completed any more
     light_samples,               ///< not drawn: no light ends a word there
@@ -17,9 +17,10 @@ enum class Pruned : std::uint8_t {
     light_samples_left_to_rays,  ///< and the other way round
     lobes,                       ///< not drawn: no channel takes that side of an interface
     light_paths,                 ///< not begun or ended: no word of a light subpath can be completed any more
-    joins                        ///< of its vertices with others or the camera, not looked at: no channel takes any
+    joins,                       ///< of its vertices with others or the camera, not looked at: no channel takes any
+    weak_paths                   ///< ended at random: channels are expected to receive little of them
 };
-inline constexpr std::size_t pruned_causes = 8;
+inline constexpr std::size_t pruned_causes = 9;
 using PrunedCounts = std::array<std::uint64_t, pruned_causes>;
 
 /// Work done, for statistics. Added up over threads at the end.

@@ -41,6 +41,8 @@ struct WalkOptions {
 struct WalkVisitor {
     /// Whether subpaths may be split (splits.h).
     static constexpr bool splits = false;
+    /// Whether roulette asks for chance() (roulette.h).
+    static constexpr bool expects = false;
     /// A ray has hit nothing: its subpath ends.
     void escapes(std::uint32_t /*row*/, const Ray& /*ray*/) {}
     /// Vertex j is an interface with alpha, which no ray stops at, and a light.
@@ -157,7 +159,8 @@ class Walk {
     void append_collisions(Visitor& visitor);
     bool fails_alpha_test(std::size_t j) const;
     void lay_footprints();
-    bool survives_roulette(std::uint32_t row, std::uint32_t dimension);
+    template <class Visitor>
+    bool survives_roulette(std::uint32_t row, std::uint32_t dimension, const Visitor& visitor);
     static std::uint32_t take_branch(Subpath& path, const BsdfSample& s);
 
     const SceneView scene_;
@@ -388,10 +391,15 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
 }
 
 template <TransportMode mode>
-bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
+template <class Visitor>
+bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension,
+                                   [[maybe_unused]] const Visitor& visitor) {
     Subpath& path = paths_[row];
-    Real keep = 1;
-    if (path.depth >= 2) {
+    Real keep = 1, chance = 0;
+    if constexpr (Visitor::expects) chance = visitor.chance(row);
+    if (chance > 0) {
+        keep = chance;
+    } else if (path.depth >= 2) {
         const Real throughput = mode == TransportMode::radiance ? path.beta.max() * path.roulette_scale
                                                                 : path.beta.max() / path.roulette_scale;
         if (throughput < options_.roulette_below) keep = throughput / options_.roulette_below;
@@ -403,6 +411,7 @@ bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
     if (!(keep < 1)) return true;
     if (samplers_[row].get_random(dimension) >= keep) {
         if (!path.specular && path.ray_share < 1) counters_->count(Pruned::rays_left_to_light_samples);
+        else if (chance > 0) counters_->count(Pruned::weak_paths);
         return false;
     }
     path.beta *= 1 / keep;
@@ -469,7 +478,7 @@ void Walk<mode>::scatter(Visitor& visitor) {
             finish(row);
             continue;
         }
-        if (path.beta.is_black() || !survives_roulette(row, dimensions.of(depth, dimensions.roulette)) ||
+        if (path.beta.is_black() || !survives_roulette(row, dimensions.of(depth, dimensions.roulette), visitor) ||
             !visitor.goes_on(row)) {
             finish(row);
             continue;

@@ -1,0 +1,82 @@
+// Paths through a coarse grid over the image, followed before a render to learn what it had better do.
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "transport/integrators/integrator.h"
+#include "transport/paths/roulette.h"
+#include "transport/paths/splits.h"
+
+namespace raylex::transport {
+
+/// Makes integrators for pilots.
+class PathTrials {
+  public:
+    /// Ready to integrate, of at most `most_depth` scattering events. With a watch paths do not end at random.
+    [[nodiscard]] virtual std::unique_ptr<Integrator> trial(const SplitPlan& plan, std::uint32_t most_depth,
+                                                            PathWatch* watch = nullptr) const = 0;
+
+  protected:
+    ~PathTrials() = default;
+};
+
+/// In scattering rays with what is done where they hit, as measured on cornell-grey and caustic-ball.
+inline constexpr double camera_ray_cost = 1.3, shadow_ray_cost = 0.7;
+double pilot_cost(const IntegratorCounters& counters);
+inline std::uint64_t pilot_rays(const IntegratorCounters& counters) {
+    return counters.camera_rays + counters.scattering_rays + counters.shadow_rays;
+}
+
+class PilotPaths {
+  public:
+    static constexpr std::uint32_t grid = 16;
+    static constexpr std::uint32_t most_depth = 16;  ///< bounds what a pilot costs
+
+    explicit PilotPaths(const IntegratorContext& context);
+    PilotPaths(const PilotPaths&) = delete;
+    PilotPaths& operator=(const PilotPaths&) = delete;
+
+    /// Expression channels, of which value() tells.
+    [[nodiscard]] const std::vector<display::ChannelId>& channels() const { return channels_; }
+    /// Whether values without throughput are asked for, which count paths as they are drawn: one of each sample.
+    [[nodiscard]] bool count_alike() const { return lpe_.wants_emitter_samples(); }
+    /// `most`, or fewer where the image is so small that they would be more than some samples of each pixel.
+    [[nodiscard]] std::uint32_t most_rounds(std::uint32_t most) const;
+    /// One path through each pixel of the grid, by numbers of their own for each round.
+    void begin(std::uint32_t round);
+    /// Follows them, calling visit(first, count) for each batch: it is of the pixels from `first` on.
+    template <class Visit>
+    void follow(const Integrator& integrator, IntegratorThread& thread, Visit visit) {
+        for (std::size_t first = 0; first < rows_.size(); first += capacity()) {
+            const std::size_t count = std::min(capacity(), rows_.size() - first);
+            integrate(integrator, thread, first, count);
+            visit(first, count);
+        }
+    }
+    /// What a channel (in the order of channels()) has received from a row of the batch so far, the mean of its
+    /// colours.
+    [[nodiscard]] double value(std::size_t channel, std::size_t row) const {
+        if (!table_.touched(channels_[channel])) return 0;
+        const double* values = table_.values(channels_[channel]) + 3 * row;
+        return (values[0] + values[1] + values[2]) / 3;
+    }
+
+  private:
+    [[nodiscard]] std::size_t capacity() const { return static_cast<std::size_t>(context_.batch_capacity); }
+    void integrate(const Integrator& integrator, IntegratorThread& thread, std::size_t first, std::size_t count);
+
+    const IntegratorContext& context_;
+    display::SampleTable table_;
+    display::DisplayServices display_;
+    display::LpeServices lpe_;
+    std::vector<display::ChannelId> channels_;
+    std::vector<display::CameraRow> rows_;
+    std::vector<CameraSample> camera_samples_;
+    std::vector<Ray> rays_;
+    std::vector<Real> weights_;  // of rays_; empty where all count alike
+    std::vector<PixelSampler> samplers_;
+};
+
+}  // namespace raylex::transport

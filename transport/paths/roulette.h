@@ -1,0 +1,61 @@
+// Roulette by what the requested channels may still receive of a path, where beauty does not ask for it (the dual of
+// splitting: Bolin and Meyer 1997; Rath et al. 2022, "EARS"). Paths are told apart by where their trackers stand.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "transport/math/real.h"
+
+namespace raylex::transport {
+
+/// From states of paths to how strong their throughput is for roulette.
+class RouletteTable {
+  public:
+    static constexpr std::size_t most_states = 256;  ///< others are for plain roulette
+    /// However little is expected: nothing that could count is starved, and no survivor stands for more than 8.
+    static constexpr Real least_chance = Real(0.125);
+
+    [[nodiscard]] bool empty() const { return count_ == 0; }
+    /// `state`: not 0, and not there yet. False: there is no room.
+    bool add(std::uint64_t state, Real strength) {
+        if (count_ == most_states) return false;
+        std::size_t at = place_of(state);
+        states_[at] = state;
+        strengths_[at] = strength;
+        ++count_;
+        return true;
+    }
+    /// With which chance a path of this throughput goes on; 0: the state is not known.
+    [[nodiscard]] Real chance(std::uint64_t state, Real throughput) const {
+        const std::size_t at = place_of(state);
+        if (state == 0 || states_[at] != state) return 0;
+        return std::clamp(throughput * strengths_[at], least_chance, Real(1));
+    }
+
+  private:
+    static constexpr std::size_t slots = 2 * most_states;  // half of them stay free, which ends every search
+    [[nodiscard]] std::size_t place_of(std::uint64_t state) const {
+        std::size_t at = state >> 32 & (slots - 1);
+        while (states_[at] != 0 && states_[at] != state) at = (at + 1) & (slots - 1);
+        return at;
+    }
+    std::array<std::uint64_t, slots> states_{};
+    std::array<Real, slots> strengths_{};
+    std::size_t count_ = 0;
+};
+
+/// Sees paths leave their vertices, for pilots that learn what such a table is to hold.
+class PathWatch {
+  public:
+    /// The path of a row goes on in this state. `throughput` is as roulette sees it, `split` whether rays may have been
+    /// split before.
+    virtual void leaves(std::uint32_t row, std::uint64_t state, Real throughput, bool split) = 0;
+
+  protected:
+    ~PathWatch() = default;
+};
+
+}  // namespace raylex::transport
