@@ -31,7 +31,8 @@ std::vector<Imf::Header> atlas_headers(const AtlasSource& source, const ImageDes
         const bool flat = headers.empty();
         header.setType(flat ? Imf::SCANLINEIMAGE : Imf::DEEPSCANLINE);
         // Numbers of words have zero bytes, and eighths are zeros for the most part: runs find these. zip took a sixth
-        // of what an atlas costs in fog, and saved 7 % of the file: a row's R is longer ago than its window reaches.
+        // of what an atlas costs in fog. It saved 6 % of coloured scenes' files and 7 % in fog, where rows have 256
+        // pixels; more only where its window of 32 KB reaches from a row's G to an R that is the same.
         header.compression() = flat ? Imf::ZIP_COMPRESSION : Imf::RLE_COMPRESSION;
         headers.push_back(header);
     }

@@ -38,7 +38,7 @@ class Foresight {
     [[nodiscard]] Ahead of(const Tracker& tracker) const;
     /// The same once the path is scattered by an event of any of these classes.
     [[nodiscard]] Ahead after(const Tracker& tracker, std::span<const lpe::EventClass> scatterings) const;
-    /// Tells apart where trackers stand, shares aside, with a chance of 2^-64 to take two for one; 0: nothing is known.
+    /// Tells apart where trackers stand, shares aside, with a chance of 2^-63 to take two for one; 0: nothing is known.
     [[nodiscard]] std::uint64_t state_of(const Tracker& tracker) const;
     /// The bit of Ahead::terminals for a class of Alphabet::terminals. Those after the 63rd share the last.
     [[nodiscard]] std::uint64_t bit_of(lpe::EventClass terminal) const;
