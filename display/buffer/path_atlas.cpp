@@ -183,10 +183,13 @@ void PathAtlas::accumulate(const SampleTable& table) {
     const std::span<const Batch::Sum> sums = batch.sums();
     const auto pixel_of = [&](std::size_t i) { return batch.block_pixel[sums[i].key >> 32]; };
     const auto word_of = [&](std::size_t i) { return 2 * static_cast<std::uint32_t>(sums[i].key); };
+    const auto with_pixel = [&](std::size_t i, auto function) {
+        if (i < sums.size() && pixel_of(i) != outside) function(pixels_[pixel_of(i)], word_of(i));
+    };
     constexpr std::size_t ahead = 8;
     for (std::size_t i = 0; i < sums.size(); ++i) {
-        if (i + ahead < sums.size() && pixel_of(i + ahead) != outside)
-            pixels_[pixel_of(i + ahead)].prefetch(word_of(i + ahead));
+        with_pixel(i + 2 * ahead, [](const Pixel& of, std::uint32_t word) { of.prefetch_slot(word); });
+        with_pixel(i + ahead, [&](const Pixel& of, std::uint32_t word) { of.prefetch_entry(word, pools_->entries); });
         if (pixel_of(i) != outside) add(pixel_of(i), word_of(i), sums[i].light, reserves);
     }
 }

@@ -18,6 +18,13 @@
 
 namespace raylex::display {
 
+/// Begins the way to memory that is going to be needed. The empty statement is for GCC 12, which takes functions that
+/// do nothing else for ones without effect, and leaves their calls out.
+inline void prefetch(const void* memory) {
+    __builtin_prefetch(memory);
+    asm volatile("");
+}
+
 /// R + G + B of the samples of each eighth.
 struct PathAtlas::Eighths {
     std::array<Int128, parts> sums{};
@@ -114,7 +121,13 @@ struct PathAtlas::Entry {
         for (const Int128 each : light) static_cast<void>(add_fixed(sum, each));
         return sum;
     }
-    /// `of`: where eighths lie.
+    /// `of`: where eighths lie, here and below.
+    template <class Pool>
+    void prefetch_eighths(const Pool& of) const {
+        if (!is_spread()) return;
+        display::prefetch(&of[eighths]);
+        display::prefetch(&of[eighths].sums.back());
+    }
     template <class Pool, class Function>
     void for_each_eighth(const Pool& of, Function function) const {
         if (is_spread())
@@ -214,19 +227,19 @@ struct PathAtlas::Pixel {
             for (const Slot slot : slots)
                 if (slot.word != Entry::unused) visit(pools.entries[slot.entry]);
         };
-        for_each_entry([](const Entry& entry) { __builtin_prefetch(&entry); });
-        for_each_entry([&](const Entry& entry) {
-            if (!entry.is_spread()) return;
-            __builtin_prefetch(&pools.eighths[entry.eighths]);
-            __builtin_prefetch(&pools.eighths[entry.eighths].sums.back());
-        });
+        for_each_entry([](const Entry& entry) { display::prefetch(&entry); });
+        for_each_entry([&](const Entry& entry) { entry.prefetch_eighths(pools.eighths); });
         for_each_entry(function);
     }
     [[nodiscard]] std::uint64_t bytes() const { return sizeof(Pixel) + slots.size_bytes(); }
 
     /// Begins the way to a word that is going to be looked for.
-    void prefetch(std::uint32_t word) const {
-        if (!slots.empty()) __builtin_prefetch(&slots[mix64(word) & (slots.size() - 1)]);
+    void prefetch_slot(std::uint32_t word) const {
+        if (!slots.empty()) display::prefetch(&slots[mix64(word) & (slots.size() - 1)]);
+    }
+    /// When that is there, further, to the word's light.
+    void prefetch_entry(std::uint32_t word, const Pool<Entry>& entries) const {
+        if (const std::uint32_t number = find(word); number != Pool<Entry>::none) display::prefetch(&entries[number]);
     }
 
   private:

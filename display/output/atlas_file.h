@@ -1,16 +1,17 @@
 // Path atlases as files: deep OpenEXR whose samples are words.
 //
 //   part `words`   deep: word (UINT), R G B (FLOAT), one sample a word that the pixel has light of, by ascending
-//   number;
-//                  where light may be negative also Rrest Grest Brest (FLOAT), what R G B lack of it: words that nearly
-//                  cancel make layers that are much less than they
-//   part `parts`   deep, the same samples: p0 ... p7 (HALF), what share of the word's luminance, (R + G + B) / 3, the
-//                  samples of each eighth brought; 0 where the luminance is 0
+//                  number; eighth (HALF), which of the eighths of the pixel's samples brought the word's luminance,
+//                  (R + G + B) / 3: 1 to 8, 0 where there is none, 9 where several did; and where light may be
+//                  negative Rrest Grest Brest (FLOAT), what R G B lack of it: words that nearly cancel make layers that
+//                  are much less than they
+//   part `parts`   deep, one sample a word whose `eighth` is 9, in the same order: p0 ... p7 (HALF), what share of its
+//                  luminance each brought
 //   part `rgba`    flat: R G B A of the render, and n0 ... n7 (FLOAT), how many of the pixel's samples each eighth had
 //
 // Deep parts without Z: samples are no surfaces. The header of `words` holds the table, as text:
 //
-//   atlas/version  1
+//   atlas/version  2; in version 1 part `parts` had all words, and there was no `eighth`
 //   atlas/by       what words are told apart by: label,lobe,group,straight,technique
 //   atlas/length   scatterings of the longest word kept whole
 //   atlas/events   events of the scene that had light, as lpe/match.h writes them

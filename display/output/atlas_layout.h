@@ -13,6 +13,9 @@ struct AtlasLayout {
     static constexpr const char* word = "word";
     static constexpr const char* colors[] = {"R", "G", "B"};
     static constexpr const char* rests[] = {"Rrest", "Grest", "Brest"};  ///< where light may be negative
+    /// What `eighth` says beside which eighth of the samples, counted from 1, brought all of a word's luminance.
+    static constexpr const char* eighth = "eighth";
+    static constexpr std::uint32_t no_luminance = 0, several_eighths = PathAtlas::parts + 1;
     static std::string part(std::size_t k) { return "p" + std::to_string(k); }
     static std::string count(std::size_t k) { return "n" + std::to_string(k); }
     /// In the order of AtlasRow: rgba, then counts.

@@ -74,10 +74,13 @@ struct AtlasFile::Impl {
 
     void read_band(int y);
     void read_flat(int first, int last);
+    void read_counts(Imf::DeepScanLineInputPart& part, int first, int last, std::vector<std::size_t>& to);
     void read_words(int first, int last);
     void read_parts(int first, int last);
+    void parts_of(std::size_t sample, std::array<float, PathAtlas::parts>& shares) const;
     template <class Value>
-    void insert(Imf::DeepFrameBuffer& buffer, const std::string& name, Imf::PixelType type, std::vector<Value>& values);
+    void insert(Imf::DeepFrameBuffer& buffer, const std::vector<std::size_t>& places, const std::string& name,
+                Imf::PixelType type, std::vector<Value>& values);
     [[nodiscard]] Imf::DeepFrameBuffer with_counts();
     [[nodiscard]] std::ptrdiff_t before() const { return std::ptrdiff_t{band_begin} * width + min_x; }
 
@@ -91,8 +94,10 @@ struct AtlasFile::Impl {
     // The rows [band_begin, band_end) of the file.
     int band_begin = 0, band_end = 0;
     std::vector<unsigned> counts;
-    std::vector<std::size_t> begin;  // [pixel + 1]
+    std::vector<std::size_t> begin, spread_begin;  // [pixel + 1] of part `words`, of part `parts`
     std::vector<std::uint32_t> words;
+    std::vector<float> eighths;
+    std::vector<std::size_t> place_in_parts;  // [word sample] where several eighths brought light
     std::array<std::vector<float>, 3> colors, rests;
     std::array<std::vector<float>, PathAtlas::parts> parts;
     std::vector<float> flat;
@@ -107,31 +112,35 @@ Imf::DeepFrameBuffer AtlasFile::Impl::with_counts() {
 }
 
 template <class Value>
-void AtlasFile::Impl::insert(Imf::DeepFrameBuffer& buffer, const std::string& name, Imf::PixelType type,
-                             std::vector<Value>& values) {
-    values.resize(begin.back() + 1);  // pointers of pixels without samples must point somewhere, too
+void AtlasFile::Impl::insert(Imf::DeepFrameBuffer& buffer, const std::vector<std::size_t>& places,
+                             const std::string& name, Imf::PixelType type, std::vector<Value>& values) {
+    values.resize(places.back() + 1);  // pointers of pixels without samples must point somewhere, too
     std::vector<char*>& to = pointers.emplace_back();
-    for (std::size_t pixel = 0; pixel + 1 < begin.size(); ++pixel)
-        to.push_back(reinterpret_cast<char*>(values.data() + begin[pixel]));
+    for (std::size_t pixel = 0; pixel + 1 < places.size(); ++pixel)
+        to.push_back(reinterpret_cast<char*>(values.data() + places[pixel]));
     buffer.insert(name, Imf::DeepSlice(type, reinterpret_cast<char*>(to.data() - before()), sizeof(char*),
                                        sizeof(char*) * static_cast<std::size_t>(width), sizeof(Value)));
 }
 
+void AtlasFile::Impl::read_counts(Imf::DeepScanLineInputPart& part, int first, int last, std::vector<std::size_t>& to) {
+    part.setFrameBuffer(with_counts());
+    part.readPixelSampleCounts(first, last);
+    to.assign(1, 0);
+    for (const unsigned count : counts) {
+        to.push_back(to.back() + count);
+        if (to.back() > most_band_samples) throw std::runtime_error("its rows claim more samples than any atlas has");
+    }
+}
+
 void AtlasFile::Impl::read_words(int first, int last) {
     Imf::DeepScanLineInputPart part(file, indices[1]);
+    read_counts(part, first, last, begin);
     Imf::DeepFrameBuffer buffer = with_counts();
-    part.setFrameBuffer(buffer);
-    part.readPixelSampleCounts(first, last);
-    begin.assign(1, 0);
-    for (const unsigned count : counts) {
-        begin.push_back(begin.back() + count);
-        if (begin.back() > most_band_samples)
-            throw std::runtime_error("its rows claim more samples than any atlas has");
-    }
-    insert(buffer, AtlasLayout::word, Imf::UINT, words);
-    for (std::size_t c = 0; c < 3; ++c) insert(buffer, AtlasLayout::colors[c], Imf::FLOAT, colors[c]);
+    insert(buffer, begin, AtlasLayout::word, Imf::UINT, words);
+    if (wants_parts) insert(buffer, begin, AtlasLayout::eighth, Imf::FLOAT, eighths);
+    for (std::size_t c = 0; c < 3; ++c) insert(buffer, begin, AtlasLayout::colors[c], Imf::FLOAT, colors[c]);
     for (std::size_t c = 0; table.is_signed() && c < 3; ++c)
-        insert(buffer, AtlasLayout::rests[c], Imf::FLOAT, rests[c]);
+        insert(buffer, begin, AtlasLayout::rests[c], Imf::FLOAT, rests[c]);
     read_deep(part, buffer, first, last);
     const std::size_t known = table.words.size();
     for (std::size_t i = 0; i < begin.back(); ++i)
@@ -140,13 +149,30 @@ void AtlasFile::Impl::read_words(int first, int last) {
 
 void AtlasFile::Impl::read_parts(int first, int last) {
     Imf::DeepScanLineInputPart part(file, indices[2]);
-    const std::vector<unsigned> of_words = counts;
+    read_counts(part, first, last, spread_begin);
+    place_in_parts.assign(begin.back(), 0);
+    std::size_t spread = 0;
+    for (std::size_t pixel = 0; pixel + 1 < begin.size(); ++pixel) {
+        for (std::size_t i = begin[pixel]; i < begin[pixel + 1]; ++i) {
+            if (!(eighths[i] >= 0 && eighths[i] <= AtlasLayout::several_eighths))
+                throw std::runtime_error("it has a word of an eighth that there is not");
+            if (eighths[i] == AtlasLayout::several_eighths) place_in_parts[i] = spread++;
+        }
+        if (spread != spread_begin[pixel + 1])
+            throw std::runtime_error("its parts 'words' and 'parts' differ in their samples");
+    }
     Imf::DeepFrameBuffer buffer = with_counts();
-    part.setFrameBuffer(buffer);
-    part.readPixelSampleCounts(first, last);
-    if (counts != of_words) throw std::runtime_error("its parts 'words' and 'parts' differ in their samples");
-    for (std::size_t k = 0; k < PathAtlas::parts; ++k) insert(buffer, AtlasLayout::part(k), Imf::FLOAT, parts[k]);
+    for (std::size_t k = 0; k < PathAtlas::parts; ++k)
+        insert(buffer, spread_begin, AtlasLayout::part(k), Imf::FLOAT, parts[k]);
     read_deep(part, buffer, first, last);
+}
+
+void AtlasFile::Impl::parts_of(std::size_t sample, std::array<float, PathAtlas::parts>& shares) const {
+    const auto eighth = static_cast<std::uint32_t>(eighths[sample]);
+    shares.fill(0);
+    if (eighth == AtlasLayout::several_eighths)
+        for (std::size_t k = 0; k < PathAtlas::parts; ++k) shares[k] = parts[k][place_in_parts[sample]];
+    else if (eighth != AtlasLayout::no_luminance) shares[eighth - 1] = 1;
 }
 
 void AtlasFile::Impl::read_flat(int first, int last) {
@@ -251,7 +277,7 @@ Status AtlasFile::row(int y, AtlasRow& row) {
         for (std::size_t c = 0; c < 3; ++c) sample.rgb[c] = static_cast<double>(impl.colors[c][at]);
         for (std::size_t c = 0; impl.table.is_signed() && c < 3; ++c)
             sample.rgb[c] += static_cast<double>(impl.rests[c][at]);
-        for (std::size_t k = 0; impl.wants_parts && k < PathAtlas::parts; ++k) sample.parts[k] = impl.parts[k][at];
+        if (impl.wants_parts) impl.parts_of(at, sample.parts);
     }
     return success();
 }

@@ -10,7 +10,7 @@
 namespace raylex::display {
 namespace {
 
-constexpr const char* table_version = "1";
+constexpr const char* table_version = "2";
 
 Error damaged_table(const std::string& path, const std::string& what) {
     Error error;

@@ -39,6 +39,7 @@ std::vector<Imf::Header> atlas_headers(const AtlasSource& source, const ImageDes
     for (const std::string& plane : AtlasLayout::flat_planes())
         headers[0].channels().insert(plane, Imf::Channel(Imf::FLOAT));
     headers[1].channels().insert(AtlasLayout::word, Imf::Channel(Imf::UINT));
+    headers[1].channels().insert(AtlasLayout::eighth, Imf::Channel(Imf::HALF));
     for (const char* plane : AtlasLayout::colors) headers[1].channels().insert(plane, Imf::Channel(Imf::FLOAT));
     for (const char* plane : AtlasLayout::rests)
         if (source.table().is_signed()) headers[1].channels().insert(plane, Imf::Channel(Imf::FLOAT));
@@ -61,9 +62,12 @@ class AtlasBand {
         clear();
         for (int y = y0; y < y1; ++y) {
             if (Status read = source_.row(y, row_); !read) return read;
-            for (std::size_t x = 0; x < static_cast<std::size_t>(width_); ++x)
+            for (std::size_t x = 0; x < static_cast<std::size_t>(width_); ++x) {
                 counts_.push_back(row_.begin[x + 1] - row_.begin[x]);
-            for (const WordSample& sample : row_.samples) add(sample);
+                const std::size_t spread_before = parts_[0].size();
+                for (std::size_t i = row_.begin[x]; i < row_.begin[x + 1]; ++i) add(row_.samples[i]);
+                spread_counts_.push_back(static_cast<unsigned>(parts_[0].size() - spread_before));
+            }
             for (std::size_t x = 0; x < static_cast<std::size_t>(width_); ++x) {
                 flat_.insert(flat_.end(), row_.rgba[x].begin(), row_.rgba[x].end());
                 flat_.insert(flat_.end(), row_.counts[x].begin(), row_.counts[x].end());
@@ -75,12 +79,14 @@ class AtlasBand {
     void write(Imf::OutputPart& flat, Imf::DeepScanLineOutputPart& words, Imf::DeepScanLineOutputPart& parts,
                int rows) {
         write_flat(flat, rows);
-        Imf::DeepFrameBuffer of_words = with_counts(), of_parts = with_counts();
-        insert(of_words, AtlasLayout::word, Imf::UINT, words_);
-        for (std::size_t c = 0; c < 3; ++c) insert(of_words, AtlasLayout::colors[c], Imf::FLOAT, colors_[c]);
+        Imf::DeepFrameBuffer of_words = with_counts(counts_), of_parts = with_counts(spread_counts_);
+        insert(of_words, counts_, AtlasLayout::word, Imf::UINT, words_);
+        insert(of_words, counts_, AtlasLayout::eighth, Imf::HALF, eighths_);
+        for (std::size_t c = 0; c < 3; ++c) insert(of_words, counts_, AtlasLayout::colors[c], Imf::FLOAT, colors_[c]);
         for (std::size_t c = 0; is_signed_ && c < 3; ++c)
-            insert(of_words, AtlasLayout::rests[c], Imf::FLOAT, rests_[c]);
-        for (std::size_t k = 0; k < PathAtlas::parts; ++k) insert(of_parts, AtlasLayout::part(k), Imf::HALF, parts_[k]);
+            insert(of_words, counts_, AtlasLayout::rests[c], Imf::FLOAT, rests_[c]);
+        for (std::size_t k = 0; k < PathAtlas::parts; ++k)
+            insert(of_parts, spread_counts_, AtlasLayout::part(k), Imf::HALF, parts_[k]);
         words.setFrameBuffer(of_words);
         words.writePixels(rows);
         parts.setFrameBuffer(of_parts);
@@ -90,7 +96,9 @@ class AtlasBand {
   private:
     void clear() {
         counts_.clear();
+        spread_counts_.clear();
         words_.clear();
+        eighths_.clear();
         flat_.clear();
         pointers_.clear();
         for (auto* planes : {&colors_, &rests_})
@@ -104,7 +112,14 @@ class AtlasBand {
             colors_[c].push_back(stored);
             if (is_signed_) rests_[c].push_back(static_cast<float>(sample.rgb[c] - static_cast<double>(stored)));
         }
-        for (std::size_t k = 0; k < PathAtlas::parts; ++k)
+        std::uint32_t eighth = AtlasLayout::no_luminance;
+        for (std::uint32_t k = 0; k < PathAtlas::parts; ++k) {
+            if (sample.parts[k] == 0) continue;
+            const bool first = eighth == AtlasLayout::no_luminance;
+            eighth = first && sample.parts[k] == 1 ? k + 1 : AtlasLayout::several_eighths;
+        }
+        eighths_.emplace_back(static_cast<float>(eighth));
+        for (std::size_t k = 0; eighth == AtlasLayout::several_eighths && k < PathAtlas::parts; ++k)
             parts_[k].push_back(Imath::half(std::clamp(sample.parts[k], -65504.0f, 65504.0f)));
     }
     void write_flat(Imf::OutputPart& part, int rows) {
@@ -119,19 +134,19 @@ class AtlasBand {
         part.writePixels(rows);
     }
     [[nodiscard]] std::ptrdiff_t before() const { return static_cast<std::ptrdiff_t>(y0_) * width_; }
-    [[nodiscard]] Imf::DeepFrameBuffer with_counts() {
+    [[nodiscard]] Imf::DeepFrameBuffer with_counts(std::vector<unsigned>& counts) const {
         Imf::DeepFrameBuffer buffer;
-        buffer.insertSampleCountSlice(Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts_.data() - before()),
+        buffer.insertSampleCountSlice(Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts.data() - before()),
                                                  sizeof(unsigned),
                                                  sizeof(unsigned) * static_cast<std::size_t>(width_)));
         return buffer;
     }
     template <class Value>
-    void insert(Imf::DeepFrameBuffer& buffer, const std::string& name, Imf::PixelType type,
-                std::vector<Value>& values) {
+    void insert(Imf::DeepFrameBuffer& buffer, const std::vector<unsigned>& counts, const std::string& name,
+                Imf::PixelType type, std::vector<Value>& values) {
         std::vector<char*>& pointers = pointers_.emplace_back();
         std::size_t at = 0;
-        for (const unsigned count : counts_) {
+        for (const unsigned count : counts) {
             pointers.push_back(reinterpret_cast<char*>(values.data() + at));
             at += count;
         }
@@ -144,8 +159,9 @@ class AtlasBand {
     std::ptrdiff_t width_;
     int y0_ = 0;
     bool is_signed_;
-    std::vector<unsigned> counts_;
+    std::vector<unsigned> counts_, spread_counts_;  // of part `words`, of part `parts`
     std::vector<std::uint32_t> words_;
+    std::vector<Imath::half> eighths_;
     std::array<std::vector<float>, 3> colors_, rests_;
     std::array<std::vector<Imath::half>, PathAtlas::parts> parts_;
     std::vector<float> flat_;

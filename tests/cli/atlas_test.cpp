@@ -478,7 +478,7 @@ TEST_CASE("questions to no atlas end in a message", "[atlas][law7]") {
     std::string other = bytes;
     const std::size_t version = other.find("atlas/version");
     REQUIRE(version != std::string::npos);
-    other[other.find('1', version)] = '7';
+    other[other.find('2', version)] = '7';
     folder.write("other.exr", other);
-    check_refused(folder, "ask other.exr --lpe d=CDL -o d.exr", {"version '7'", "expected version 1"});
+    check_refused(folder, "ask other.exr --lpe d=CDL -o d.exr", {"version '7'", "expected version 2"});
 }
