@@ -103,6 +103,7 @@ class AtlasFile final : public AtlasSource {
     [[nodiscard]] int width() const override;
     [[nodiscard]] int height() const override;
     [[nodiscard]] const WordTable& table() const override;
+    /// In any order, and by several threads at once.
     Status row(int y, AtlasRow& row) override;
     /// Without `parts` rows are read sooner, and come without WordSample::parts.
     void read_parts(bool wanted);

@@ -1,12 +1,13 @@
 #include "experiments/atlas/asked_layers.h"
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <future>
 #include <limits>
+#include <map>
+#include <mutex>
 #include <optional>
 
 #include "lpe/algebra/check.h"
@@ -109,23 +110,19 @@ class AskedLayers::Builder {
         if (Status planned = plan_layers(answers, program_channel); !planned) return planned;
         atlas_.read_parts(settings_.errors);
         to_.alpha_.allocate(pixel_count());
-        // Rows are read while those before them become pixels.
-        constexpr int together = 32;  // what the file gives at once, or a share of it
-        std::vector<display::AtlasRow> rows(together), next_rows(together);
-        const auto read_rows = [&](int first, std::vector<display::AtlasRow>& to) {
-            for (int y = first; y < std::min(first + together, atlas_.height()); ++y)
-                if (Status had = atlas_.row(y, to[static_cast<std::size_t>(y - first)]); !had) return had;
-            return success();
-        };
-        std::future<Status> next = std::async(std::launch::async, read_rows, 0, std::ref(next_rows));
-        for (int first = 0; first < atlas_.height(); first += together) {
-            if (Status had = next.get(); !had) return had;
-            std::swap(rows, next_rows);
-            if (first + together < atlas_.height())
-                next = std::async(std::launch::async, read_rows, first + together, std::ref(next_rows));
-            tbb::parallel_for(first, std::min(first + together, atlas_.height()),
-                              [&](int y) { add_row(rows[static_cast<std::size_t>(y - first)], y, answers); });
-        }
+        tbb::enumerable_thread_specific<display::AtlasRow> row_of_thread;
+        std::mutex mutex;
+        std::map<int, Error> errors;  // [row], so that the first is told whatever the threads
+        tbb::parallel_for(0, atlas_.height(), [&](int y) {
+            display::AtlasRow& row = row_of_thread.local();
+            if (Status had = atlas_.row(y, row); !had) {
+                const std::lock_guard lock(mutex);
+                errors.emplace(y, std::move(had).error());
+                return;
+            }
+            add_row(row, y, answers);
+        });
+        if (!errors.empty()) return errors.begin()->second;
         return success();
     }
 

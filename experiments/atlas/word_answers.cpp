@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <unordered_map>
+#include <utility>
 
 #include "lpe/match.h"
 
@@ -12,13 +14,14 @@ namespace {
 using display::WordAlphabet;
 using Letter = display::WordTable::Letter;
 using States = std::vector<lpe::State>;  // of one path
+using StateSet = std::uint32_t;          // number of a set of these
 
 bool is_scattering(const lpe::Event& event) {
     return event.type == lpe::EventType::reflection || event.type == lpe::EventType::transmission ||
            event.type == lpe::EventType::volume;
 }
 
-/// Moves sets of states along letters.
+/// Moves sets of states along letters. They are few, whatever the words: each move is worked out once.
 class SetWalk {
   public:
     SetWalk(const display::WordTable& table, const lpe::Program& program) : program_(program) {
@@ -31,12 +34,24 @@ class SetWalk {
         classes_[WordAlphabet::open] = any;
         States first(program.word_count());
         program.advance(program.starts().data(), program.classify(lpe::Event{}), first.data());
-        first_.push_back(first);
+        first_ = number_of({first});
     }
-    [[nodiscard]] const std::vector<States>& first() const { return first_; }
+    [[nodiscard]] StateSet first() const { return first_; }
+    [[nodiscard]] const std::vector<States>& states(StateSet set) const { return *sets_[set]; }
 
     /// Dead paths stay among the states, for they accept nothing: what all states accept is what all paths do.
-    std::vector<States> move(const std::vector<States>& from, Letter letter) {
+    StateSet move(StateSet from, Letter letter) {
+        const auto [place, fresh] = moves_.try_emplace(std::uint64_t{from} << 16 | letter);
+        return fresh ? place->second = number_of(moved(states(from), letter)) : place->second;
+    }
+
+  private:
+    StateSet number_of(std::vector<States> set) {
+        const auto [place, fresh] = numbers_.try_emplace(std::move(set), static_cast<StateSet>(sets_.size()));
+        if (fresh) sets_.push_back(&place->first);
+        return place->second;
+    }
+    std::vector<States> moved(const std::vector<States>& from, Letter letter) {
         std::set<States> to;
         for (const States& each : from) {
             if (letter == WordAlphabet::open) {
@@ -48,8 +63,6 @@ class SetWalk {
         }
         return {to.begin(), to.end()};
     }
-
-  private:
     void step(const States& from, Letter letter, std::set<States>& to) const {
         States next(from.size());
         for (const lpe::EventClass event : classes_.at(letter)) {
@@ -76,7 +89,10 @@ class SetWalk {
     const lpe::Program& program_;
     std::map<Letter, std::set<lpe::EventClass>> classes_;
     std::map<States, std::vector<States>> beyond_;
-    std::vector<States> first_;
+    std::map<std::vector<States>, StateSet> numbers_;
+    std::vector<const std::vector<States>*> sets_;
+    std::unordered_map<std::uint64_t, StateSet> moves_;  // [set, letter]
+    StateSet first_ = 0;
 };
 
 enum class Answer { none, some, all };
@@ -121,19 +137,11 @@ struct Acceptance {
 WordAnswers::WordAnswers(const display::WordTable& table, const lpe::Program& program, const Techniques& techniques)
     : undecided_(program.channel_count(), -1) {
     SetWalk walk(table, program);
-    // Words share their beginnings: states behind each are worked out once.
-    std::map<std::vector<Letter>, std::vector<States>> behind{{{}, walk.first()}};
+    std::map<StateSet, Acceptance> of_set;
     for (std::size_t word = 0; word < table.words.size(); ++word) {
-        const std::vector<Letter>& letters = table.words[word];
-        std::vector<Letter> prefix;
-        const std::vector<States>* states = &behind.at({});
-        for (std::size_t i = 0; i + 1 < letters.size(); ++i) {
-            prefix.push_back(letters[i]);
-            const auto [place, fresh] = behind.try_emplace(prefix);
-            if (fresh) place->second = walk.move(*states, letters[i]);
-            states = &place->second;
-        }
-        Acceptance accepted(program, walk.move(*states, letters.back()));
+        StateSet set = walk.first();
+        for (const Letter letter : table.words[word]) set = walk.move(set, letter);
+        Acceptance accepted = of_set.try_emplace(set, program, walk.states(set)).first->second;
         if (!techniques.empty() && !table.techniques.empty()) accepted.keep(techniques, table.techniques[word]);
         all_.insert(all_.end(), accepted.all.begin(), accepted.all.end());
         some_.insert(some_.end(), accepted.some.begin(), accepted.some.end());
