@@ -190,13 +190,42 @@ configure_and_build() {
     fi
 }
 
-# run_programs <preset> <label> <catch arguments...>: every test program of the build, as many at once as there are cores
-# and the largest first, which takes longest; with counts from Catch2's own report.
+# beside NAME COMMAND...: goes on while the command does, in a shell of its own; collect NAME waits for it, and prints and
+# counts what it did.
+beside() {
+    local name=$1
+    shift
+    {
+        passed=0 failed=0 skipped=0 failures=()
+        "$@" >"$results/$name.said" 2>&1
+        { echo "$passed $failed $skipped"; printf '%s\n' "${failures[@]}"; } >"$results/$name.counting"
+        mv "$results/$name.counting" "$results/$name.counts"
+    } &
+}
+collect() {
+    local name=$1 more
+    while [ ! -e "$results/$name.counts" ] && [ -n "$(jobs -rp)" ]; do wait -n; done
+    cat "$results/$name.said"
+    if ! read -ra more <"$results/$name.counts"; then fail "$name ended before its report was complete"; return; fi
+    passed=$((passed + more[0])) failed=$((failed + more[1])) skipped=$((skipped + more[2]))
+    mapfile -t more < <(sed -e 1d -e '/^$/d' "$results/$name.counts")
+    failures+=("${more[@]}")
+}
+
+# The programs of a build, those that take longest first: so that all cores have something to do to the end.
+programs_of() {
+    local name
+    for name in transport experiments cli lpe endtoend display; do ls "build/$1/test_$name" 2>/dev/null; done
+    ls "build/$1"/test_* 2>/dev/null | grep -vE '/test_(transport|experiments|cli|lpe|endtoend|display)$'
+}
+
+# run_programs <preset> <label> <catch arguments...>: every test program of the build, as many at once as there are cores;
+# with counts from Catch2's own report.
 run_programs() {
     local preset=$1 label=$2
     shift 2
     local program name report log cases ok bad status programs=()
-    for program in $(ls -S "build/$preset"/test_* 2>/dev/null); do
+    for program in $(programs_of "$preset"); do
         [ -x "$program" ] || continue
         [ ${#parts[@]} = 0 ] || [[ " ${parts[*]} " == *" ${program##*/test_} "* ]] || continue
         programs+=("$program")
@@ -298,8 +327,9 @@ selection=("${cases[@]}")
 
 if configure_and_build release "${warnings[@]}"; then
     say "Release tests"
+    beside python run_python
     run_programs release release "${selection[@]}"
-    run_python
+    collect python
     if [ "$full" = 1 ]; then
         say "Long tests (Release)"
         run_programs release full "[.full]"
@@ -307,9 +337,15 @@ if configure_and_build release "${warnings[@]}"; then
     fi
 fi
 
-if [ "${CI:-}" = "true" ] && [ -z "$name" ]; then
+# Counts are the same whatever else runs.
+count_instructions() {
     say "Instructions of the inner loops"
     if check_instructions; then passed=$((passed + 1)); else fail "an inner loop is dearer than its budget"; fi
+}
+counts_instructions=0
+if [ "${CI:-}" = "true" ] && [ -z "$name" ]; then
+    counts_instructions=1
+    beside instructions count_instructions
 fi
 
 # Whole renders have no sanitizer build: transport's own tests take the same code through it.
@@ -331,6 +367,8 @@ if [ "$sanitize" != 0 ] && configure_and_build asan "${warnings[@]}"; then
         run_programs asan sanitized "${cases[@]:0:${#cases[@]}-1}" "${cases[-1]}~[statistical]~[release-only]"
     fi
 fi
+
+[ "$counts_instructions" = 0 ] || collect instructions
 
 # Each fuzz target from its corpus for a minute: a crash, a hang, a sanitizer's finding or 256 MiB in use fails it.
 fuzz_seconds=60

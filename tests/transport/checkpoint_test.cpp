@@ -8,6 +8,13 @@ using namespace render_test;
 
 namespace {
 
+/// Enough for a checkpoint to fall due amid the render.
+#ifdef __SANITIZE_ADDRESS__
+constexpr int samples_until_due = 400;  // each takes several times as long
+#else
+constexpr int samples_until_due = 1500;
+#endif
+
 /// All that must be the same: every plane of the frame buffer and of the mattes, and the numbers that add up.
 std::string everything(const transport::RenderOutput& output) {
     std::string bytes;
@@ -100,7 +107,7 @@ TEST_CASE("adaptive sampling takes the same decisions after interruptions", "[re
 TEST_CASE("checkpoints while a render goes on change nothing", "[render][checkpoint][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = room_settings();
-    settings.samples_per_pixel = 1500;  // long enough for a checkpoint to fall due
+    settings.samples_per_pixel = samples_until_due;
     const auto whole = render_of(scene, settings);
     const ScratchFile file;
     settings.checkpoint = transport::CheckpointSettings{file.path(), 0.01, false, {}};
@@ -194,7 +201,7 @@ TEST_CASE("a damaged checkpoint is refused and left as it is", "[render][checkpo
 TEST_CASE("a checkpoint that cannot be written is a warning, and the render goes on", "[render][checkpoint][law7]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = room_settings();
-    settings.samples_per_pixel = 1500;  // long enough for a checkpoint to fall due
+    settings.samples_per_pixel = samples_until_due;
     const auto whole = render_of(scene, settings);
     const ScratchFile file;
     settings.checkpoint = transport::CheckpointSettings{file.path(), 0.01, false, {}};
