@@ -20,7 +20,7 @@ Error row_error(const std::string& path, const std::string& message) {
 }
 
 Error damaged(const std::string& path, const std::string& what) {
-    return row_error(path, "the atlas is truncated or damaged: " + what);
+    return row_error(path, "the file is truncated or damaged: " + what);
 }
 
 /// What is wrong is told by results, and by us.
@@ -76,15 +76,20 @@ Status PackedRows::Impl::find_channels() {
     exr_attr_box2i_t window{};
     const exr_attr_chlist_t* list = nullptr;
     std::int32_t lines = 0;
+    exr_compression_t compression = EXR_COMPRESSION_RLE;
     if (exr_get_storage(context, part, &storage) != EXR_ERR_SUCCESS ||
         exr_get_data_window(context, part, &window) != EXR_ERR_SUCCESS ||
         exr_get_channels(context, part, &list) != EXR_ERR_SUCCESS ||
+        exr_get_compression(context, part, &compression) != EXR_ERR_SUCCESS ||
         exr_get_scanlines_per_chunk(context, part, &lines) != EXR_ERR_SUCCESS)
         return damaged(path, "its header cannot be read");
     if (lines != 1)
         return row_error(path, "its rows are packed " + std::to_string(lines) +
-                                   " together; expected each by itself, as raylex writes them (rle, zips or none)");
+                                   " together; expected each by itself, as raylex writes them (rle or zips)");
     deep = storage == EXR_STORAGE_DEEP_SCANLINE;
+    // OpenEXR 3.1.5's core takes their counts, which are right, for damaged.
+    if (deep && compression == EXR_COMPRESSION_NONE)
+        return row_error(path, "its deep rows are not packed; expected rle, as raylex writes them, or zips");
     width = static_cast<std::size_t>(std::int64_t{window.max.x} - window.min.x + 1);
     for (int i = 0; i < list->num_channels; ++i) {
         const exr_attr_chlist_entry_t& entry = list->entries[i];

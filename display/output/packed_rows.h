@@ -46,7 +46,7 @@ class PackedRows {
     };
 
     /// `part`: its number in the file, which has been looked at (check_exr_file). Errors: no such file or part; rows
-    /// that are packed several together, which raylex does not write.
+    /// that are packed several together, and deep ones that are not packed, neither of which raylex writes.
     static Result<std::unique_ptr<PackedRows>> open(const std::string& path, int part);
     ~PackedRows();
 
