@@ -47,6 +47,7 @@ class Planner {
             if (!done) return done.error();
             if (!plan_.refuted.empty()) break;
         }
+        note_unexplained();
         return std::move(plan_);
     }
 
@@ -93,12 +94,28 @@ class Planner {
         return success();
     }
 
+    /// A job for another scene has such channels by the dozen: the first are explained, the others named.
+    void note_black(const std::string& name, const std::string& reason) {
+        constexpr int most_explained = 8;
+        if (++black_ <= most_explained)
+            plan_.notes.push_back("channel '" + name +
+                                  "' can match no path of this scene, and its layer will be black: " + reason);
+        else unexplained_.push_back(name);
+    }
+    void note_unexplained() {
+        if (unexplained_.empty()) return;
+        std::string names;
+        for (const std::string& name : unexplained_) names += (names.empty() ? "'" : ", '") + name + "'";
+        plan_.notes.push_back(std::to_string(unexplained_.size()) +
+                              " more channels can match no path of this scene, and their layers will be black: " +
+                              names + "; raylex lpe explain EXPR --scene SCENE says why");
+    }
+
     /// Channels that will be black are named before the render, with the reason; those that are the beauty are known.
     void note_reach(const lpe::ChannelSource& source, bool holdouts) {
         const std::string who = "channel '" + source.name + "'";
         const auto never = why_never(source, scene_);
-        if (never && *never)
-            plan_.notes.push_back(who + " can match no path of this scene, and its layer will be black: " + **never);
+        if (never && *never) note_black(source.name, **never);
         else if (holdouts && !scene_.holdouts)
             plan_.notes.push_back(who +
                                   " takes what is seen first at holdouts, and no object is one: its layer will be "
@@ -403,6 +420,8 @@ class Planner {
     std::map<std::string, std::size_t> index_;
     std::map<std::string, std::string> prefixed_;  // channel -> its first prefix
     std::map<std::string, bool> in_partition_;
+    int black_ = 0;  // channels without paths, and those of them without a note of their own
+    std::vector<std::string> unexplained_;
 };
 
 }  // namespace

@@ -211,6 +211,23 @@ lpe = "holdouts;C.*"
     CHECK(image->attributes.at("raylex/is_beauty") == "whole");
 }
 
+TEST_CASE("of many black channels the first are explained, the others named") {
+    const Folder folder;
+    folder.write("s.pbrt", scene_text);
+    std::string job = "[scene]\nfile = \"s.pbrt\"\n";
+    for (int i = 0; i < 11; ++i)
+        job +=
+            "[[channel]]\nname = \"n" + std::to_string(i) + "\"\nlpe = \"C<RD'absent" + std::to_string(i) + "'>.*\"\n";
+    folder.write("j.toml", job);
+    const auto outcome = run_raylex(folder, "render j.toml -o o.exr --spp 1");
+    CAPTURE(outcome.err);
+    REQUIRE(outcome.code == 0);
+    CHECK(mentions(outcome.err, "channel 'n7' can match no path of this scene"));
+    CHECK_FALSE(mentions(outcome.err, "channel 'n8'"));
+    CHECK(mentions(outcome.err, "3 more channels can match no path of this scene"));
+    CHECK(mentions(outcome.err, "'n8', 'n9', 'n10'"));
+}
+
 TEST_CASE("a partition that holds in this scene is proved for it, and one that does not is refuted before a ray") {
     const Folder folder;
     folder.write("s.pbrt", scene_text);
