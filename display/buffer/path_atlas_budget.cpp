@@ -21,9 +21,13 @@ std::uint32_t PathAtlas::class_above(std::uint32_t word) {
     std::uint32_t before = terminal.parent;
     if (before == WordTree::root) return word;
     if (words_.node(before).letter == WordAlphabet::open) before = words_.node(before).parent;
-    if (before == WordTree::root) return word;
+    if (before == WordTree::root || words_.node(before).letter == WordAlphabet::open) return word;
     const std::uint32_t prefix = words_.node(before).parent;
-    std::uint32_t merged = words_.child(words_.child(prefix, WordAlphabet::open), terminal.letter);
+    std::uint32_t merged = words_.child(prefix, WordAlphabet::open);
+    // Of two scatterings or more, that much is known to the end: direct light stays apart from indirect.
+    if (prefix == WordTree::root && words_.letters_in(terminal.parent) > 1)
+        merged = words_.child(merged, WordAlphabet::open);
+    merged = words_.child(merged, terminal.letter);
     if (found_by) merged = words_.child(merged, last.letter);
     for (auto next = static_cast<std::uint32_t>(merged_into_.size()); next < words_.size(); ++next)
         merged_into_.push_back(next);
@@ -44,13 +48,17 @@ void PathAtlas::fit_budget() {
 
 namespace {
 
-/// Words in the order in which they are given up. Numbers of words are threads' doing, letters are not.
+/// Words in the order in which they are given up: those with least light first, but the first scattering, and whether
+/// light is direct, as late as can be, for most expressions ask for these. Numbers of words are threads' doing, letters
+/// are not.
 struct Candidate {
+    bool loses_first = false;
     double light = 0;
     std::vector<WordTree::Letter> letters;
     std::uint32_t word = 0, merged = 0;
 
     [[nodiscard]] bool operator<(const Candidate& other) const {
+        if (loses_first != other.loses_first) return other.loses_first;
         return light != other.light ? light < other.light : letters < other.letters;
     }
 };
@@ -66,7 +74,8 @@ bool PathAtlas::merge_round(std::uint64_t most_entries) {
     for (std::uint32_t word = 0; word < alive.size(); ++word) {
         if (!alive[word]) continue;
         if (const std::uint32_t merged = class_above(word); merged != word)
-            candidates.push_back({light[word], words_.letters(word), word, merged});
+            candidates.push_back({words_.letters(merged).front() == WordAlphabet::open, light[word],
+                                  words_.letters(word), word, merged});
     }
     if (candidates.empty()) return false;
     std::sort(candidates.begin(), candidates.end());

@@ -17,8 +17,8 @@
 //   atlas/events   events of the scene that had light, as lpe/match.h writes them
 //   atlas/letters  for each of these its letter; events of one letter were not told apart
 //   atlas/words    a line a word, the first is number 0: letters from the camera on, the last a terminal; `*` stands
-//                  for one scattering or more, of any of the events; told apart by techniques, each ends in its own,
-//                  as s1t3, where 127 vertices stand for as many or more
+//                  for one scattering or more, of any of the events, `* *` for two or more; told apart by techniques,
+//                  each ends in its own, as s1t3, where 127 vertices stand for as many or more
 //   atlas/straight `dropped` where light passed cutouts that the words do not tell of
 //   atlas/signed   where a word's light may be negative: `weights`, a pixel filter with negative lobes; `light`, paths
 //                  of one wavelength

@@ -61,7 +61,7 @@ bool is_terminal(const lpe::Event& event) {
            event.type == lpe::EventType::emission;
 }
 
-/// Every word is scatterings, of which each `*` is the last, and a terminal.
+/// Every word is scatterings, behind the first `*` no other letters, and a terminal.
 Status check_words(const WordTable& table, const std::string& path) {
     std::set<WordTable::Letter> scatterings, terminals;
     for (std::size_t i = 0; i < table.events.size(); ++i)
@@ -69,7 +69,8 @@ Status check_words(const WordTable& table, const std::string& path) {
     for (const std::vector<WordTable::Letter>& word : table.words) {
         bool good = !word.empty() && terminals.count(word.back()) > 0;
         for (std::size_t i = 0; good && i + 1 < word.size(); ++i)
-            good = word[i] == WordAlphabet::open ? i + 2 == word.size() : scatterings.count(word[i]) > 0;
+            good = word[i] == WordAlphabet::open ? i + 2 == word.size() || word[i + 1] == WordAlphabet::open
+                                                 : scatterings.count(word[i]) > 0;
         if (!good) return damaged_table(path, "'" + letters_text(word) + "' in atlas/words is no word of its events");
     }
     return success();

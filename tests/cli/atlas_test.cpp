@@ -309,6 +309,11 @@ TEST_CASE("what an atlas cannot tell is refused, or between what it is at least 
         const Outcome whole = run_raylex(folder, "ask " + name + ".atlas.exr --lpe all='C.*' -o w.exr");
         CHECK(whole.code == 0);
     }
+    // Of a budget that is short, but not hopeless, the first scattering and which light is direct are kept.
+    folder.render_atlas("c", "--spp 128 --atlas-budget 180KiB");
+    check_refused(folder, "ask c.atlas.exr --lpe c='CDS+L' -o c.exr", {"cannot be answered exactly"});
+    REQUIRE(run_raylex(folder, "ask c.atlas.exr --partition shipped -o s.exr").code == 0);
+    check_verified(folder, "s.exr");
     check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --atlas-budget lots", {"--atlas-budget"});
 }
 
