@@ -29,7 +29,8 @@ std::vector<Imf::Header> atlas_headers(const AtlasSource& source, const ImageDes
     for (const char* name : AtlasLayout::parts) {
         Imf::Header header = base_header(name, source.width(), source.height(), description);
         header.setType(headers.empty() ? Imf::SCANLINEIMAGE : Imf::DEEPSCANLINE);
-        header.setVersion(1);  // of data's layout, which files with deep parts must name; OpenEXR's core reads no others
+        header.setVersion(
+            1);  // of data's layout, which files with deep parts must name; OpenEXR's core reads no others
         // Numbers of words have zero bytes, and eighths are zeros for the most part: runs find these. zip took a sixth
         // of what an atlas costs in fog. It saved 6 % of coloured scenes' files and 7 % in fog, where rows have 256
         // pixels; more only where its window of 32 KB reaches from a row's G to an R that is the same.
