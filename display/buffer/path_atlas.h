@@ -12,9 +12,9 @@
 // least light are merged: a word gives up its last scattering and becomes one of the class "these scatterings, then one
 // or more, then that terminal", as words beyond the length are; classes give up one more. Last of all go the first
 // scattering and whether light is direct: most expressions ask for these. A class is honest: its light is of words that
-// it describes. Merging happens between phases of a render, when what is in the atlas depends on
-// nothing but the samples, so the merges do not depend on threads either; until then memory may pass the budget by what
-// one phase brings. Light that arrives later of a word that was merged goes to its class.
+// it describes. Merging happens between phases of a render, when what is in the atlas depends on nothing but the
+// samples, so the merges do not depend on threads either; until then memory may pass the budget by what one phase
+// brings. Light that arrives later of a word that was merged goes to its class.
 //
 // Memory: 64 bytes a pixel and word, 128 more where its light is of more than one eighth, 11 to 22 for finding it, 80 a
 // pixel.
