@@ -145,7 +145,7 @@ Status PackedRows::read(int y, Row& row) const {
         return damaged(impl.path, exr_get_default_error_message(result));
     if (chunk.unpacked_size > most_row_bytes) return damaged(impl.path, "a row claims more than any has");
     // A row without samples has nothing to be unpacked.
-    const bool empty = impl.deep && chunk.unpacked_size == 0;
+    const bool empty = impl.deep && chunk.unpacked_size == 0 && chunk.packed_size == 0;
     Decoder decoder(impl.context, impl.part, chunk);
     if (const exr_result_t result = decoder.run(); result != EXR_ERR_SUCCESS && !empty)
         return damaged(impl.path, exr_get_default_error_message(result));
