@@ -69,7 +69,7 @@ class PathAtlas::Batch {
 PathAtlas::PathAtlas(const Settings& settings)
     : settings_(settings),
       pixels_(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height)),
-      pools_(std::make_unique<Pools>()),
+      pools_(std::make_unique<Pools>(quantum_exponent + settings.scale_exponent)),
       merged_into_(1, WordTree::root) {}
 
 PathAtlas::~PathAtlas() = default;
@@ -109,34 +109,39 @@ std::uint32_t PathAtlas::survivor(std::uint32_t word) const {
 /// when a second eighth needs it (Law 3). Sums out of range: the frame buffer rejects them, and counts.
 void PathAtlas::add(std::size_t pixel, std::uint32_t word, const Sums& light, Reserves& reserves) {
     if (std::all_of(light.begin(), light.end(), [](double each) { return each == 0; })) return;
-    Pixel& of = pixels_[pixel];
-    std::uint32_t number = of.find(word);
-    if (number == Pool<Entry>::none) {
-        number = reserves.entries.take();
-        reserves.entries[number].word = word;
-        of.insert({word, number}, reserves.slots);
-    }
-    Entry& entry = reserves.entries[number];
-    const int exponent = quantum_exponent + settings_.scale_exponent;
     std::uint32_t lit = 0, last = 0;
     for (std::uint32_t k = 0; k < parts; ++k) {
         if (light[3 + k] == 0) continue;
         ++lit;
         last = k + 1;
     }
+    Pixel& of = pixels_[pixel];
+    Slot* known = of.find(word);
+    if (known == nullptr && lit == 1) {
+        const std::uint32_t single = reserves.singles.take();
+        reserves.singles[single] = {{light[0], light[1], light[2]}, word, last};
+        of.insert({word, single | Slot::of_single}, reserves.slots);
+        return;
+    }
+    if (known == nullptr) {
+        const std::uint32_t number = reserves.entries.take();
+        reserves.entries[number].word = word;
+        known = &of.insert({word, number}, reserves.slots);
+    }
+    Entry& entry = reserves.entry(*known);
     const bool of_one = lit == 1 && (entry.eighth == Entry::no_eighth || entry.eighth == last);
     if (of_one) entry.eighth = last;
     else reserves.spread(entry);
     Int128 all = 0;
     for (std::size_t c = 0; c < 3; ++c) {
         Int128 term = 0;
-        if (light[c] == 0 || !to_fixed(light[c], exponent, term) || !add_fixed(entry.light[c], term)) continue;
+        if (light[c] == 0 || !to_fixed(light[c], reserves.exponent, term) || !add_fixed(entry.light[c], term)) continue;
         static_cast<void>(add_fixed(all, term));
     }
     if (!entry.is_spread()) return;
     for (std::uint32_t k = 0; k < parts; ++k) {
         Int128 term = all;
-        if (light[3 + k] != 0 && (lit == 1 || to_fixed(light[3 + k], exponent, term)))
+        if (light[3 + k] != 0 && (lit == 1 || to_fixed(light[3 + k], reserves.exponent, term)))
             static_cast<void>(add_fixed(reserves.eighths[entry.eighths].sums[k], term));
     }
 }
@@ -189,7 +194,7 @@ void PathAtlas::accumulate(const SampleTable& table) {
     constexpr std::size_t ahead = 8;
     for (std::size_t i = 0; i < sums.size(); ++i) {
         with_pixel(i + 2 * ahead, [](const Pixel& of, std::uint32_t word) { of.prefetch_slot(word); });
-        with_pixel(i + ahead, [&](const Pixel& of, std::uint32_t word) { of.prefetch_entry(word, pools_->entries); });
+        with_pixel(i + ahead, [&](const Pixel& of, std::uint32_t word) { of.prefetch_entry(word, *pools_); });
         if (pixel_of(i) != outside) add(pixel_of(i), word_of(i), sums[i].light, reserves);
     }
 }
@@ -221,7 +226,6 @@ void PathAtlas::splat(const SampleTable& table, std::span<const int> rows) {
 void PathAtlas::resolve(std::size_t pixel, std::uint64_t light_paths, std::vector<Light>& words) const {
     words.clear();
     const Pixel& of = pixels_[pixel];
-    const int exponent = quantum_exponent + settings_.scale_exponent;
     std::uint64_t count = 0;
     for (const std::uint32_t samples : of.samples) count += samples;
     // The frame buffer's rule: weights that cancel leave the sample count.
@@ -234,7 +238,9 @@ void PathAtlas::resolve(std::size_t pixel, std::uint64_t light_paths, std::vecto
         const long double scale = (entry.word & 1) != 0 ? by_paths : by_samples;
         Light light;
         light.word = entry.word >> 1;
-        const auto value = [&](Int128 sum) { return static_cast<double>(to_long_double(sum, exponent) * scale); };
+        const auto value = [&](Int128 sum) {
+            return static_cast<double>(to_long_double(sum, pools_->exponent) * scale);
+        };
         for (std::size_t c = 0; c < 3; ++c) light.rgb[c] = value(entry.light[c]);
         entry.for_each_eighth(pools_->eighths, [&](std::uint32_t k, Int128 sum) { light.eighths[k] = value(sum); });
         words.push_back(light);
@@ -265,12 +271,12 @@ std::size_t PathAtlas::expected_bytes() const {
 }
 
 std::uint64_t PathAtlas::entry_count() const {
-    return pools_->entries.live();
+    return pools_->words();
 }
 
 std::uint64_t PathAtlas::memory_bytes() const {
     std::uint64_t bytes = words_.memory_bytes() + 4 * merged_into_.capacity();
-    bytes += pools_->entries.live() * sizeof(Entry) + pools_->eighths.live() * sizeof(Eighths);
+    bytes += pools_->bytes();
     for (const Pixel& pixel : pixels_) bytes += pixel.bytes();
     return bytes;
 }
@@ -278,14 +284,13 @@ std::uint64_t PathAtlas::memory_bytes() const {
 std::vector<double> PathAtlas::light_of_words() const {
     // Exact sums, so that the order of words of nearly the same light depends on nothing but the light.
     std::vector<Int128> sums(words_.size(), 0);
-    pools_->entries.for_each([&](const Entry& entry) {
+    pools_->for_each([&](const Entry& entry) {
         for (const Int128 sum : entry.light) {
             sums[entry.word >> 1] += (sum < 0 ? -sum : sum) >> 24;  // room for 2^24 pixels' largest sums
         }
     });
     std::vector<double> light;
-    for (const Int128 sum : sums)
-        light.push_back(static_cast<double>(to_long_double(sum, quantum_exponent + settings_.scale_exponent + 24)));
+    for (const Int128 sum : sums) light.push_back(static_cast<double>(to_long_double(sum, pools_->exponent + 24)));
     return light;
 }
 

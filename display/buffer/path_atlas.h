@@ -16,8 +16,8 @@
 // samples, so the merges do not depend on threads either; until then memory may pass the budget by what one phase
 // brings. Light that arrives later of a word that was merged goes to its class.
 //
-// Memory: 64 bytes a pixel and word, 128 more where its light is of more than one eighth, 11 to 22 for finding it, 80 a
-// pixel.
+// Memory: 32 bytes a pixel and word whose light came once, 64 one whose came more often, 128 more where it is of more
+// than one eighth, 11 to 22 for finding it, 80 a pixel.
 #pragma once
 
 #include <array>
@@ -82,6 +82,7 @@ class PathAtlas final : public SampleSink {
   private:
     struct Eighths;
     struct Entry;
+    struct Single;
     struct Slot;
     struct Pixel;
     template <class Item>

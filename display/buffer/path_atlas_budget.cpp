@@ -12,8 +12,9 @@ void PathAtlas::end_phase() {
     if (settings_.budget > 0 && memory_bytes() > settings_.budget) fit_budget();
 }
 
-/// The class that takes a word in: without its last scattering, with "one or more" in its place. Itself where there is
-/// none to give up.
+/// What takes a word in: its class, without its last scattering and with "one or more" in its place, or what took that
+/// in before. Itself where there is none to give up. Cutouts that words keep (--atlas-by straight) count as
+/// scatterings.
 std::uint32_t PathAtlas::class_above(std::uint32_t word) {
     const WordTree::Node last = words_.node(word);
     const bool found_by = WordAlphabet::is_technique(last.letter);
@@ -31,7 +32,7 @@ std::uint32_t PathAtlas::class_above(std::uint32_t word) {
     if (found_by) merged = words_.child(merged, last.letter);
     for (auto next = static_cast<std::uint32_t>(merged_into_.size()); next < words_.size(); ++next)
         merged_into_.push_back(next);
-    return merged;
+    return survivor(merged);
 }
 
 void PathAtlas::fit_budget() {
@@ -70,7 +71,7 @@ bool PathAtlas::merge_round(std::uint64_t most_entries) {
     const std::vector<double> light = light_of_words();
     std::vector<Candidate> candidates;
     std::vector<bool> alive(words_.size(), false);
-    pools_->entries.for_each([&](const Entry& entry) { alive[entry.word >> 1] = entry.word != Entry::unused; });
+    pools_->for_each([&](const Entry& entry) { alive[entry.word >> 1] = entry.word != Entry::unused; });
     for (std::uint32_t word = 0; word < alive.size(); ++word) {
         if (!alive[word]) continue;
         if (const std::uint32_t merged = class_above(word); merged != word)
@@ -96,8 +97,13 @@ bool PathAtlas::merge_round(std::uint64_t most_entries) {
         }
         return count;
     };
-    // Of words that are many, the darker half at a time: what they come to may be bright, and is then left alone.
+    // Of words that are many, the darker half at a time: what they come to may be bright, and is then left alone. For
+    // the same reason none gives up its first scattering in a round in which others still take words in.
+    const auto keep_first =
+        std::partition_point(candidates.begin(), candidates.end(), [](const Candidate& c) { return !c.loses_first; });
     std::size_t few = 0, enough = (candidates.size() + 1) / 2;
+    if (keep_first != candidates.begin())
+        enough = std::min(enough, static_cast<std::size_t>(keep_first - candidates.begin()));
     if (entries_with(enough) <= most_entries)
         while (enough - few > 1) {
             const std::size_t middle = few + (enough - few) / 2;
@@ -127,16 +133,18 @@ void PathAtlas::apply_merges() {
         for (const Slot slot : before) {
             if (slot.word == Entry::unused) continue;
             const std::uint32_t word = 2 * survivor(slot.word >> 1) + (slot.word & 1);
-            Entry& entry = reserves.entries[slot.entry];
-            const std::uint32_t to = pixel.find(word);
-            if (to == Pool<Entry>::none) {
-                entry.word = word;
-                pixel.insert({word, slot.entry}, reserves.slots);
+            Slot* const into = pixel.find(word);
+            if (into == nullptr) {
+                if (slot.is_single()) reserves.singles[slot.single()].word = word;
+                else reserves.entries[slot.place].word = word;
+                pixel.insert({word, slot.place}, reserves.slots);
                 continue;
             }
-            take_in(reserves.entries[to], entry, reserves);
-            if (entry.is_spread()) pools_->eighths.give_back(entry.eighths);
-            pools_->entries.give_back(slot.entry);
+            Slot from = slot;
+            const Entry& entry = reserves.entry(from);
+            take_in(reserves.entry(*into), entry, reserves);
+            if (entry.is_spread()) reserves.eighths.give_back(entry.eighths);
+            reserves.entries.give_back(from.place);
         }
         reserves.slots.give_back(before);
     }

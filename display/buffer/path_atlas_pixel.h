@@ -36,7 +36,8 @@ template <class Item>
 class PathAtlas::Pool {
   public:
     using Number = std::uint32_t;
-    static constexpr Number none = 0;  ///< of no item
+    static constexpr Number none = 0;                                       ///< of no item
+    static constexpr Number most = std::numeric_limits<Number>::max() / 2;  ///< the highest bit is Slot's
 
     /// One thread's share of a pool for a while: items are taken by the hundred, what is left is given back.
     class Reserve {
@@ -55,6 +56,14 @@ class PathAtlas::Pool {
             }
             return numbers_[--count_];
         }
+        void give_back(Number number) {
+            pool_[number] = {};
+            if (count_ == numbers_.size()) {
+                pool_.put_back(numbers_);
+                count_ = 0;
+            }
+            numbers_[count_++] = number;
+        }
         [[nodiscard]] Item& operator[](Number number) const { return pool_[number]; }
 
       private:
@@ -63,17 +72,13 @@ class PathAtlas::Pool {
         std::size_t count_ = 0;
     };
 
-    Pool() { slabs_.reserve((std::size_t{1} << 32) / slab_items); }  // so that no slab moves while others are read
+    Pool() { slabs_.reserve(std::size_t{most} / slab_items + 1); }  // so that no slab moves while others are read
     [[nodiscard]] Item& operator[](Number number) { return slabs_[number / slab_items][number % slab_items]; }
     [[nodiscard]] const Item& operator[](Number number) const {
         return slabs_[number / slab_items][number % slab_items];
     }
 
     /// Not thread-safe, nor is what follows.
-    void give_back(Number number) {
-        (*this)[number] = {};
-        put_back({&number, 1});
-    }
     [[nodiscard]] std::uint64_t live() const { return made_ - free_.size(); }
     template <class Function>
     void for_each(Function function) const {
@@ -91,7 +96,7 @@ class PathAtlas::Pool {
                 free_.pop_back();
                 continue;
             }
-            if (made_ == std::numeric_limits<Number>::max()) throw std::bad_alloc();
+            if (made_ == most) throw std::bad_alloc();
             if (++made_ / slab_items == slabs_.size()) slabs_.emplace_back().allocate(slab_items);
             taken[i] = static_cast<Number>(made_);
         }
@@ -136,10 +141,31 @@ struct PathAtlas::Entry {
     }
 };
 
-/// A way to a word's entry.
+/// A word whose light came once, and of one eighth: as it came, for half the memory of an entry. Half of the words of a
+/// foggy scene stay like this.
+struct PathAtlas::Single {
+    std::array<double, 3> light{};
+    std::uint32_t word = Entry::unused;       ///< Entry's
+    std::uint32_t eighth = Entry::no_eighth;  ///< Entry's
+
+    [[nodiscard]] Entry as_entry(int exponent) const {
+        Entry entry;
+        entry.word = word;
+        entry.eighth = eighth;
+        // Light out of range: the frame buffer rejects it, and counts.
+        for (std::size_t c = 0; c < 3; ++c) static_cast<void>(to_fixed(light[c], exponent, entry.light[c]));
+        return entry;
+    }
+};
+
+/// A way to where a word of a pixel is kept.
 struct PathAtlas::Slot {
-    std::uint32_t word = Entry::unused;  ///< Entry's; unused: free
-    std::uint32_t entry = Pool<Entry>::none;
+    static constexpr std::uint32_t of_single = std::uint32_t{1} << 31;
+    std::uint32_t word = Entry::unused;       ///< Entry's; unused: free
+    std::uint32_t place = Pool<Entry>::none;  ///< in entries; with of_single: in singles
+
+    [[nodiscard]] bool is_single() const { return (place & of_single) != 0; }
+    [[nodiscard]] std::uint32_t single() const { return place & ~of_single; }
 };
 
 /// Where the ways to a pixel's entries lie, in large pages as well; what was outgrown serves others.
@@ -178,16 +204,47 @@ class PathAtlas::SlotPool {
 };
 
 struct PathAtlas::Pools {
+    const int exponent;  ///< the light's quantum is 2 to that
+    Pool<Single> singles;
     Pool<Entry> entries;
     Pool<Eighths> eighths;
     SlotPool slots;
+    explicit Pools(int quantum_exponent) : exponent(quantum_exponent) {}
+
+    [[nodiscard]] std::uint64_t words() const { return singles.live() + entries.live(); }
+    [[nodiscard]] std::uint64_t bytes() const {
+        return singles.live() * sizeof(Single) + entries.live() * sizeof(Entry) + eighths.live() * sizeof(Eighths);
+    }
+    /// Of all pixels, in the order in which they lie. Not thread-safe.
+    void for_each(auto function) const {
+        singles.for_each([&](const Single& single) { function(single.as_entry(exponent)); });
+        entries.for_each(function);
+    }
 };
 
 struct PathAtlas::Reserves {
+    Pool<Single>::Reserve singles;
     Pool<Entry>::Reserve entries;
     Pool<Eighths>::Reserve eighths;
     SlotPool& slots;
-    explicit Reserves(Pools& pools) : entries(pools.entries), eighths(pools.eighths), slots(pools.slots) {}
+    const int exponent;
+    explicit Reserves(Pools& pools)
+        : singles(pools.singles),
+          entries(pools.entries),
+          eighths(pools.eighths),
+          slots(pools.slots),
+          exponent(pools.exponent) {}
+
+    /// The word's entry, made from its single light where that was all.
+    Entry& entry(Slot& slot) {
+        if (slot.is_single()) {
+            const std::uint32_t single = slot.single();
+            slot.place = entries.take();
+            entries[slot.place] = singles[single].as_entry(exponent);
+            singles.give_back(single);
+        }
+        return entries[slot.place];
+    }
 
     /// Gives eighths of its own to an entry that has none.
     void spread(Entry& entry) {
@@ -205,12 +262,14 @@ struct PathAtlas::Pixel {
     std::array<std::uint32_t, parts> samples{};
     Int128 weight = 0;
 
-    /// The number of its entry; none when the pixel has no such word.
-    [[nodiscard]] std::uint32_t find(std::uint32_t word) const {
-        return slots.empty() ? Pool<Entry>::none : slots[slot_of(word)].entry;
+    /// The way to a word; null when the pixel has no such word.
+    [[nodiscard]] Slot* find(std::uint32_t word) const {
+        if (slots.empty()) return nullptr;
+        Slot& slot = slots[slot_of(word)];
+        return slot.word == Entry::unused ? nullptr : &slot;
     }
     /// A word that the pixel has not.
-    void insert(Slot slot, SlotPool& pool) {
+    Slot& insert(Slot slot, SlotPool& pool) {
         if (4 * (std::size_t{count} + 1) > 3 * slots.size()) {
             const std::span<Slot> before = slots;
             slots = pool.take(std::max<std::size_t>(8, 2 * before.size()));
@@ -218,18 +277,22 @@ struct PathAtlas::Pixel {
                 if (each.word != Entry::unused) slots[slot_of(each.word)] = each;
             pool.give_back(before);
         }
-        slots[slot_of(slot.word)] = slot;
         ++count;
+        return slots[slot_of(slot.word)] = slot;
     }
     /// Entries and their eighths are all over the memory: the ways to them are begun before the first is needed.
     void for_each(const Pools& pools, auto function) const {
-        const auto for_each_entry = [&](auto visit) {
-            for (const Slot slot : slots)
-                if (slot.word != Entry::unused) visit(pools.entries[slot.entry]);
+        const auto for_each_slot = [&](auto of_single, auto of_entry) {
+            for (const Slot slot : slots) {
+                if (slot.word == Entry::unused) continue;
+                if (slot.is_single()) of_single(pools.singles[slot.single()]);
+                else of_entry(pools.entries[slot.place]);
+            }
         };
-        for_each_entry([](const Entry& entry) { display::prefetch(&entry); });
-        for_each_entry([&](const Entry& entry) { entry.prefetch_eighths(pools.eighths); });
-        for_each_entry(function);
+        for_each_slot([](const Single& single) { display::prefetch(&single); },
+                      [](const Entry& entry) { display::prefetch(&entry); });
+        for_each_slot([](const Single&) {}, [&](const Entry& entry) { entry.prefetch_eighths(pools.eighths); });
+        for_each_slot([&](const Single& single) { function(single.as_entry(pools.exponent)); }, function);
     }
     [[nodiscard]] std::uint64_t bytes() const { return sizeof(Pixel) + slots.size_bytes(); }
 
@@ -238,8 +301,11 @@ struct PathAtlas::Pixel {
         if (!slots.empty()) display::prefetch(&slots[mix64(word) & (slots.size() - 1)]);
     }
     /// When that is there, further, to the word's light.
-    void prefetch_entry(std::uint32_t word, const Pool<Entry>& entries) const {
-        if (const std::uint32_t number = find(word); number != Pool<Entry>::none) display::prefetch(&entries[number]);
+    void prefetch_entry(std::uint32_t word, const Pools& pools) const {
+        const Slot* const slot = find(word);
+        if (slot == nullptr) return;
+        if (slot->is_single()) display::prefetch(&pools.singles[slot->single()]);
+        else display::prefetch(&pools.entries[slot->place]);
     }
 
   private:

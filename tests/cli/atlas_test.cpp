@@ -310,7 +310,7 @@ TEST_CASE("what an atlas cannot tell is refused, or between what it is at least 
         CHECK(whole.code == 0);
     }
     // Of a budget that is short, but not hopeless, the first scattering and which light is direct are kept.
-    folder.render_atlas("c", "--spp 128 --atlas-budget 180KiB");
+    folder.render_atlas("c", "--spp 128 --atlas-budget 165KiB");
     check_refused(folder, "ask c.atlas.exr --lpe c='CDS+L' -o c.exr", {"cannot be answered exactly"});
     REQUIRE(run_raylex(folder, "ask c.atlas.exr --partition shipped -o s.exr").code == 0);
     check_verified(folder, "s.exr");
