@@ -77,7 +77,7 @@ struct AtlasPlanes {
     }
 };
 
-/// A row of each part; one thread's, for as long as it reads atlases.
+/// A row of each part; one thread's, as long as it lives.
 struct AtlasRowPlanes {
     PackedRows::Row flat, words, parts;
 };
@@ -136,6 +136,7 @@ Status AtlasFile::Impl::take_words(const AtlasRowPlanes& from, AtlasRow& row) co
 }
 
 Status AtlasFile::Impl::take_parts(const AtlasRowPlanes& from, AtlasRow& row) const {
+    const Error differ = damaged("its parts 'words' and 'parts' differ in their samples");
     std::size_t spread = 0;
     for (std::size_t x = 0; x + 1 < row.begin.size(); ++x) {
         for (std::size_t i = row.begin[x]; i < row.begin[x + 1]; ++i) {
@@ -145,7 +146,7 @@ Status AtlasFile::Impl::take_parts(const AtlasRowPlanes& from, AtlasRow& row) co
             if (!(eighth >= 0 && eighth <= AtlasLayout::several_eighths))
                 return damaged("it has a word of an eighth that there is not");
             if (eighth >= AtlasLayout::several_eighths) {
-                if (spread == from.parts.sample_count()) break;
+                if (spread == from.parts.sample_count()) return differ;
                 for (std::size_t k = 0; k < shares.size(); ++k)
                     shares[k] = half_of(from.parts, planes.parts[k], spread);
                 ++spread;
@@ -153,8 +154,7 @@ Status AtlasFile::Impl::take_parts(const AtlasRowPlanes& from, AtlasRow& row) co
                 shares[static_cast<std::size_t>(eighth) - 1] = 1;
             }
         }
-        if (spread != from.parts.begin()[x + 1])
-            return damaged("its parts 'words' and 'parts' differ in their samples");
+        if (spread != from.parts.begin()[x + 1]) return differ;
     }
     return success();
 }
@@ -187,8 +187,10 @@ Result<std::unique_ptr<AtlasFile>> AtlasFile::open(const std::string& path) {
         }
         auto table = read_table(header_strings(*headers[1]), path);
         if (!table) return table.error();
+        const auto packed = PackedRows::open_file(path);
+        if (!packed) return packed.error();
         for (std::size_t p = 0; p < rows.size(); ++p) {
-            auto of_part = PackedRows::open(path, part_named(file, AtlasLayout::parts[p], p > 0));
+            auto of_part = PackedRows::open(*packed, part_named(file, AtlasLayout::parts[p], p > 0));
             if (!of_part) return of_part.error();
             rows[p] = *std::move(of_part);
         }

@@ -1,6 +1,9 @@
 #include "display/output/packed_rows.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <mutex>
 #include <numeric>
 #include <utility>
 
@@ -9,8 +12,9 @@
 namespace raylex::display {
 namespace {
 
-/// A damaged row must not ask for memory that no row needs.
-constexpr std::uint64_t most_row_bytes = std::uint64_t{1} << 30;
+/// A damaged row must not ask for memory that no row needs: deflate packs 1,032 bytes into one at best (zlib's
+/// technical details), runs 64.
+constexpr std::uint64_t most_row_bytes = std::uint64_t{1} << 30, most_packing = 1032;
 
 Error row_error(const std::string& path, const std::string& message) {
     Error error;
@@ -31,7 +35,12 @@ class Decoder {
   public:
     Decoder(exr_const_context_t context, int part, const exr_chunk_info_t& chunk) : context_(context), part_(part) {
         result_ = exr_decoding_initialize(context, part, &chunk, &pipeline_);
-        if (result_ == EXR_ERR_SUCCESS) result_ = exr_decoding_choose_default_routines(context, part, &pipeline_);
+        // OpenEXR 3.1.5 asks for the processor's kind when it first chooses, and notes it without a lock.
+        static std::mutex choosing;
+        if (result_ == EXR_ERR_SUCCESS) {
+            const std::lock_guard lock(choosing);
+            result_ = exr_decoding_choose_default_routines(context, part, &pipeline_);
+        }
         pipeline_.unpack_and_convert_fn = nullptr;  // planes are left where they were unpacked
         pipeline_.decode_flags |= EXR_DECODE_SAMPLE_COUNTS_AS_INDIVIDUAL;
     }
@@ -58,15 +67,25 @@ class Decoder {
 
 }  // namespace
 
-struct PackedRows::Impl {
-    ~Impl() { exr_finish(&context); }
-    Status find_channels();
-    void place_planes(Row& row) const;
+class PackedRows::File {
+  public:
+    File() = default;
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+    ~File() { exr_finish(&context); }
 
     std::string path;
-    int part = 0;
     exr_context_t context = nullptr;
-    bool deep = false;
+};
+
+struct PackedRows::Impl {
+    Status find_channels();
+    [[nodiscard]] Status check(const exr_chunk_info_t& chunk) const;
+    void place_planes(Row& row) const;
+
+    std::shared_ptr<const File> file;
+    int part = 0;
+    bool deep = false, packed = false;
     std::size_t width = 0;
     std::vector<Channel> channels;
 };
@@ -77,6 +96,8 @@ Status PackedRows::Impl::find_channels() {
     const exr_attr_chlist_t* list = nullptr;
     std::int32_t lines = 0;
     exr_compression_t compression = EXR_COMPRESSION_RLE;
+    const exr_const_context_t context = file->context;
+    const std::string& path = file->path;
     if (exr_get_storage(context, part, &storage) != EXR_ERR_SUCCESS ||
         exr_get_data_window(context, part, &window) != EXR_ERR_SUCCESS ||
         exr_get_channels(context, part, &list) != EXR_ERR_SUCCESS ||
@@ -87,8 +108,9 @@ Status PackedRows::Impl::find_channels() {
         return row_error(path, "its rows are packed " + std::to_string(lines) +
                                    " together; expected each by itself, as raylex writes them (rle or zips)");
     deep = storage == EXR_STORAGE_DEEP_SCANLINE;
+    packed = compression != EXR_COMPRESSION_NONE;
     // OpenEXR 3.1.5's core takes their counts, which are right, for damaged.
-    if (deep && compression == EXR_COMPRESSION_NONE)
+    if (deep && !packed)
         return row_error(path, "its deep rows are not packed; expected rle, as raylex writes them, or zips");
     width = static_cast<std::size_t>(std::int64_t{window.max.x} - window.min.x + 1);
     for (int i = 0; i < list->num_channels; ++i) {
@@ -114,15 +136,23 @@ void PackedRows::Impl::place_planes(Row& row) const {
 PackedRows::PackedRows(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 PackedRows::~PackedRows() = default;
 
-Result<std::unique_ptr<PackedRows>> PackedRows::open(const std::string& path, int part) {
-    auto impl = std::make_unique<Impl>();
-    impl->path = path;
-    impl->part = part;
+Result<std::shared_ptr<const PackedRows::File>> PackedRows::open_file(const std::string& path) {
+    auto file = std::make_shared<File>();
+    file->path = path;
     exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
     how.error_handler_fn = say_nothing;
     how.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
-    if (const exr_result_t result = exr_start_read(&impl->context, path.c_str(), &how); result != EXR_ERR_SUCCESS)
-        return damaged(path, exr_get_default_error_message(result));
+    const exr_result_t result = exr_start_read(&file->context, path.c_str(), &how);
+    if (result == EXR_ERR_FILE_ACCESS) return row_error(path, std::string("cannot be opened: ") + std::strerror(errno));
+    if (result == EXR_ERR_OUT_OF_MEMORY) return row_error(path, "there is no memory for its header");
+    if (result != EXR_ERR_SUCCESS) return damaged(path, exr_get_default_error_message(result));
+    return std::shared_ptr<const File>(std::move(file));
+}
+
+Result<std::unique_ptr<PackedRows>> PackedRows::open(std::shared_ptr<const File> file, int part) {
+    auto impl = std::make_unique<Impl>();
+    impl->file = std::move(file);
+    impl->part = part;
     if (Status found = impl->find_channels(); !found) return found.error();
     return std::unique_ptr<PackedRows>(new PackedRows(std::move(impl)));
 }
@@ -137,28 +167,38 @@ int PackedRows::plane(const std::string& name, Type type) const {
     return -1;
 }
 
+/// What OpenEXR 3.1.5's core takes from a row's leader without a look, and then leaves memory as it was.
+Status PackedRows::Impl::check(const exr_chunk_info_t& chunk) const {
+    if (chunk.unpacked_size > std::min(most_row_bytes, most_packing * chunk.packed_size))
+        return damaged(file->path, "a row claims more than any has");
+    if (!packed && chunk.packed_size != chunk.unpacked_size)
+        return damaged(file->path, "a row has another size than its pixels");
+    if (deep && (chunk.sample_count_table_size == 0 || chunk.sample_count_table_size > 4 * width))
+        return damaged(file->path, "a row has another size than its counts");
+    return success();
+}
+
 Status PackedRows::read(int y, Row& row) const {
     const Impl& impl = *impl_;
+    const std::string& path = impl.file->path;
     exr_chunk_info_t chunk{};
-    if (const exr_result_t result = exr_read_scanline_chunk_info(impl.context, impl.part, y, &chunk);
+    if (const exr_result_t result = exr_read_scanline_chunk_info(impl.file->context, impl.part, y, &chunk);
         result != EXR_ERR_SUCCESS)
-        return damaged(impl.path, exr_get_default_error_message(result));
-    if (chunk.unpacked_size > most_row_bytes) return damaged(impl.path, "a row claims more than any has");
-    // A row without samples has nothing to be unpacked.
-    const bool empty = impl.deep && chunk.unpacked_size == 0 && chunk.packed_size == 0;
-    Decoder decoder(impl.context, impl.part, chunk);
-    if (const exr_result_t result = decoder.run(); result != EXR_ERR_SUCCESS && !empty)
-        return damaged(impl.path, exr_get_default_error_message(result));
+        return damaged(path, exr_get_default_error_message(result));
+    if (Status good = impl.check(chunk); !good) return good;
+    Decoder decoder(impl.file->context, impl.part, chunk);
+    if (const exr_result_t result = decoder.run(); result != EXR_ERR_SUCCESS)
+        return damaged(path, exr_get_default_error_message(result));
     row.begin_.assign(1, 0);
     std::uint64_t samples = 0;
     for (std::size_t x = 0; x < impl.width; ++x) {
-        const std::int32_t count = !impl.deep ? 1 : empty ? 0 : decoder.sample_counts()[x];
+        const std::int32_t count = impl.deep ? decoder.sample_counts()[x] : 1;
         samples += static_cast<std::uint64_t>(std::max(count, 0));
-        if (count < 0 || samples > most_row_bytes) return damaged(impl.path, "a row's counts are no counts");
+        if (count < 0 || samples > most_row_bytes) return damaged(path, "a row's counts are no counts");
         row.begin_.push_back(static_cast<std::uint32_t>(samples));
     }
     impl.place_planes(row);
-    if (row.bytes_.size() != chunk.unpacked_size) return damaged(impl.path, "a row has another size than its samples");
+    if (row.bytes_.size() != chunk.unpacked_size) return damaged(path, "a row has another size than its samples");
     if (!row.bytes_.empty()) std::memcpy(row.bytes_.data(), decoder.planes(), row.bytes_.size());
     return success();
 }

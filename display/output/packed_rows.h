@@ -45,9 +45,13 @@ class PackedRows {
         std::vector<std::byte> bytes_;
     };
 
-    /// `part`: its number in the file, which has been looked at (check_exr_file). Errors: no such file or part; rows
-    /// that are packed several together, and deep ones that are not packed, neither of which raylex writes.
-    static Result<std::unique_ptr<PackedRows>> open(const std::string& path, int part);
+    /// A file that is held open, by all of its parts together.
+    class File;
+    /// Of a file that has been looked at (check_exr_file). Errors: it cannot be opened; it is damaged.
+    static Result<std::shared_ptr<const File>> open_file(const std::string& path);
+    /// `part`: its number in the file. Errors: no such part; rows that are packed several together, and deep ones that
+    /// are not packed, neither of which raylex writes.
+    static Result<std::unique_ptr<PackedRows>> open(std::shared_ptr<const File> file, int part);
     ~PackedRows();
 
     /// In the order of planes.

@@ -1,4 +1,6 @@
 // Rows as OpenEXR's core unpacks them, against what its C++ interface was given.
+#include <cstring>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -90,6 +92,29 @@ std::size_t plane_of(const PackedRows& rows, const char* name, PackedRows::Type 
     return static_cast<std::size_t>(plane);
 }
 
+raylex::Result<std::unique_ptr<PackedRows>> open_part(const std::string& path, int part) {
+    const auto file = PackedRows::open_file(path);
+    if (!file) return file.error();
+    return PackedRows::open(*file, part);
+}
+
+/// Writes `numbers` behind part and row in the leader of a row, where `stood` must have stood before.
+template <class Number>
+void change_leader(const std::string& path, std::int32_t part, std::int32_t y, const std::vector<Number>& stood,
+                   const std::vector<Number>& numbers) {
+    const auto bytes_of = [](const auto& values) {
+        std::string bytes(values.size() * sizeof(values[0]), '\0');
+        std::memcpy(bytes.data(), values.data(), bytes.size());
+        return bytes;
+    };
+    std::string bytes = read_bytes(path);
+    const std::string row = bytes_of(std::vector<std::int32_t>{part, y});
+    const std::size_t at = bytes.find(row + bytes_of(stood));
+    REQUIRE(at != std::string::npos);
+    bytes.replace(at + row.size(), numbers.size() * sizeof(Number), bytes_of(numbers));
+    std::ofstream(path, std::ios::binary) << bytes;
+}
+
 }  // namespace
 
 TEST_CASE("packed rows have the values and counts that were written, rows without samples too", "[exr][packed-rows]") {
@@ -99,7 +124,7 @@ TEST_CASE("packed rows have the values and counts that were written, rows withou
     const Imf::Compression how = GENERATE(Imf::RLE_COMPRESSION, Imf::ZIPS_COMPRESSION);
     CAPTURE(how);
     write_parts(path, GENERATE(Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION), how);
-    const auto flat = PackedRows::open(path, 0), deep = PackedRows::open(path, 1);
+    const auto flat = open_part(path, 0), deep = open_part(path, 1);
     REQUIRE(flat);
     REQUIRE(deep);
     CHECK((*deep)->plane("u", Type::single) == -1);  // it is no float
@@ -136,23 +161,78 @@ TEST_CASE("rows packed together, absent parts and cut files are refused with the
     const Folder folder;
     const std::string path = folder.path("two.exr");
     write_parts(path, Imf::ZIP_COMPRESSION, Imf::RLE_COMPRESSION);
-    const auto together = PackedRows::open(path, 0);
+    const auto together = open_part(path, 0);
     REQUIRE_FALSE(together);
     CHECK(together.error().file == path);
     CHECK(together.error().message.find("packed 16 together") != std::string::npos);
-    CHECK_FALSE(PackedRows::open(path, 2));
+    CHECK_FALSE(open_part(path, 2));
     write_parts(folder.path("plain.exr"), Imf::RLE_COMPRESSION, Imf::NO_COMPRESSION);
-    const auto plain = PackedRows::open(folder.path("plain.exr"), 1);
+    const auto plain = open_part(folder.path("plain.exr"), 1);
     REQUIRE_FALSE(plain);
     CHECK(plain.error().message.find("expected rle") != std::string::npos);
-    CHECK_FALSE(PackedRows::open(folder.path("absent.exr"), 0));
+    CHECK_FALSE(open_part(folder.path("absent.exr"), 0));
     // The last row's last byte is gone.
     std::filesystem::resize_file(path, std::filesystem::file_size(path) - 1);
-    const auto cut = PackedRows::open(path, 1);
+    const auto cut = open_part(path, 1);
     REQUIRE(cut);
     PackedRows::Row row;
     CHECK((*cut)->read(min_y, row));
     const auto last = (*cut)->read(min_y + packed_height - 1, row);
     REQUIRE_FALSE(last);
     CHECK(last.error().file == path);
+}
+
+TEST_CASE("a row whose leader does not fit it is refused before anything is unpacked", "[exr][packed-rows][law7]") {
+    const Folder folder;
+    const std::string path = folder.path("two.exr");
+    const auto check_refused = [&](int part, int y, const char* why) {
+        const auto rows = open_part(path, part);
+        REQUIRE(rows);
+        PackedRows::Row row;
+        const auto read = (*rows)->read(y, row);
+        REQUIRE_FALSE(read);
+        CHECK(read.error().file == path);
+        INFO(read.error().message);
+        CHECK(read.error().message.find(why) != std::string::npos);
+        CHECK((*rows)->read(min_y + 3, row));  // the others are as they were
+    };
+    write_parts(path, Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION);
+    constexpr int pixel_bytes = 4 * packed_width;
+    SECTION("pixels that are not packed, of another size than they have") {
+        change_leader<std::int32_t>(path, 0, min_y + 1, {pixel_bytes}, {pixel_bytes - 1});
+        check_refused(0, min_y + 1, "another size than its pixels");
+    }
+    // Row 1 has no samples: 20 bytes of zeros packed to 4, and nothing else.
+    SECTION("no table of counts") {
+        change_leader<std::uint64_t>(path, 1, min_y + 1, {4, 0, 0}, {0, 0, 0});
+        check_refused(1, min_y + 1, "another size than its counts");
+    }
+    SECTION("a table of counts that is longer than the row") {
+        change_leader<std::uint64_t>(path, 1, min_y + 1, {4, 0, 0}, {pixel_bytes + 1, 0, 0});
+        check_refused(1, min_y + 1, "another size than its counts");
+    }
+    SECTION("samples that its leader does not know of") {
+        std::string bytes = read_bytes(path);
+        const auto rows = open_part(path, 1);
+        REQUIRE(rows);
+        PackedRows::Row row;
+        REQUIRE((*rows)->read(min_y, row));
+        const std::uint64_t unpacked = row.sample_count() * 10;  // a half, a float and a uint
+        const auto leader = [&](std::uint64_t table, std::uint64_t packed) {
+            return std::vector<std::uint64_t>{table, packed, unpacked};
+        };
+        bool found = false;
+        for (std::uint64_t table = 1; !found && table <= pixel_bytes; ++table)
+            for (std::uint64_t packed = 1; !found && packed <= unpacked; ++packed) {
+                std::string wanted(32, '\0');
+                const std::int32_t place[2] = {1, min_y};
+                std::memcpy(wanted.data(), place, 8);
+                std::memcpy(wanted.data() + 8, leader(table, packed).data(), 24);
+                if (bytes.find(wanted) == std::string::npos) continue;
+                found = true;
+                change_leader<std::uint64_t>(path, 1, min_y, leader(table, packed), {table, 0, 0});
+            }
+        REQUIRE(found);
+        check_refused(1, min_y, "truncated or damaged");
+    }
 }

@@ -218,7 +218,9 @@ TEST_CASE("the matcher of pages tells words that the atlas merged as raylex ask 
             std::vector<display::WordTable::Letter> word;
             for (std::size_t length = random.below(5); length > 0; --length)
                 word.push_back(static_cast<display::WordTable::Letter>(random.below(5)));
-            if (random.below(3) == 0) word.push_back(display::WordAlphabet::open);
+            // One scattering or more, or two or more, as a budget merges them.
+            for (std::size_t open = random.below(6); open > 0 && open < 3; --open)
+                word.push_back(display::WordAlphabet::open);
             word.push_back(static_cast<display::WordTable::Letter>(5 + random.below(3)));
             table.words.push_back(std::move(word));
         }

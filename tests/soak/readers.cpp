@@ -4,8 +4,11 @@
 
 #include <array>
 
+#include <ImfThreading.h>
+
 #include "display/buffer/frame_buffer.h"
 #include "display/checkpoint/record_file.h"
+#include "display/output/atlas_file.h"
 #include "display/output/color_manager.h"
 #include "display/output/exr_reader.h"
 #include "experiments/job/channel_set.h"
@@ -16,6 +19,7 @@
 #include "lpe/program.h"
 #include "lpe/vectors.h"
 #include "tests/display/files.h"
+#include "tests/display/made_atlas.h"
 #include "tests/support/folder.h"
 #include "transport/color/spectrum.h"
 #include "transport/import/image.h"
@@ -213,6 +217,18 @@ std::string checkpoint(const std::string& folder) {
     return read_bytes(path);
 }
 
+std::vector<std::string> path_atlas(const std::string& folder) {
+    std::vector<std::string> seeds;
+    for (const display::SignedLight negative : {display::SignedLight::none, display::SignedLight::light}) {
+        MadeAtlas made(negative);
+        const std::string path = folder + "/seed.atlas.exr";
+        if (!display::write_atlas(path, made, {})) return {};
+        seeds.push_back(read_bytes(path));
+    }
+    Imf::setGlobalThreadCount(0);  // writing may have begun some, and children that are forked have none of them
+    return seeds;
+}
+
 std::string cell(const std::string& folder) {
     experiments::Cell cell;
     cell.id = "a.path.1spp.r0";
@@ -261,6 +277,15 @@ bool read_record(const std::string& path) {
     return true;
 }
 
+bool read_atlas(const std::string& path) {
+    const auto atlas = display::AtlasFile::open(path);
+    if (!atlas) return false;
+    bool good = true;
+    display::AtlasRow row;
+    for (int y = 0; y < (*atlas)->height(); ++y) good = (*atlas)->row(y, row).ok() && good;
+    return good && display::check_atlas(**atlas).ok();
+}
+
 bool read_image(const std::string& path) {
     return transport::read_image(path).ok();
 }
@@ -292,6 +317,7 @@ std::vector<InputKind> input_kinds(const std::string& folder) {
         {"pfm", ".pfm", {float_map()}, read_image},
         {"exr texture", ".exr", open_exr(folder), read_image},
         {"exr", ".exr", open_exr(folder), read_with<display::read_exr>},
+        {"atlas", ".exr", path_atlas(folder), read_atlas},
         {"job", ".toml", {job}, read_with<experiments::read_job>},
         {"study", ".toml", {study}, read_study},
         {"rib", ".rib", {rib}, read_channels},

@@ -39,7 +39,7 @@ class Atlas {
     [[nodiscard]] const display::AtlasFile& file() const { return *file_; }
     [[nodiscard]] const display::WordTable& table() const { return file_->table(); }
 
-    /// Rows of a file are read one after the other, by one thread at a time.
+    /// One question at a time, for what is read of rows is a setting of the file; each may read rows by many threads.
     template <class Work>
     auto read(Work&& work) {
         return unlocked([&] {
