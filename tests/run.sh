@@ -126,7 +126,7 @@ parts=() cases=() python_tests="test_*.py"
 choose() {
     local part stem=${name##*/}
     stem=${stem%.cpp}
-    for part in lpe services display geoaovs transport experiments cli endtoend python; do
+    for part in lpe services display geoaovs transport experiments cli endtoend fuzz python; do
         [ "$name" = "$part" ] && { parts=("$part"); return; }
     done
     if [ -f "tests/python/${stem%.py}.py" ]; then
@@ -148,7 +148,7 @@ choose() {
         files=$(awk '/^(TEMPLATE_)?TEST_CASE/ { text = ""; on = 1 }
                      on { text = text $0 }
                      on && /\{ *$/ { gsub(/" +"/, "", text); print FILENAME "\t" text; on = 0 }' \
-                tests/{lpe,services,display,geoaovs,transport,experiments,cli,endtoend}/*.cpp |
+                tests/{lpe,services,display,geoaovs,transport,experiments,cli,endtoend,fuzz}/*.cpp |
                 grep -iE -- $'\t'".*$pattern" | cut -f1)
     fi
     [ -n "$files" ] || usage "'$name' is no part, no test file, and no test case has it in its name or tags"

@@ -1,8 +1,6 @@
 // Aborts, so that the fuzzer keeps the input, when one input has more allocated at once than its target allows. Counted
 // by the sanitizer's hooks from the start of the input, so that the fuzzer's own corpus does not count.
 #include <sanitizer/allocator_interface.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <cstdio>
@@ -45,15 +43,6 @@ AllocationMeter::AllocationMeter(long long most) {
 
 AllocationMeter::~AllocationMeter() {
     counting = false;
-}
-
-MemoryFile::MemoryFile(const std::uint8_t* data, std::size_t size) : descriptor_(memfd_create("fuzzed", MFD_CLOEXEC)) {
-    require(descriptor_ >= 0, "a file in memory can be made");
-    require(write(descriptor_, data, size) == static_cast<ssize_t>(size), "a file in memory can be written");
-}
-
-MemoryFile::~MemoryFile() {
-    close(descriptor_);
 }
 
 }  // namespace fuzz

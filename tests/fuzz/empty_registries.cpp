@@ -3,6 +3,7 @@
 #include "transport/integrators/integrator.h"
 #include "transport/lights/light_table.h"
 #include "transport/materials/material.h"
+#include "transport/materials/normal_detail.h"
 #include "transport/materials/pattern.h"
 #include "transport/media/medium.h"
 #include "transport/samplers/sampler.h"
@@ -35,6 +36,12 @@ Registry<SamplerFactory>& sampler_registry() {
 }
 Registry<IntegratorFactory>& integrator_registry() {
     return empty_registry<IntegratorFactory>("integrator");
+}
+
+/// Of materials, of which none is known here.
+const std::vector<ParameterDescription>& normal_detail_parameters() {
+    static const std::vector<ParameterDescription> none;
+    return none;
 }
 
 }  // namespace raylex::transport
