@@ -29,7 +29,7 @@ struct ShadingBatch {
     std::vector<float> position[3];          ///< hit point
     std::vector<float> shading_normal[3];    ///< unit, facing the side the ray came from; with bumps, if any
     std::vector<float> geometric_normal[3];  ///< unit, facing the side the ray came from
-    std::vector<float> plain_normal[3];      ///< shading normal before bumps and displacement, likewise
+    std::vector<float> plain_normal[3];      ///< shading normal before bump and normal maps, likewise
     std::vector<float> view[3];              ///< unit, from the hit towards where the ray came from
     std::vector<float> s, t;                 ///< texture coordinates
     std::vector<float> u, v;                 ///< the primitive's own parameters

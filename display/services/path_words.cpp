@@ -4,28 +4,28 @@
 
 namespace raylex::display {
 
-PathWords::PathWords(const WordAlphabet& alphabet) : alphabet_(alphabet), seen_(alphabet.column_count(), 0) {
+PathWords::PathWords(const WordAlphabet& alphabet)
+    : alphabet_(alphabet), steps_(std::size_t{1} << step_bits), seen_(alphabet.column_count(), 0) {
     clear();
 }
 
 void PathWords::clear() {
     nodes_.clear();
     parts_.clear();
-    pairs_.clear();
+    path_words_.assign(1, WordTree::root);
+    shares_.assign(1, RgbD(1.0));
     entries_.clear();
-    pairs_.push_back({WordTree::root, RgbD(1.0)});
-    nodes_.push_back({0, 0, 0, 0, 1});
+    nodes_.push_back({.pairs = 1});
 }
 
 PathWords::Path PathWords::move(Path from, lpe::EventClass event) {
-    nodes_.push_back({from, event, 1, 0, not_known});
+    nodes_.push_back({from, event, 1});
     return static_cast<Path>(nodes_.size() - 1);
 }
 
 PathWords::Path PathWords::move(Path from, std::span<const LobePart> parts) {
     if (parts.size() == 1) return move(from, parts[0].event);
-    nodes_.push_back(
-        {from, static_cast<std::uint32_t>(parts_.size()), static_cast<std::uint32_t>(parts.size()), 0, not_known});
+    nodes_.push_back({from, static_cast<std::uint32_t>(parts_.size()), static_cast<std::uint32_t>(parts.size())});
     parts_.insert(parts_.end(), parts.begin(), parts.end());
     return static_cast<Path>(nodes_.size() - 1);
 }
@@ -34,12 +34,11 @@ void PathWords::add(int row, Path path, const Rgb& value, Technique technique) {
     find_pairs(path);
     const Node& node = nodes_[path];
     const RgbD whole(value);
-    for (std::uint32_t k = node.first_pair; k < node.first_pair + node.pairs; ++k) {
-        const RgbD part = whole * pairs_[k].share;
+    for (std::uint32_t k = 0; k < node.pairs; ++k) {
+        const RgbD part = whole * shares_[node.first_share + k];
         if (part.r == 0 && part.g == 0 && part.b == 0) continue;
-        const std::uint32_t word = alphabet_.rules().techniques
-                                       ? words_.child(pairs_[k].word, WordAlphabet::letter_of(technique))
-                                       : pairs_[k].word;
+        std::uint32_t word = path_words_[node.first_word + k];
+        if (alphabet_.rules().techniques) word = words_.child(word, WordAlphabet::letter_of(technique));
         entries_.push_back({static_cast<std::uint32_t>(row), word, part.r, part.g, part.b});
     }
 }
@@ -69,25 +68,32 @@ std::uint32_t PathWords::longer(std::uint32_t word, lpe::EventClass event) {
 
 /// From one word: each part by its own event. Words that differ stay different whatever follows, so those of one word
 /// are all that can become equal.
-void PathWords::split(const Pair& from, std::span<const LobePart> parts, const Fractions& fractions) {
+void PathWords::split(std::uint32_t word, const RgbD& share, std::span<const LobePart> parts,
+                      const Fractions& fractions) {
     split_words_.clear();
     bool agree = true;
     for (const LobePart& part : parts) {
-        split_words_.push_back(longer(from.word, part.event));
+        split_words_.push_back(after(word, part.event));
         agree = agree && split_words_.back() == split_words_.front();
     }
     if (agree) {  // the fractions sum to 1: nothing is split, nothing is rounded
-        if (!parts.empty()) pairs_.push_back({split_words_.front(), from.share});
+        if (parts.empty()) return;
+        path_words_.push_back(split_words_.front());
+        shares_.push_back(share);
         return;
     }
-    const std::size_t first = pairs_.size();
+    const std::size_t first = path_words_.size(), first_share = shares_.size();
     for (std::size_t j = 0; j < parts.size(); ++j) {
-        const RgbD share = from.share * fractions.of(j);
-        if (share.r == 0 && share.g == 0 && share.b == 0) continue;
+        const RgbD part = share * fractions.of(j);
+        if (part.r == 0 && part.g == 0 && part.b == 0) continue;
         std::size_t at = first;
-        while (at < pairs_.size() && pairs_[at].word != split_words_[j]) ++at;
-        if (at < pairs_.size()) pairs_[at].share += share;
-        else pairs_.push_back({split_words_[j], share});
+        while (at < path_words_.size() && path_words_[at] != split_words_[j]) ++at;
+        if (at < path_words_.size()) {
+            shares_[first_share + (at - first)] += part;
+        } else {
+            path_words_.push_back(split_words_[j]);
+            shares_.push_back(part);
+        }
     }
 }
 
@@ -95,19 +101,21 @@ void PathWords::split(const Pair& from, std::span<const LobePart> parts, const F
 void PathWords::find_pairs_of(Path path) {
     Node& node = nodes_[path];
     const Node& before = nodes_[node.before];
-    const std::uint32_t end = before.first_pair + before.pairs;
-    node.first_pair = static_cast<std::uint32_t>(pairs_.size());
+    node.first_word = static_cast<std::uint32_t>(path_words_.size());
     if (node.parts == 1) {
-        for (std::uint32_t k = before.first_pair; k < end; ++k) {
-            const RgbD share = pairs_[k].share;
-            pairs_.push_back({longer(pairs_[k].word, static_cast<lpe::EventClass>(node.first)), share});
+        node.first_share = before.first_share;
+        for (std::uint32_t k = 0; k < before.pairs; ++k) {
+            const std::uint32_t word = path_words_[before.first_word + k];
+            path_words_.push_back(after(word, static_cast<lpe::EventClass>(node.first)));
         }
     } else {
+        node.first_share = static_cast<std::uint32_t>(shares_.size());
         const std::span<const LobePart> parts{parts_.data() + node.first, node.parts};
         const Fractions fractions(parts);
-        for (std::uint32_t k = before.first_pair; k < end; ++k) split(Pair(pairs_[k]), parts, fractions);
+        for (std::uint32_t k = 0; k < before.pairs; ++k)
+            split(path_words_[before.first_word + k], RgbD(shares_[before.first_share + k]), parts, fractions);
     }
-    node.pairs = static_cast<std::uint32_t>(pairs_.size()) - node.first_pair;
+    node.pairs = static_cast<std::uint32_t>(path_words_.size()) - node.first_word;
 }
 
 }  // namespace raylex::display

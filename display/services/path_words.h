@@ -60,27 +60,39 @@ class PathWords {
     [[nodiscard]] bool take_news() { return std::exchange(news_, false); }
 
   private:
-    struct Pair {
-        std::uint32_t word = 0;
-        RgbD share;
-    };
     struct Node {
         Path before = 0;
         std::uint32_t first = 0;  ///< in parts_; the event itself where there is one part
         std::uint32_t parts = 0;
-        std::uint32_t first_pair = 0, pairs = not_known;  ///< in pairs_
+        std::uint32_t pairs = not_known;
+        std::uint32_t first_word = 0;   ///< in path_words_
+        std::uint32_t first_share = 0;  ///< in shares_; of the node before where one event left shares as they were
     };
     static constexpr std::uint32_t not_known = ~std::uint32_t{0};
+    /// What longer() said last of words and events that share this place: most paths repeat what others did.
+    struct Step {
+        std::uint32_t word = not_known;
+        lpe::EventClass event = 0;
+        std::uint32_t next = 0;
+    };
+    static constexpr int step_bits = 12;
     void find_pairs(Path path);
     void find_pairs_of(Path path);
+    [[nodiscard]] std::uint32_t after(std::uint32_t word, lpe::EventClass event) {
+        Step& step = steps_[(word * 0x9e3779b1u + event * 0x85ebca6bu) >> (32 - step_bits)];
+        if (step.word != word || step.event != event) step = {word, event, longer(word, event)};
+        return step.next;
+    }
     [[nodiscard]] std::uint32_t longer(std::uint32_t word, lpe::EventClass event);
-    void split(const Pair& from, std::span<const LobePart> parts, const Fractions& fractions);
+    void split(std::uint32_t word, const RgbD& share, std::span<const LobePart> parts, const Fractions& fractions);
 
     const WordAlphabet& alphabet_;
     WordTree words_;
     std::vector<Node> nodes_;
     std::vector<LobePart> parts_;
-    std::vector<Pair> pairs_;
+    std::vector<std::uint32_t> path_words_;  // side by side, for they are looked at more often than shares
+    std::vector<RgbD> shares_;
+    std::vector<Step> steps_;
     std::vector<Entry> entries_;
     std::vector<Path> open_paths_;
     std::vector<std::uint32_t> split_words_;

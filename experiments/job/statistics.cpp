@@ -141,7 +141,8 @@ std::string statistics_json(const RunRecord& record) {
                       {"lobes", pruned(transport::Pruned::lobes)},
                       {"light_paths", pruned(transport::Pruned::light_paths)},
                       {"joins", pruned(transport::Pruned::joins)},
-                      {"weak_paths", pruned(transport::Pruned::weak_paths)}};
+                      {"weak_paths", pruned(transport::Pruned::weak_paths)},
+                      {"closures", pruned(transport::Pruned::closures)}};
     json["samples"] = {{"camera", statistics.camera_samples},
                        {"per_pixel", output.samples_per_pixel},
                        {"per_cpu_second", cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu : 0.0}};

@@ -102,7 +102,8 @@ std::string statistics_table(const std::string& record) {
         {"Lobes not drawn: no layer takes that side of a surface", "/pruned/lobes"},
         {"Light paths ended: no layer takes what they could become", "/pruned/light_paths"},
         {"Joins with light paths not made: no layer takes them", "/pruned/joins"},
-        {"Paths ended at random: layers are expected to receive little of them", "/pruned/weak_paths"}};
+        {"Paths ended at random: layers are expected to receive little of them", "/pruned/weak_paths"},
+        {"Materials not evaluated: only the geometry of first hits is asked for", "/pruned/closures"}};
     for (const auto& [label, place] : pruned)
         if (const double count = number_at(json, place); count > 0) text += row(label, counted(count));
     text += row("Merged attributions", counted(number_at(json, "/attribution_overflow")));

@@ -278,3 +278,61 @@ TEST_CASE("asking for every AOV leaves the beauty's bits, and no thread shows bu
     CHECK(seconds > 0);
     CHECK(seconds <= one.statistics.render_cpu_seconds);
 }
+
+TEST_CASE("where no light is to come, materials are evaluated only for AOVs that ask for more than geometry",
+          "[geoaovs][render][law4]") {
+    const auto scene = scene_of(room);
+    const auto rendered = [&](std::vector<display::ChannelDefinition> channels, bool beauty) {
+        transport::RenderSettings settings;
+        settings.samples_per_pixel = 16;
+        settings.channels = std::move(channels);
+        settings.beauty = beauty;
+        return render_of(scene, settings);
+    };
+    const auto closures = [](const transport::RenderOutput& output) {
+        return output.statistics.pruned[static_cast<std::size_t>(transport::Pruned::closures)];
+    };
+    std::vector<display::ChannelDefinition> of_geometry;
+    for (const display::ChannelDefinition& channel : all_aovs())
+        if (channel.name != "albedo" && channel.name != "outsideIOR" && channel.name != "cpuTime" &&
+            channel.name != "Ci")
+            of_geometry.push_back(channel);
+    const auto check_same = [&](const transport::RenderOutput& with, const transport::RenderOutput& without,
+                                std::size_t channels) {
+        for (std::size_t i = 0; i < channels; ++i) {
+            CAPTURE(of_geometry[i].name);
+            CHECK(without.frame_buffer.resolve(static_cast<display::ChannelId>(i)) ==
+                  with.frame_buffer.resolve(static_cast<display::ChannelId>(i + 1)));
+        }
+    };
+    const auto full = rendered(of_geometry, true), alone = rendered(of_geometry, false);
+    CHECK(closures(full) == 0);
+    check_same(full, alone, of_geometry.size());
+    double hits = 0;
+    for (const double alpha : alone.frame_buffer.resolve_alpha()) hits += alpha;
+    const double samples = static_cast<double>(alone.statistics.camera_samples);
+    const double pixels = samples / 16;
+    // Every hit of a camera ray; alpha is their mean, of 16 samples a pixel.
+    CHECK(static_cast<double>(closures(alone)) == Approx(hits / pixels * samples));
+    for (const char* name : {"albedo", "outsideIOR"}) {
+        std::vector<display::ChannelDefinition> more = of_geometry;
+        more.push_back(named(name));
+        const auto with_more = rendered(more, false);
+        CHECK(closures(with_more) == 0);
+        CHECK(with_more.frame_buffer.resolve(static_cast<display::ChannelId>(more.size() - 1)) ==
+              rendered(more, true).frame_buffer.resolve(static_cast<display::ChannelId>(more.size())));
+        check_same(full, with_more, of_geometry.size());
+    }
+    // Light that the camera sees goes no further; what is seen by way of a mirror does, and nothing but mirrors.
+    for (const char* expression : {"CL", "CS+L", "CD[DS]*L"}) {
+        CAPTURE(expression);
+        std::vector<display::ChannelDefinition> with_light = of_geometry;
+        with_light.push_back(lpe_channel("light", expression));
+        const auto lit = rendered(with_light, false);
+        check_same(full, lit, of_geometry.size());
+        // Walls are no mirrors, and the metal wall is not diffuse.
+        CHECK(closures(lit) > 0);
+        CHECK((closures(lit) == closures(alone)) == (std::string(expression) == "CL"));
+        CHECK(closures(lit) <= closures(alone));
+    }
+}

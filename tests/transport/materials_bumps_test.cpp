@@ -273,7 +273,8 @@ TEST_CASE("bumps are seen alike from the camera and from lights", "[materials][b
                       {"C<.[DG]>L", "C<.[DG]>B", "C<RD><RD>+[LB]", "C<RG>.*L", "C<RD><.G>.*[LB]"});
 }
 
-TEST_CASE("a mix goes by the bumps of what it chose, and AOVs show the normal that shades", "[materials][render]") {
+TEST_CASE("a mix goes by the bumps of what it chose, and AOVs show the normal that shades and the plain one",
+          "[materials][render]") {
     register_heights();
     const std::string named = R"(
         MakeNamedMaterial "bumpy" "string type" "diffuse" "rgb reflectance" [1 1 1] "texture displacement" "h"
@@ -292,18 +293,22 @@ TEST_CASE("a mix goes by the bumps of what it chose, and AOVs show the normal th
     transport::RenderSettings settings;
     settings.samples_per_pixel = 64;
     settings.max_depth = 1;
-    settings.channels = {aov("Nn")};
+    settings.channels = {aov("Nn"), aov("Non")};
     const auto half = render_of(scene_of(mixed(0.5)), settings);
     // 36 x 64 samples of one of two values: 4.5 standard errors.
     CHECK(std::abs(estimate(half).mean - (flat + bumpy) / 2) < 4.5 * std::abs(flat - bumpy) / 2 / 48);
     settings.samples_per_pixel = 4;
     const auto output = render_of(scene_of(mixed(1)), settings);
-    const std::vector<double> normals = output.frame_buffer.resolve(1);
+    const std::vector<double> normals = output.frame_buffer.resolve(1), plain = output.frame_buffer.resolve(2);
     const double l = std::sqrt(1.13);
     for (std::size_t i = 0; i < normals.size(); i += 3) {
         CHECK(std::abs(normals[i]) == Approx(0.3 / l).epsilon(2e-3));
         CHECK(std::abs(normals[i + 1]) == Approx(0.2 / l).epsilon(2e-3));
         CHECK(std::abs(normals[i + 2]) == Approx(1 / l).epsilon(2e-3));
+        // The shape faces the camera.
+        CHECK(plain[i] == 0);
+        CHECK(plain[i + 1] == 0);
+        CHECK(plain[i + 2] == -1);
     }
 }
 

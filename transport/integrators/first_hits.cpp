@@ -36,6 +36,16 @@ Vec3 camera_point(const IntegratorContext& context, const Vec3& p) {
     return result;
 }
 
+/// The shading normal that bump and normal maps found.
+Vec3 plain_normal(const SceneView& scene, const Ray& ray, const Hit& hit, const SurfacePoint& point) {
+    if (!scene.materials->turns_normals() || scene.materials->normal_detail(*scene.textures, point).empty())
+        return point.shading_normal;
+    SurfacePoint before;
+    SurfaceSource source;
+    scene.geometry->surfaces({&ray, 1}, {&hit, 1}, {&before, 1}, {&source, 1});
+    return before.shading_normal;
+}
+
 }  // namespace
 
 Real edge_distance(const IntegratorContext& context, const Vec3& position, std::span<const Vec3> edges) {
@@ -63,7 +73,10 @@ Real edge_distance(const IntegratorContext& context, const Vec3& position, std::
 CameraSubpathOptions camera_subpath_options(const IntegratorContext& context, const WalkOptions& walk) {
     CameraSubpathOptions options;
     options.walk = walk;
-    options.shade_first_hits = context.aovs->inputs() != 0 || context.pattern_channels;
+    options.keep_first_hits = context.aovs->inputs() != 0 || context.pattern_channels;
+    // With beauty all of them are shaded for their light: nobody need ask for each.
+    options.shade_first_hits =
+        context.beauty || context.pattern_channels || (context.aovs->inputs() & (in::albedo | in::outside_ior)) != 0;
     options.light_can_be_hit = context.scene.lights->any_to_hit() || context.scene.media->any_emits();
     options.view = {context.camera, context.width, context.height, context.filter_radius};
     std::copy(&context.world_to_camera[0][0], &context.world_to_camera[0][0] + 12, &options.world_to_camera[0][0]);
@@ -73,7 +86,7 @@ CameraSubpathOptions camera_subpath_options(const IntegratorContext& context, co
 void write_first_hits(const IntegratorContext& context, const VertexBatch& v, std::span<const std::uint32_t> which,
                       geoaovs::ShadingBatch& batch, display::DisplayServices& display) {
     if (context.aovs->inputs() == 0 || which.empty()) return;
-    describe_first_hits(context, {which, v.rows, v.hits, v.points, v.sources, v.bsdfs}, batch);
+    describe_first_hits(context, {which, v.rows, v.rays, v.hits, v.points, v.sources, v.bsdfs}, batch);
     context.aovs->write(batch, display);
 }
 
@@ -88,10 +101,13 @@ void describe_first_hits(const IntegratorContext& context, const FirstHits& firs
     batch.origin[0] = origin.x, batch.origin[1] = origin.y, batch.origin[2] = origin.z;
     fill(which, batch.row, [&](std::size_t j) { return static_cast<std::int32_t>(first.rows[j]); });
     if (wanted & in::position) fill(which, batch.position, [&](std::size_t j) { return points[j].position; });
-    // No material bends its normal yet (normal maps are refused), so the shading normal is the plain one.
-    const auto facing = [&](std::size_t j) { return face_forward(points[j].shading_normal, points[j].wo); };
-    if (wanted & in::shading_normal) fill(which, batch.shading_normal, facing);
-    if (wanted & in::plain_normal) fill(which, batch.plain_normal, facing);
+    if (wanted & in::shading_normal)
+        fill(which, batch.shading_normal,
+             [&](std::size_t j) { return face_forward(points[j].shading_normal, points[j].wo); });
+    if (wanted & in::plain_normal)
+        fill(which, batch.plain_normal, [&](std::size_t j) {
+            return face_forward(plain_normal(context.scene, first.rays[j], first.hits[j], points[j]), points[j].wo);
+        });
     if (wanted & in::geometric_normal)
         fill(which, batch.geometric_normal,
              [&](std::size_t j) { return face_forward(points[j].geometric_normal, points[j].wo); });

@@ -17,6 +17,7 @@ namespace raylex::transport {
 struct FirstHits {
     std::span<const std::uint32_t> which;
     std::span<const std::uint32_t> rows;  ///< in the sample table
+    std::span<const Ray> rays;
     std::span<const Hit> hits;
     std::span<const SurfacePoint> points;
     std::span<const SurfaceSource> sources;

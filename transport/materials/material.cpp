@@ -113,23 +113,33 @@ struct Buckets {
 
 namespace {
 
-void look_ahead(const TextureTable& textures, std::span<const SurfacePoint> points) {
+bool is_wanted(std::span<const std::uint8_t> wanted, std::size_t i) {
+    return wanted.empty() || wanted[i] != 0;
+}
+
+void look_ahead(const TextureTable& textures, std::span<const SurfacePoint> points,
+                std::span<const std::uint8_t> wanted) {
     thread_local std::vector<TexturePoint> at;
     at.clear();
-    for (const SurfacePoint& point : points) at.push_back(texture_point(point));
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (is_wanted(wanted, i)) at.push_back(texture_point(points[i]));
     textures.look_ahead(at);
 }
 
 }  // namespace
 
 void MaterialTable::shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures,
-                          display::DisplayServices* display) const {
+                          display::DisplayServices* display, std::span<const std::uint8_t> wanted) const {
     const ShadingScope scope(display);
     if (textures.looks_ahead()) [[unlikely]]
-        look_ahead(textures, points);
+        look_ahead(textures, points, wanted);
     thread_local Buckets buckets;
     buckets.fit(materials_.size(), points.size());
     for (std::size_t i = points.size(); i-- > 0;) {  // backwards, so that lists come out ascending
+        if (!is_wanted(wanted, i)) {
+            closures[i].set_black();
+            continue;
+        }
         const auto material = static_cast<std::size_t>(points[i].material);
         if (buckets.head[material] == Buckets::none) buckets.used.push_back(static_cast<std::uint32_t>(material));
         buckets.next[i] = buckets.head[material];

@@ -75,9 +75,9 @@ class MaterialTable {
 
     /// Turns hits into closures; sorts by material internally, so any order is fine. `points.size() ==
     /// closures.size()`. Materials and patterns may write to `display`, to the rows of points that have one
-    /// (pattern.h).
+    /// (pattern.h). `wanted`, if not empty: [point] whether anybody asks for its closure; the others are black.
     void shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures,
-               display::DisplayServices* display = nullptr) const;
+               display::DisplayServices* display = nullptr, std::span<const std::uint8_t> wanted = {}) const;
     /// Whether any material turns normals: without, nobody asks for tangents.
     [[nodiscard]] bool turns_normals() const { return turns_normals_; }
     /// Whether any material looks up images over footprints (SurfacePoint::footprint), and whether this one does.

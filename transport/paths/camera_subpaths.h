@@ -29,8 +29,8 @@ inline Real sample_time(const SceneView& scene, const PixelSampler& sampler) {
 
 struct CameraSubpathOptions {
     WalkOptions walk;
-    bool shade_first_hits =
-        false;  ///< somebody reads AOVs or patterns there: the first hit is shaded whatever the light
+    bool keep_first_hits = false;             ///< somebody reads AOVs or patterns there, whatever the light
+    bool shade_first_hits = false;            ///< for more than their geometry
     bool light_can_be_hit = true;             ///< by a ray: if not, a path's last scattering need not be traced
     bool live_lobes = false;                  ///< closures draw no side that no channel takes; not for `densities`
     SplitPlan splits;                         ///< none for samplers of chains
@@ -123,10 +123,13 @@ class CameraSubpaths {
     void pass(display::DisplayServices& display, std::size_t j);
     /// Distance, opacity and surface of a camera ray.
     void record_first_hit(display::DisplayServices& display, std::size_t j);
+    [[nodiscard]] bool is_wanted_first_hit(std::size_t j) const {
+        return options_.keep_first_hits && path(vertices().rows[j]).depth == 0;
+    }
+    /// For light that may come there.
     [[nodiscard]] bool worth_shading(std::size_t j) {
         const std::uint32_t row = vertices().rows[j];
         const Subpath& subpath = path(row);
-        if (subpath.depth == 0 && options_.shade_first_hits) return true;
         if (record_.events().wants_user() && record_.channels_follow(row)) return true;
         if (subpath.counted_depth() >= options_.walk.max_depth) return false;
         const bool worth = record_.ahead(row, vertices().sources[j].label, vertices().points[j].material).anything;
@@ -160,7 +163,18 @@ struct CameraSubpaths::Visitor : WalkVisitor {
         if (self.path(row).depth == 0) self.record_first_hit(display, j);
         if (self.scene_.geometry->shapes()[v.hits[j].shape].first_light != Hit::none) ends.emits(j);
         ends.arrives(j);
-        return self.worth_shading(j);
+        return self.is_wanted_first_hit(j) || self.worth_shading(j);
+    }
+    [[nodiscard]] bool may_skip_closures() const {
+        return self.options_.keep_first_hits && !self.options_.shade_first_hits;
+    }
+    bool needs_closure(std::size_t j) {
+        // What goes on through an interface is told by its closure; what is no first hit was asked on arrival.
+        if (!self.is_wanted_first_hit(j) || self.scene_.geometry->shapes()[self.vertices().hits[j].shape].interface)
+            return true;
+        if (self.worth_shading(j)) return true;
+        self.walk_.counters().count(Pruned::closures);
+        return false;
     }
     void first_vertex(std::uint32_t row, const SurfacePoint& point, Real time, StrategySums& sums) {
         const CameraView& view = self.options_.view;

@@ -18,9 +18,10 @@ enum class Pruned : std::uint8_t {
     lobes,                       ///< not drawn: no channel takes that side of an interface
     light_paths,                 ///< not begun or ended: no word of a light subpath can be completed any more
     joins,                       ///< of its vertices with others or the camera, not looked at: no channel takes any
-    weak_paths                   ///< ended at random: channels are expected to receive little of them
+    weak_paths,                  ///< ended at random: channels are expected to receive little of them
+    closures                     ///< of first hits of which AOVs ask for the geometry alone: no texture is looked up
 };
-inline constexpr std::size_t pruned_causes = 9;
+inline constexpr std::size_t pruned_causes = 10;
 using PrunedCounts = std::array<std::uint64_t, pruned_causes>;
 
 /// Work done, for statistics. Added up over threads at the end.

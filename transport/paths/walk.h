@@ -51,6 +51,10 @@ struct WalkVisitor {
     void passes_cutout(std::size_t /*j*/) {}
     /// The subpath has reached vertex j, a surface. False: it ends there.
     bool arrives(std::size_t /*j*/) { return true; }
+    /// Whether some of the vertices that subpaths go to are asked for their geometry alone, and whether vertex j, which
+    /// arrives() let pass, is asked for more: if not, its closure is black.
+    [[nodiscard]] bool may_skip_closures() const { return false; }
+    bool needs_closure(std::size_t /*j*/) { return true; }
     /// The densities of a subpath's first vertex are those of `sums`, but for what depends on how it began.
     void first_vertex(std::uint32_t /*row*/, const SurfacePoint& /*point*/, Real /*time*/, StrategySums& /*sums*/) {}
     /// `emitted` is the light that the medium sends back along a ray of a camera subpath.
@@ -89,6 +93,7 @@ class Walk {
         vertices_.reserve(capacity);
         if (has_footprints_) vertices_.footprints.resize(capacity);
         first_entries_.resize(capacity);
+        needs_closure_.resize(capacity);
         if (in_media_) collisions_.resize(capacity);
     }
 
@@ -175,6 +180,7 @@ class Walk {
     RayQueue queue_;                  // of the next vertices
     VertexBatch vertices_;
     std::vector<std::uint32_t> first_entries_;
+    std::vector<std::uint8_t> needs_closure_;  // [vertex]
     std::vector<Collision> collisions_;
     std::size_t first_count_ = 0, collision_count_ = 0;
 };
@@ -347,7 +353,7 @@ template <class Visitor>
 void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
     trace(visitor);
     VertexBatch& v = vertices_;
-    const bool cutouts = scene_.tests_alpha();
+    const bool cutouts = scene_.tests_alpha(), skips_closures = visitor.may_skip_closures();
     const std::span<const ShapeGeometry> shapes = scene_.geometry->shapes();
     std::size_t kept = 0;
     first_count_ = 0;
@@ -377,6 +383,7 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
             finish(row);
             continue;
         }
+        if (skips_closures) needs_closure_[kept] = visitor.needs_closure(j) ? 1 : 0;
         point.random_key = samplers_[row].key(dimensions.of(path.depth, dimensions.key));
         point.row = is_camera_ray(path) ? static_cast<std::int32_t>(row) : -1;
         if (is_camera_ray(path)) first_entries_[first_count_++] = static_cast<std::uint32_t>(kept);
@@ -385,7 +392,9 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
     v.surfaces = v.count = kept;
     if (has_footprints_) lay_footprints();
     if (scene_.materials->turns_normals()) turn_normals(scene_, {v.hits.data(), v.surfaces}, v.points);
-    if (kept > 0) scene_.materials->shade(*scene_.textures, {v.points.data(), kept}, {v.bsdfs.data(), kept}, &display);
+    if (kept > 0)
+        scene_.materials->shade(*scene_.textures, {v.points.data(), kept}, {v.bsdfs.data(), kept}, &display,
+                                {needs_closure_.data(), skips_closures ? kept : 0});
     if (wavelengths_.any()) wavelengths_.meet(v, paths_);
     if (in_media_) append_collisions(visitor);
 }

@@ -137,8 +137,8 @@ std::shared_ptr<Points> Batch::trace(std::vector<Ray> rays, std::vector<std::uin
     std::vector<std::uint32_t> all(made->count());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint32_t>(i);
     geoaovs::ShadingBatch shading;
-    transport::describe_first_hits(context_, {all, made->rows, made->hits, made->points, made->sources, made->bsdfs},
-                                   shading);
+    transport::describe_first_hits(
+        context_, {all, made->rows, made->rays, made->hits, made->points, made->sources, made->bsdfs}, shading);
     context_.aovs->write(shading, display());
     return made;
 }
