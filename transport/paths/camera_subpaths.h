@@ -169,10 +169,8 @@ struct CameraSubpaths::Visitor : WalkVisitor {
         return self.options_.keep_first_hits && !self.options_.shade_first_hits;
     }
     bool needs_closure(std::size_t j) {
-        // What goes on through an interface is told by its closure; what is no first hit was asked on arrival.
-        if (!self.is_wanted_first_hit(j) || self.scene_.geometry->shapes()[self.vertices().hits[j].shape].interface)
-            return true;
-        if (self.worth_shading(j)) return true;
+        // What is no first hit was asked on arrival.
+        if (!self.is_wanted_first_hit(j) || self.worth_shading(j)) return true;
         self.walk_.counters().count(Pruned::closures);
         return false;
     }
