@@ -238,6 +238,7 @@ class EmbreeScene {
         return &room.emplace(motions_[static_cast<std::size_t>(instance.motion)].at(hit.time));
     }
     [[nodiscard]] bool traceable(const Ray& ray) const;
+    void fetch_primitive(const Hit& hit) const;
     void finish_hits(std::span<const Ray> rays, std::span<Hit> hits) const;
     void finish_hit(const Ray& ray, Hit& hit) const;
     void finish_triangles(const std::array<const Ray*, 2>& rays, const std::array<Hit*, 2>& hits) const;

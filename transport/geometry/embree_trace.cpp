@@ -9,8 +9,7 @@
 namespace raylex::transport {
 namespace {
 
-RTCRay to_embree(const Ray& ray, unsigned mask) {
-    RTCRay r;
+void to_embree(const Ray& ray, unsigned mask, RTCRay& r) {
     r.org_x = to_float(ray.origin.x);
     r.org_y = to_float(ray.origin.y);
     r.org_z = to_float(ray.origin.z);
@@ -25,7 +24,18 @@ RTCRay to_embree(const Ray& ray, unsigned mask) {
     r.mask = mask;
     r.id = 0;
     r.flags = 0;
-    return r;
+}
+
+/// By Embree's numbers; finish_hits() makes ours of them.
+void hit_of(const RTCRayHit& found, const Ray& ray, Hit& hit) {
+    hit.t = found.ray.tfar;
+    hit.u = found.hit.u;
+    hit.v = found.hit.v;
+    hit.shape = found.hit.geomID;  // no hit: Hit::none
+    hit.primitive = found.hit.primID;
+    hit.instance = found.hit.instID[0];
+    hit.time = ray.time;
+    hit.cone = ray.cone;
 }
 
 }  // namespace
@@ -45,6 +55,15 @@ std::uint64_t EmbreeScene::untraced_rays() const {
     return device_->untraced.load(std::memory_order_relaxed);
 }
 
+/// Has memory bring what finish_hits() is to read, while the next rays are traced: large meshes are in no cache. `hit`
+/// is called by Embree's numbers.
+void EmbreeScene::fetch_primitive(const Hit& hit) const {
+    if (!hit.valid()) return;
+    const std::size_t first = hit.instance == Hit::none ? 0 : instances_[hit.instance - top_level_shapes_].first_shape;
+    const ShapeGeometry& shape = shapes_[first + hit.shape];
+    if (shape.kind == ShapeKind::triangle_mesh) __builtin_prefetch(&shape.triangles[hit.primitive]);
+}
+
 void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
     if (log_ != nullptr) log_->add(rays, false);
     RTCIntersectContext context;
@@ -56,12 +75,12 @@ void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) cons
             hit = Hit();
             continue;
         }
-        rayhit.ray = to_embree(rays[i], any_mask);
+        to_embree(rays[i], any_mask, rayhit.ray);
         rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
         rtcIntersect1(device_->scene, &context, &rayhit);
-        hit = {rayhit.ray.tfar,   rayhit.hit.u,         rayhit.hit.v, rayhit.hit.geomID,  // no hit: Hit::none
-               rayhit.hit.primID, rayhit.hit.instID[0], rays[i].time, rays[i].cone};
+        hit_of(rayhit, rays[i], hit);
+        fetch_primitive(hit);
     }
     // A loop of its own, so that the processor has several hits in hand at a time.
     finish_hits(rays, hits);
@@ -75,12 +94,11 @@ void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
         hit = Hit();
         return;
     }
-    rayhit.ray = to_embree(ray, alpha_mask);
+    to_embree(ray, alpha_mask, rayhit.ray);
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(device_->scene, &context, &rayhit);
-    hit = {rayhit.ray.tfar,   rayhit.hit.u,         rayhit.hit.v, rayhit.hit.geomID,
-           rayhit.hit.primID, rayhit.hit.instID[0], ray.time,     ray.cone};
+    hit_of(rayhit, ray, hit);
     finish_hits({&ray, 1}, {&hit, 1});
 }
 
@@ -92,7 +110,7 @@ void EmbreeScene::occluded(std::span<const Ray> rays, std::span<std::uint8_t> bl
     for (std::size_t first = 0; first < rays.size(); first += stream.size()) {
         const std::size_t count = std::min(stream.size(), rays.size() - first);
         for (std::size_t i = 0; i < count; ++i) {
-            stream[i] = to_embree(rays[first + i], opaque_mask);
+            to_embree(rays[first + i], opaque_mask, stream[i]);
             if (!traceable(rays[first + i])) [[unlikely]]
                 stream[i].tfar = -infinity;  // as Embree says that a ray is blocked; it leaves such rays alone
         }
@@ -115,7 +133,8 @@ std::uint64_t EmbreeScene::trace_bare(const RayLog& log) const {
         const Ray* const end = next + batch.count;
         if (batch.shadow) {
             for (; next != end; ++next) {
-                RTCRay ray = to_embree(*next, opaque_mask);
+                RTCRay ray;
+                to_embree(*next, opaque_mask, ray);
                 rtcOccluded1(device_->scene, &context, &ray);
                 hits += ray.tfar < 0 ? 1 : 0;
             }
@@ -123,7 +142,7 @@ std::uint64_t EmbreeScene::trace_bare(const RayLog& log) const {
         }
         for (; next != end; ++next) {
             RTCRayHit rayhit;
-            rayhit.ray = to_embree(*next, any_mask);
+            to_embree(*next, any_mask, rayhit.ray);
             rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
             rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
             rtcIntersect1(device_->scene, &context, &rayhit);

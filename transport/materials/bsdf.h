@@ -49,11 +49,17 @@ struct LobeList {
     LobeList(const LobeList& other) { *this = other; }
     LobeList& operator=(const LobeList& other) {
         const int entries = other.count;
-        for (count = 0; count < entries;) add(other.entry[static_cast<std::size_t>(count)]);  // itself too
+        for (count = 0; count < entries;) {  // itself too
+            const LobeValue& lobe = other.entry[static_cast<std::size_t>(count)];
+            add(lobe.lobe, lobe.value);
+        }
         return *this;
     }
-    void add(const LobeValue& lobe) { std::construct_at(&entry[static_cast<std::size_t>(count++)], lobe); }
-    void add(LobeId lobe, const Rgb& value) { add({lobe, value}); }
+    void add(LobeId lobe, const Rgb& value) {
+        LobeValue& one = entry[static_cast<std::size_t>(count++)];
+        one.lobe = lobe;
+        one.value = value;
+    }
 };
 
 /// f(wo, wi) |cos theta_i| over all non-delta lobes, and the density with which sample() would choose wi (per

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "transport/math/make_at.h"
+
 namespace raylex::transport {
 
 void CameraSubpaths::begin(std::span<const Ray> rays, std::span<const PixelSampler> samplers, display::LpeServices& lpe,
@@ -16,7 +18,7 @@ void CameraSubpaths::begin(std::span<const Ray> rays, std::span<const PixelSampl
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const auto row = static_cast<std::uint32_t>(i);
         Subpath& path = walk_.path(row);
-        path = Subpath();
+        make_at(path, [] { return Subpath(); });
         path.from = rays[i].origin;
         path.medium = scene_.media->camera();
         if (options_.walk.densities) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "transport/math/make_at.h"
+
 namespace raylex::transport {
 
 void Connections::clear() {
@@ -27,12 +29,14 @@ void Connections::add_light_sample(const CameraSubpaths& subpaths, std::size_t j
     } else if (value.is_black()) {
         return;
     }
-    pending_.push_back({row, sample.light, v.sources[j].label, in_media_ ? subpaths.medium_towards(j, sample.wi) : -1,
-                        no_end, display::Technique{1, path.depth + 2}, value, f.lobes});
+    pending_.emplace_back(row, sample.light, v.sources[j].label, in_media_ ? subpaths.medium_towards(j, sample.wi) : -1,
+                          no_end, display::Technique{1, path.depth + 2}, value, f.lobes);
     if (!record.takes_all(row) && !is_worth_a_ray(record)) return;
-    shadow_rays_.push_back(
-        shadow_ray(v.points[j].position, v.points[j].geometric_normal, v.sources[j].offset.here, sample));
-    shadow_rays_.back().time = v.hits[j].time;
+    Ray& ray = shadow_rays_.emplace_back();
+    make_at(ray, [&] {
+        return shadow_ray(v.points[j].position, v.points[j].geometric_normal, v.sources[j].offset.here, sample);
+    });
+    ray.time = v.hits[j].time;
 }
 
 void Connections::add_join(const CameraSubpaths& subpaths, const VertexJoin& join) {
@@ -43,10 +47,10 @@ void Connections::add_join(const CameraSubpaths& subpaths, const VertexJoin& joi
     if (record.wants_blocked_light()) blockable_.push_back({Rgb(), join.unweighted});
     else if (value.is_black()) return;
     ends_.push_back(join.end);
-    pending_.push_back({row, no_light, v.sources[join.j].label,
-                        in_media_ ? subpaths.medium_towards(join.j, join.shadow_ray.direction) : -1,
-                        static_cast<std::uint32_t>(ends_.size() - 1),
-                        display::Technique{join.light_vertices, subpaths.path(row).depth + 2}, value, join.f->lobes});
+    pending_.emplace_back(row, no_light, v.sources[join.j].label,
+                          in_media_ ? subpaths.medium_towards(join.j, join.shadow_ray.direction) : -1,
+                          static_cast<std::uint32_t>(ends_.size() - 1),
+                          display::Technique{join.light_vertices, subpaths.path(row).depth + 2}, value, join.f->lobes);
     if (!record.takes_all(row) && !is_worth_a_ray(record)) return;
     shadow_rays_.push_back(join.shadow_ray);
     shadow_rays_.back().time = v.hits[join.j].time;
@@ -62,7 +66,8 @@ bool Connections::is_worth_a_ray(const Record& record) {
     if (worth == Record::Worth::as_it_is) {
         display::Tracker tracker = record.after(p.row, p.label, p.lobes);
         const Rgb unweighted = blockable_.back().unweighted;
-        report_one(record, pending_.size() - 1, {p.value, {}, unweighted, 1, end != nullptr}, tracker);
+        Arrival arrival{p.value, {}, unweighted, 1, end != nullptr};
+        report_one(record, pending_.size() - 1, arrival, tracker);
     }
     pending_.pop_back();
     if (record.wants_blocked_light()) blockable_.pop_back();
@@ -71,7 +76,7 @@ bool Connections::is_worth_a_ray(const Record& record) {
 }
 
 /// From behind what is in between; `arrival` is whole but for what blocked light wants.
-void Connections::report_one(const Record& record, std::size_t i, Arrival arrival, display::Tracker& tracker) const {
+void Connections::report_one(const Record& record, std::size_t i, Arrival& arrival, display::Tracker& tracker) const {
     const Pending& p = pending_[i];
     if (p.end == no_end) record.reach_light(tracker, p.light);
     else record.reach(tracker, ends_[p.end]);

@@ -67,7 +67,7 @@ class Connections {
     };
     /// Whether the last of pending_ is to be traced; it is reported or dropped if not.
     bool is_worth_a_ray(const Record& record);
-    void report_one(const Record& record, std::size_t i, Arrival arrival, display::Tracker& tracker) const;
+    void report_one(const Record& record, std::size_t i, Arrival& arrival, display::Tracker& tracker) const;
 
     const SceneView scene_;
     const bool in_media_, in_grids_;

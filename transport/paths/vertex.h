@@ -19,9 +19,11 @@ struct RayQueue {
         rows.resize(n);
         rays.resize(n);
     }
-    void push(std::uint32_t row, const Ray& ray) {
+    void push(std::uint32_t row, const Ray& ray) { next(row) = ray; }
+    /// The ray of one more, to be filled in.
+    Ray& next(std::uint32_t row) {
         rows[count] = row;
-        rays[count++] = ray;
+        return rays[count++];
     }
 };
 

@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "transport/math/make_at.h"
 #include "transport/media/medium.h"
 #include "transport/paths/counters.h"
 #include "transport/paths/event_table.h"
@@ -461,9 +462,9 @@ void Walk<mode>::scatter(Visitor& visitor) {
             path.cosine = point.cosine(s.wi);
         }
         if (in_media_) path.medium = medium_towards(j, s.wi);
-        Ray onward = ray_from(v, j, s.wi);
+        Ray& onward = queue_.next(row);
+        make_at(onward, [&] { return ray_from(v, j, s.wi); });
         if (has_footprints_) onward.cone = scattered_cone(*scene_.geometry, v.hits[j], point, s);
-        queue_.push(row, onward);
     }
     counters_->scattering_rays += queue_.count - passed_on;
 }

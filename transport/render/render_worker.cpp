@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "transport/math/make_at.h"
 #include "transport/paths/camera_subpaths.h"
 #include "transport/render/clock.h"
 
@@ -89,7 +90,8 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::
     const bool lens = from.camera->has_lens();
     for (int k = 0; k < count; ++k) {
         const std::uint64_t sample = first + static_cast<std::uint64_t>(k);
-        const PixelSampler sampler(from.sampler, from.seed, x, y, sample, from.arrangement_bits);
+        PixelSampler& sampler = samplers_[count_];
+        make_at(sampler, [&] { return PixelSampler(from.sampler, from.seed, x, y, sample, from.arrangement_bits); });
         const Vec2 u = sampler.get_2d(filter_dimension);
         const display::FilterSample offset = from.splat
                                                  ? display::FilterSample{to_float(u.x) - 0.5f, to_float(u.y) - 0.5f, 1}
@@ -105,7 +107,6 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::
         row.sample = sample;
         camera_samples_[count_] = {row.screen_x, row.screen_y, lens ? sampler.get_2d(lens_dimension) : Vec2{0, 0},
                                    time};
-        samplers_[count_] = sampler;
         ++count_;
     }
     added_ = block + 1;

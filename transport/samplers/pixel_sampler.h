@@ -176,7 +176,7 @@ class PixelSampler {
         const std::uint64_t place = spread_bits(x & inside) | spread_bits(y & inside) << 1;
         reversed_index_ = reverse_bits(static_cast<std::uint32_t>(place << (bits & 63) | sample));
     }
-    enum class Source : std::uint8_t { independent, sobol, chain };
+    enum class Source : std::uint32_t { independent, sobol, chain };  // as wide as what is left: copied in whole words
     [[nodiscard]] PrimarySamples& chain() const {
         return *reinterpret_cast<PrimarySamples*>(static_cast<std::uintptr_t>(key_));
     }
