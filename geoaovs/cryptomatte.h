@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "display/buffer/ranked_coverage.h"
+#include "display/buffer/sinks/ranked_coverage.h"
 #include "lpe/result.h"
 
 namespace raylex::geoaovs {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "display/services/channel.h"
-#include "display/services/display_services.h"
+#include "display/services/samples/display_services.h"
 #include "geoaovs/shading_batch.h"
 #include "lpe/result.h"
 

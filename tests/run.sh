@@ -6,7 +6,7 @@
 #   bash tests/run.sh NAME            only what matches, Release; builds only the programs that hold it. NAME is
 #                                       a part: lpe, services, display, geoaovs, transport, experiments, cli,
 #                                       endtoend, python
-#                                       a test file: tests/lpe/rest_test.cpp, lpe/rest_test, rest_test, test_render.py
+#                                       a test file: tests/lpe/algebra/rest_test.cpp, rest_test, test_render.py
 #                                       a tag: [law5]
 #                                       words of a test case's name; * is a wildcard
 #   bash tests/run.sh NAME --sanitize the same under the address and undefined sanitizers too
@@ -134,7 +134,7 @@ choose() {
         return
     fi
     local files
-    files=$(ls tests/*/"$stem".cpp 2>/dev/null | grep -F -- "${name%.cpp}.cpp")
+    files=$(ls tests/*/"$stem".cpp tests/*/*/"$stem".cpp 2>/dev/null | grep -F -- "${name%.cpp}.cpp")
     if [ -n "$files" ]; then
         cases=(--filenames-as-tags "[#$stem]~[.]")
     else
@@ -148,7 +148,7 @@ choose() {
         files=$(awk '/^(TEMPLATE_)?TEST_CASE/ { text = ""; on = 1 }
                      on { text = text $0 }
                      on && /\{ *$/ { gsub(/" +"/, "", text); print FILENAME "\t" text; on = 0 }' \
-                tests/{lpe,services,display,geoaovs,transport,experiments,cli,endtoend,fuzz}/*.cpp |
+                $(find tests/{lpe,services,display,geoaovs,transport,experiments,cli,endtoend,fuzz} -name '*.cpp') |
                 grep -iE -- $'\t'".*$pattern" | cut -f1)
     fi
     [ -n "$files" ] || usage "'$name' is no part, no test file, and no test case has it in its name or tags"

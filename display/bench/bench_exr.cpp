@@ -17,10 +17,10 @@
 #include <ImfMultiPartOutputFile.h>
 #include <ImfOutputPart.h>
 
-#include "display/buffer/frame_buffer.h"
-#include "display/output/exr_header.h"
-#include "display/output/exr_pixels.h"
-#include "display/output/exr_writer.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
+#include "display/output/writer/exr_header.h"
+#include "display/output/writer/exr_pixels.h"
+#include "display/output/writer/exr_writer.h"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "display/services/lpe_services.h"
+#include "display/services/samples/lpe_services.h"
 #include "lpe/bench/sets.h"
 
 namespace {

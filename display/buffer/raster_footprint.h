@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "display/buffer/pixel_filter.h"
-#include "display/services/sample_table.h"
+#include "display/services/samples/sample_table.h"
 
 namespace raylex::display {
 

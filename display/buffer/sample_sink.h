@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "display/services/sample_table.h"
+#include "display/services/samples/sample_table.h"
 
 namespace raylex::display {
 

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <optional>
 
-#include "display/buffer/memory_estimate.h"
+#include "display/buffer/frame_buffer/memory_estimate.h"
 #include "display/services/parameters.h"
 
 namespace raylex::display {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "display/buffer/banded_image.h"
+#include "display/buffer/frame_buffer/banded_image.h"
 #include "display/checkpoint/record_file.h"
 
 namespace raylex::display {

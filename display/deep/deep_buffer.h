@@ -25,7 +25,7 @@
 #include <span>
 #include <vector>
 
-#include "display/buffer/frame_buffer.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
 #include "display/buffer/sample_sink.h"
 
 namespace raylex::display {

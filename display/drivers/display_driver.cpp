@@ -2,7 +2,7 @@
 
 #include "display/drivers/exr_driver.h"
 #include "display/drivers/tev_driver.h"
-#include "display/output/exr_layout.h"
+#include "display/output/writer/exr_layout.h"
 
 namespace raylex::display {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "display/buffer/pixel_image.h"
-#include "display/output/exr_writer.h"
+#include "display/output/writer/exr_writer.h"
 #include "display/services/object_request.h"
 #include "display/services/registry.h"
 

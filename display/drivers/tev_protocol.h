@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "display/buffer/frame_buffer.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
 
 namespace raylex::display::tev {
 

@@ -1,7 +1,7 @@
 // In-tree sample filters beside clamp: the rows that sample_filter_registry() has of them.
 #pragma once
 
-#include "display/services/sample_filter.h"
+#include "display/services/samples/sample_filter.h"
 
 namespace raylex::display {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "lpe/algebra/check.h"
+#include "lpe/algebra/proofs/check.h"
 
 namespace raylex::display {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "display/output/atlas_file.h"
-#include "display/output/exr_writer.h"
+#include "display/output/atlas/atlas_file.h"
+#include "display/output/writer/exr_writer.h"
 #include "experiments/atlas/asked_layers.h"
 #include "experiments/job/job.h"
 #include "lpe/result.h"

@@ -10,7 +10,7 @@
 #include <mutex>
 #include <optional>
 
-#include "lpe/algebra/check.h"
+#include "lpe/algebra/proofs/check.h"
 #include "lpe/language/prefixes.h"
 #include "lpe/program.h"
 

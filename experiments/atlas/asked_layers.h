@@ -9,9 +9,9 @@
 
 #include "display/buffer/pixel_image.h"
 #include "display/buffer/plane.h"
-#include "display/output/atlas_file.h"
+#include "display/output/atlas/atlas_file.h"
 #include "experiments/atlas/word_answers.h"
-#include "experiments/job/channel_plan.h"
+#include "experiments/job/channels/channel_plan.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "display/output/atlas_file.h"
+#include "display/output/atlas/atlas_file.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <utility>
 
-#include "experiments/job/toml_text.h"
+#include "experiments/job/text/toml_text.h"
 #include "lpe/match.h"
 
 namespace raylex::experiments {

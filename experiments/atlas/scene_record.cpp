@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "lpe/match.h"
 
 namespace raylex::experiments {

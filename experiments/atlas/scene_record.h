@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "experiments/job/scene_words.h"
+#include "experiments/job/channels/scene_words.h"
 
 namespace raylex::experiments {
 

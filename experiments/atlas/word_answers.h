@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "display/output/atlas_file.h"
+#include "display/output/atlas/atlas_file.h"
 #include "lpe/language/prefixes.h"
 #include "lpe/program.h"
 

@@ -9,7 +9,7 @@
 #include "experiments/cli/commands.h"
 #include "experiments/cli/image_commands.h"
 #include "experiments/cli/input_options.h"
-#include "experiments/job/provenance.h"
+#include "experiments/job/rendering/provenance.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/tint.h"

@@ -1,4 +1,4 @@
-// The raylex program: one subcommand per file pair beside this one.
+// The raylex program: one file pair a subcommand, in the folders beside this one.
 #pragma once
 
 namespace raylex::experiments {

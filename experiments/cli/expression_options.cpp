@@ -4,7 +4,7 @@
 
 #include <CLI/Validators.hpp>
 
-#include "experiments/job/channel_set.h"
+#include "experiments/job/channels/channel_set.h"
 #include "experiments/program/console.h"
 
 namespace raylex::experiments {

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "display/output/atlas_file.h"
-#include "display/output/split_check.h"
+#include "display/output/atlas/atlas_file.h"
+#include "display/output/splits/split_check.h"
 
 namespace raylex::experiments {
 

@@ -9,7 +9,7 @@
 #include "experiments/program/exit_codes.h"
 #include "experiments/report/png_driver.h"
 #include "transport/cameras/camera.h"
-#include "transport/materials/pattern.h"
+#include "transport/materials/textures/pattern.h"
 #include "transport/media/medium.h"
 #include "transport/plugins/plugin_loader.h"
 #include "transport/samplers/sampler.h"

@@ -11,8 +11,8 @@
 #include <string_view>
 
 #include "display/services/parameters.h"
-#include "experiments/job/json.h"
-#include "experiments/job/provenance.h"
+#include "experiments/job/rendering/provenance.h"
+#include "experiments/job/text/json.h"
 #include "experiments/program/console.h"
 #include "lpe/read_input.h"
 

@@ -11,8 +11,8 @@
 
 #include "display/output/atomic_file.h"
 #include "display/services/parameters.h"
-#include "experiments/job/json.h"
-#include "experiments/job/provenance.h"
+#include "experiments/job/rendering/provenance.h"
+#include "experiments/job/text/json.h"
 
 namespace raylex::experiments {
 namespace {

@@ -6,10 +6,10 @@
 #include <thread>
 
 #include "experiments/program/console.h"
-#include "experiments/study/run/cell_parts.h"
-#include "experiments/study/run/cell_worker.h"
-#include "experiments/study/run/estimates.h"
+#include "experiments/study/run/cells/cell_parts.h"
 #include "experiments/study/run/run_marks.h"
+#include "experiments/study/run/workers/cell_worker.h"
+#include "experiments/study/run/workers/estimates.h"
 
 namespace raylex::experiments {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "experiments/program/console.h"
-#include "transport/geometry/placed_mesh.h"
+#include "transport/geometry/shapes/placed_mesh.h"
 #include "transport/lights/light_table.h"
 
 namespace raylex::experiments {

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "experiments/job/effect_report.h"
+#include "experiments/job/rendering/effect_report.h"
 #include "experiments/program/console.h"
 #include "transport/render/film.h"
 #include "transport/scene/surface_names.h"

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "transport/render/built_scene.h"
-#include "transport/scene/effects.h"
+#include "transport/scene/effects/effects.h"
 
 namespace raylex::experiments {
 

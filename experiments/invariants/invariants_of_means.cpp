@@ -6,7 +6,7 @@
 
 #include "experiments/invariants/random.h"
 #include "experiments/invariants/scene_under_test.h"
-#include "transport/geometry/embree_scene.h"
+#include "transport/geometry/embree/embree_scene.h"
 #include "transport/math/sampling.h"
 #include "transport/scene/typed_parameters.h"
 
@@ -133,7 +133,7 @@ bool has_borders(const SceneDescription& scene) {
 }
 
 /// Rough coats without raylex:unbiased: what they evaluate and what they sample differ, as in pbrt-v4
-/// (transport/materials/layered.h), so that estimators do.
+/// (transport/materials/closures/layered.h), so that estimators do.
 bool has_biased_coats(const SceneDescription& scene) {
     return std::any_of(scene.materials.begin(), scene.materials.end(), [](const transport::SceneEntity& material) {
         const auto unbiased = material.parameters.boolean_or("raylex:unbiased", false);

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "experiments/invariants/random_scene.h"
-#include "transport/import/pbrt_importer.h"
+#include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/render/film.h"
 
 namespace raylex::experiments {

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "experiments/invariants/scene_under_test.h"
-#include "transport/scene/material_kinds.h"
+#include "transport/scene/effects/material_kinds.h"
 #include "transport/scene/typed_parameters.h"
 
 namespace raylex::experiments {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "experiments/job/job_file.h"
-#include "experiments/job/toml_text.h"
+#include "experiments/job/text/toml_text.h"
 
 namespace raylex::experiments {
 namespace {

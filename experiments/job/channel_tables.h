@@ -3,7 +3,7 @@
 #pragma once
 
 #include "experiments/job/job.h"
-#include "experiments/job/toml_table.h"
+#include "experiments/job/text/toml_table.h"
 
 namespace raylex::experiments {
 

@@ -12,7 +12,7 @@
 #include "lpe/event.h"
 #include "lpe/language/names.h"
 #include "transport/render/render.h"
-#include "transport/scene/effects.h"
+#include "transport/scene/effects/effects.h"
 #include "transport/scene/missing_files.h"
 #include "transport/scene/scene_description.h"
 

@@ -8,7 +8,7 @@
 #include "experiments/job/channel_tables.h"
 #include "experiments/job/job_tables.h"
 #include "experiments/job/sampling_requests.h"
-#include "experiments/job/toml_text.h"
+#include "experiments/job/text/toml_text.h"
 #include "transport/plugins/plugin_loader.h"
 
 namespace raylex::experiments {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "experiments/job/job.h"
-#include "experiments/job/toml_table.h"
+#include "experiments/job/text/toml_table.h"
 
 namespace raylex::experiments {
 

@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <utility>
 
-#include "display/buffer/memory_estimate.h"
+#include "display/buffer/frame_buffer/memory_estimate.h"
 #include "display/drivers/tev_driver.h"
-#include "experiments/job/toml_table.h"
+#include "experiments/job/text/toml_table.h"
 
 namespace raylex::experiments {
 namespace {

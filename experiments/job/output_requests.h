@@ -7,10 +7,10 @@
 
 #include "display/deep/deep_buffer.h"
 #include "display/drivers/display_driver.h"
-#include "display/output/deep_file.h"
-#include "display/output/exr_storage.h"
+#include "display/output/writer/deep_file.h"
+#include "display/output/writer/exr_storage.h"
 #include "display/services/object_request.h"
-#include "display/services/word_alphabet.h"
+#include "display/services/samples/word_alphabet.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {

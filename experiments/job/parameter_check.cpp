@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "display/buffer/pixel_filter.h"
-#include "transport/import/known_parameters.h"
+#include "transport/import/pbrt/known_parameters.h"
 #include "transport/integrators/integrator.h"
 #include "transport/samplers/sampler.h"
 

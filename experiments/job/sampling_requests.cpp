@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-#include "experiments/job/toml_table.h"
+#include "experiments/job/text/toml_table.h"
 
 namespace raylex::experiments {
 namespace {

@@ -7,8 +7,8 @@
 #include <memory>
 #include <utility>
 
-#include "display/output/exr_reader.h"
-#include "display/output/split_check.h"
+#include "display/output/reader/exr_reader.h"
+#include "display/output/splits/split_check.h"
 #include "experiments/report/html.h"
 #include "experiments/report/page_layers.h"
 #include "experiments/report/statistics_table.h"

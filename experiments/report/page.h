@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "display/output/color_manager.h"
+#include "display/output/color/color_manager.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {

@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "experiments/report/html.h"
 #include "experiments/report/pixel_data.h"
 #include "experiments/report/preview.h"

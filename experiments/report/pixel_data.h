@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "display/output/color_manager.h"
+#include "display/output/color/color_manager.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {

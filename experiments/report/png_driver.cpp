@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "display/output/atomic_file.h"
-#include "display/output/color_manager.h"
-#include "display/output/color_names.h"
-#include "display/output/memory_image.h"
+#include "display/output/color/color_manager.h"
+#include "display/output/color/color_names.h"
+#include "display/output/writer/memory_image.h"
 #include "experiments/report/preview.h"
 
 namespace raylex::experiments {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "display/output/primaries.h"
+#include "display/output/color/primaries.h"
 
 namespace raylex::experiments {
 namespace {

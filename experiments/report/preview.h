@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "display/output/color_manager.h"
-#include "display/output/exr_reader.h"
+#include "display/output/color/color_manager.h"
+#include "display/output/reader/exr_reader.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {

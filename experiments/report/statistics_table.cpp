@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdio>
 
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "experiments/report/html.h"
 
 namespace raylex::experiments {

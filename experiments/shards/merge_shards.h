@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "display/buffer/banded_image.h"
+#include "display/buffer/frame_buffer/banded_image.h"
 #include "experiments/shards/shard_render.h"
 #include "geoaovs/cryptomatte.h"
 #include "lpe/result.h"

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "display/output/exr_writer.h"
+#include "display/output/writer/exr_writer.h"
 #include "display/services/object_request.h"
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "geoaovs/cryptomatte.h"
 
 namespace raylex::experiments {

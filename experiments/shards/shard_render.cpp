@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "display/checkpoint/banded_record.h"
-#include "display/output/atlas_file.h"
+#include "display/output/atlas/atlas_file.h"
 #include "experiments/job/sampling_requests.h"
 #include "transport/integrators/integrator.h"
 #include "transport/render/tiles.h"

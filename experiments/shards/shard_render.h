@@ -9,7 +9,7 @@
 #include <string>
 
 #include "experiments/job/job.h"
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "experiments/shards/recorded_image.h"
 #include "lpe/result.h"
 #include "transport/render/render.h"

@@ -13,7 +13,7 @@
 
 #include "display/services/hash64.h"
 #include "display/services/parameters.h"
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 
 namespace raylex::experiments {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "display/output/exr_reader.h"
+#include "display/output/reader/exr_reader.h"
 
 namespace raylex::experiments {
 namespace {

@@ -1,11 +1,11 @@
 // Errors of an image against a reference, over the whole image or a region of it. The formulas are those of `raylex
-// compare` (display/output/error_metrics.h), over the three components of every pixel together.
+// compare` (display/output/metrics/error_metrics.h), over the three components of every pixel together.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "display/output/error_metrics.h"
+#include "display/output/metrics/error_metrics.h"
 #include "experiments/study/results.h"
 
 namespace raylex::experiments {

@@ -11,7 +11,7 @@
 
 #include "display/output/atomic_file.h"
 #include "display/services/parameters.h"
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 
 namespace raylex::experiments {
 namespace {

@@ -5,7 +5,7 @@
 #include <map>
 #include <string_view>
 
-#include "display/output/exr_layers.h"
+#include "display/output/reader/exr_layers.h"
 #include "display/services/parameters.h"
 #include "experiments/verify/presets.h"
 

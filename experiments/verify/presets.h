@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "display/output/exr_reader.h"
-#include "display/output/split_check.h"
+#include "display/output/reader/exr_reader.h"
+#include "display/output/splits/split_check.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "display/buffer/frame_buffer.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
 #include "geoaovs/geoaovs.h"
 
 namespace {

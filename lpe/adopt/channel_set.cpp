@@ -9,7 +9,7 @@
 #include "lpe/automata/languages.h"
 #include "lpe/automata/layout.h"
 #include "lpe/failure.h"
-#include "lpe/language/parser.h"
+#include "lpe/language/parser/parser.h"
 #include "lpe/limits.h"
 
 namespace raylex::lpe {

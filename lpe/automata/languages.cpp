@@ -6,7 +6,7 @@
 
 #include "lpe/automata/nfa.h"
 #include "lpe/failure.h"
-#include "lpe/language/parser.h"
+#include "lpe/language/parser/parser.h"
 #include "lpe/limits.h"
 
 namespace raylex::lpe {

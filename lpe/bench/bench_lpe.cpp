@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "lpe/adopt/channel_set.h"
-#include "lpe/algebra/check.h"
+#include "lpe/algebra/proofs/check.h"
 #include "lpe/bench/sets.h"
 #include "lpe/program.h"
 #include "lpe/reversal.h"

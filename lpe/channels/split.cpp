@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "lpe/algebra/check.h"
+#include "lpe/algebra/proofs/check.h"
 #include "lpe/channels/split_bins.h"
 #include "lpe/failure.h"
 #include "lpe/language/names.h"

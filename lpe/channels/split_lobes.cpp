@@ -2,7 +2,7 @@
 #include <optional>
 #include <utility>
 
-#include "lpe/algebra/event_text.h"
+#include "lpe/algebra/wording/event_text.h"
 #include "lpe/channels/split_bins.h"
 #include "lpe/failure.h"
 #include "lpe/language/glob.h"

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "experiments/cluster/command_plan.h"
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "support.h"
 #include "tests/support/skip.h"
 

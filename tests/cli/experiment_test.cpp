@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <sstream>
 
-#include "display/output/exr_reader.h"
-#include "experiments/job/json.h"
+#include "display/output/reader/exr_reader.h"
+#include "experiments/job/text/json.h"
 #include "experiments/study/results.h"
 #include "support.h"
 #include "support/skip.h"

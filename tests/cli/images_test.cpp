@@ -9,10 +9,10 @@
 #include <filesystem>
 
 #include "../display/files.h"
-#include "display/output/color_manager.h"
-#include "display/output/color_names.h"
-#include "display/output/exr_reader.h"
-#include "experiments/job/json.h"
+#include "display/output/color/color_manager.h"
+#include "display/output/color/color_names.h"
+#include "display/output/reader/exr_reader.h"
+#include "experiments/job/text/json.h"
 #include "experiments/report/preview.h"
 #include "support.h"
 #include "support/paths.h"

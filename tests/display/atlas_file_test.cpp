@@ -7,7 +7,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "display/output/atlas_file.h"
+#include "display/output/atlas/atlas_file.h"
 #include "files.h"
 #include "made_atlas.h"
 

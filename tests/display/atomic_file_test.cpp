@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
-#include "display/output/color_manager.h"
+#include "display/output/color/color_manager.h"
 #include "files.h"
 
 using namespace raylex::test;

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "display/checkpoint/banded_record.h"
-#include "display/output/exr_writer.h"
-#include "display/output/split_sum.h"
+#include "display/output/splits/split_sum.h"
+#include "display/output/writer/exr_writer.h"
 #include "display/services/parameters.h"
 #include "tests/display/files.h"
 #include "tests/services/helpers.h"

@@ -1,4 +1,4 @@
-#include "display/output/color_manager.h"
+#include "display/output/color/color_manager.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <OpenColorIO/OpenColorIO.h>
 
-#include "display/output/primaries.h"
+#include "display/output/color/primaries.h"
 #include "files.h"
 #include "tests/support/paths.h"
 

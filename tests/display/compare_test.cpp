@@ -2,8 +2,8 @@
 #include <cmath>
 #include <limits>
 
-#include "display/output/primaries.h"
-#include "display/output/split_check.h"
+#include "display/output/color/primaries.h"
+#include "display/output/splits/split_check.h"
 #include "files.h"
 
 using namespace raylex::test;

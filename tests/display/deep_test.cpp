@@ -10,7 +10,7 @@
 #include <ImfDeepScanLineInputFile.h>
 #include <ImfDeepScanLineInputPart.h>
 
-#include "display/output/deep_file.h"
+#include "display/output/writer/deep_file.h"
 #include "files.h"
 
 using namespace raylex::display;

@@ -4,10 +4,10 @@
 #include <chrono>
 #include <limits>
 
-#include "display/buffer/frame_buffer.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
 #include "display/drivers/packet_sender.h"
 #include "display/drivers/tev_driver.h"
-#include "display/output/exr_reader.h"
+#include "display/output/reader/exr_reader.h"
 #include "files.h"
 #include "tev_receiver.h"
 

@@ -5,8 +5,8 @@
 
 #include <ImfMultiPartInputFile.h>
 
-#include "display/buffer/frame_buffer.h"
-#include "display/output/exr_writer.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
+#include "display/output/writer/exr_writer.h"
 #include "files.h"
 
 using namespace raylex::test;

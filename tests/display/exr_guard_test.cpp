@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "display/output/exr_guard.h"
+#include "display/output/reader/exr_guard.h"
 #include "tests/display/files.h"
 #include "tests/support/budget_guard.h"
 

@@ -1,4 +1,4 @@
-#include "display/output/exr_reader.h"
+#include "display/output/reader/exr_reader.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>

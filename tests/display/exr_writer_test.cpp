@@ -1,4 +1,4 @@
-#include "display/output/exr_writer.h"
+#include "display/output/writer/exr_writer.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
 
-#include "display/buffer/frame_buffer.h"
-#include "display/output/primaries.h"
-#include "display/output/split_check.h"
-#include "display/output/split_sum.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
+#include "display/output/color/primaries.h"
+#include "display/output/splits/split_check.h"
+#include "display/output/splits/split_sum.h"
 #include "files.h"
 
 using namespace raylex::test;

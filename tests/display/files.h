@@ -19,7 +19,7 @@
 #include <ImfTiledOutputFile.h>
 #include <half.h>
 
-#include "display/output/exr_reader.h"
+#include "display/output/reader/exr_reader.h"
 #include "tests/support/folder.h"
 
 namespace raylex::test {

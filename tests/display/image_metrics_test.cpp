@@ -6,9 +6,9 @@
 #include <cmath>
 #include <random>
 
-#include "display/output/comparison.h"
-#include "display/output/image_metrics.h"
-#include "display/output/primaries.h"
+#include "display/output/color/primaries.h"
+#include "display/output/comparison/comparison.h"
+#include "display/output/metrics/image_metrics.h"
 #include "files.h"
 
 using namespace raylex::display;

@@ -6,9 +6,9 @@
 
 #include <ImfInputFile.h>
 
-#include "display/output/layer_arithmetic.h"
-#include "display/output/split_check.h"
-#include "display/output/stored_precision.h"
+#include "display/output/splits/layer_arithmetic.h"
+#include "display/output/splits/split_check.h"
+#include "display/output/splits/stored_precision.h"
 #include "files.h"
 
 using namespace raylex::test;

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "display/output/atlas_file.h"
+#include "display/output/atlas/atlas_file.h"
 #include "lpe/match.h"
 
 namespace raylex::test {

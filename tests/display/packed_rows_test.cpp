@@ -16,7 +16,7 @@
 #include <ImfPartType.h>
 #include <half.h>
 
-#include "display/output/packed_rows.h"
+#include "display/output/atlas/packed_rows.h"
 #include "files.h"
 
 using namespace raylex::test;

@@ -1,4 +1,4 @@
-#include "display/output/split_check.h"
+#include "display/output/splits/split_check.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -14,7 +14,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "display/output/exr_reader.h"
+#include "display/output/reader/exr_reader.h"
 #include "endtoend/analytic.h"
 #include "support/skip.h"
 #include "tests/support/paths.h"

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "browser.h"
-#include "display/buffer/frame_buffer.h"
-#include "display/output/exr_writer.h"
-#include "display/services/sample_table.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
+#include "display/output/writer/exr_writer.h"
+#include "display/services/samples/sample_table.h"
 #include "support/skip.h"
 
 using namespace raylex::test;

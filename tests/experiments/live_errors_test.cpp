@@ -10,11 +10,11 @@
 #include <string>
 
 #include "experiments/cli/loading_line.h"
-#include "experiments/cli/progress.h"
+#include "experiments/cli/render/progress.h"
 #include "experiments/program/console.h"
 #include "support.h"
 #include "support/paths.h"
-#include "transport/import/pbrt_importer.h"
+#include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/render/render.h"
 
 using namespace raylex::experiments;

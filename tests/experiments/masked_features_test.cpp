@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "display/output/exr_reader.h"
+#include "display/output/reader/exr_reader.h"
 #include "support.h"
 #include "tests/support/paths.h"
 

@@ -12,7 +12,7 @@
 
 #include "browser.h"
 #include "experiments/atlas/word_answers.h"
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "experiments/report/words/page_words.h"
 #include "lpe/match.h"
 #include "lpe/oracle.h"

@@ -1,7 +1,7 @@
 // What `raylex scene info` counts, and what `raylex scene check` doubts.
 #include <catch2/catch.hpp>
 
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "support.h"
 
 using namespace raylex;

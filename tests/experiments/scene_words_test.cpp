@@ -1,15 +1,15 @@
 // What a scene can produce, what can never match in it and why, before a ray is traced.
-#include "experiments/job/channel_reasons.h"
+#include "experiments/job/channels/channel_reasons.h"
 
 #include <chrono>
 
 #include <catch2/catch.hpp>
 
-#include "display/output/exr_reader.h"
-#include "experiments/job/channel_plan.h"
-#include "lpe/algebra/check.h"
+#include "display/output/reader/exr_reader.h"
+#include "experiments/job/channels/channel_plan.h"
+#include "lpe/algebra/proofs/check.h"
 #include "tests/experiments/support.h"
-#include "transport/import/pbrt_importer.h"
+#include "transport/import/pbrt/pbrt_importer.h"
 
 namespace raylex::experiments {
 namespace {

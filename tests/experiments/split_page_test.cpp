@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "experiments/report/page_layers.h"
 #include "experiments/report/pixel_data.h"
 

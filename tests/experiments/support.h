@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "display/output/exr_reader.h"
+#include "display/output/reader/exr_reader.h"
 #include "tests/support/folder.h"
 
 namespace raylex::test {

@@ -4,7 +4,7 @@
 #include "transport/lights/light_table.h"
 #include "transport/materials/material.h"
 #include "transport/materials/normal_detail.h"
-#include "transport/materials/pattern.h"
+#include "transport/materials/textures/pattern.h"
 #include "transport/media/medium.h"
 #include "transport/samplers/sampler.h"
 

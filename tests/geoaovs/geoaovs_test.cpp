@@ -7,7 +7,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "display/buffer/frame_buffer.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
 
 namespace raylex::geoaovs {
 namespace {

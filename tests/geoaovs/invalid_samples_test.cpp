@@ -5,7 +5,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "display/buffer/frame_buffer.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
 #include "geoaovs/geoaovs.h"
 #include "tests/services/lpe_helpers.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lpe/algebra/check.h"
+#include "lpe/algebra/proofs/check.h"
 #include "lpe/channels/channel_file.h"
 #include "lpe/channels/lobe_slots.h"
 

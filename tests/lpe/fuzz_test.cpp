@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-#include "lpe/algebra/check.h"
+#include "lpe/algebra/proofs/check.h"
 #include "lpe/match.h"
 #include "lpe/program.h"
 #include "oracle.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lpe/algebra/check.h"
+#include "lpe/algebra/proofs/check.h"
 #include "lpe/language/names.h"
 #include "lpe/language/source_map.h"
 

@@ -6,7 +6,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "lpe/algebra/check.h"
+#include "lpe/algebra/proofs/check.h"
 
 namespace raylex::lpe {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "display/output/exr_reader.h"
+#include "display/output/reader/exr_reader.h"
 
 namespace {
 

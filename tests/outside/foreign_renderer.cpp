@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "display/buffer/frame_buffer.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
 #include "display/buffer/pixel_filter.h"
-#include "display/services/display_services.h"
-#include "display/services/lpe_services.h"
+#include "display/services/samples/display_services.h"
+#include "display/services/samples/lpe_services.h"
 #include "lpe/shipped.h"
 #ifdef OUTSIDE_WITH_DISPLAY
-#include "display/output/exr_writer.h"
+#include "display/output/writer/exr_writer.h"
 #endif
 
 namespace {

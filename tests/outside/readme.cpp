@@ -2,10 +2,10 @@
 #include <cstdio>
 #include <string>
 
-#include "display/output/exr_reader.h"
-#include "display/output/exr_writer.h"
+#include "display/output/reader/exr_reader.h"
+#include "display/output/writer/exr_writer.h"
 #include "transport/render/render.h"
-#include "transport/scene/scene_builder.h"
+#include "transport/scene/builder/scene_builder.h"
 
 #include "readme_code.h"
 

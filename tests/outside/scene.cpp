@@ -3,9 +3,9 @@
 #include <cstdio>
 
 #include "transport/export/pbrt_writer.h"
-#include "transport/import/pbrt_importer.h"
+#include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/render/render.h"
-#include "transport/scene/scene_builder.h"
+#include "transport/scene/builder/scene_builder.h"
 
 using namespace raylex;
 using namespace raylex::transport;

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "display/services/lpe_services.h"
+#include "display/services/samples/lpe_services.h"
 
 int main() {
     using namespace raylex;

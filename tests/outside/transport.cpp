@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "transport/import/pbrt_importer.h"
+#include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/render/render.h"
 
 int main() {

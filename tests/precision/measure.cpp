@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "transport/import/pbrt_importer.h"
+#include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/render/render.h"
 
 namespace raylex::test {

@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "display/buffer/frame_buffer.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
 #include "display/services/object_request.h"
 #include "tests/services/helpers.h"
 

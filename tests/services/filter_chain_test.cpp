@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "display/services/object_request.h"
-#include "display/services/sample_filter.h"
+#include "display/services/samples/sample_filter.h"
 #include "tests/services/helpers.h"
 
 namespace raylex::display {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "display/services/channel.h"
-#include "display/services/sample_table.h"
+#include "display/services/samples/sample_table.h"
 
 namespace raylex::test {
 

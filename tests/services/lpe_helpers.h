@@ -5,7 +5,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "display/services/lpe_services.h"
+#include "display/services/samples/lpe_services.h"
 #include "tests/services/helpers.h"
 
 namespace raylex::test {

@@ -6,12 +6,12 @@
 
 #include <ImfThreading.h>
 
-#include "display/buffer/frame_buffer.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
 #include "display/checkpoint/record_file.h"
-#include "display/output/atlas_file.h"
-#include "display/output/color_manager.h"
-#include "display/output/exr_reader.h"
-#include "experiments/job/channel_set.h"
+#include "display/output/atlas/atlas_file.h"
+#include "display/output/color/color_manager.h"
+#include "display/output/reader/exr_reader.h"
+#include "experiments/job/channels/channel_set.h"
 #include "experiments/job/job_file.h"
 #include "experiments/study/plan/config.h"
 #include "experiments/study/results_file.h"
@@ -22,11 +22,11 @@
 #include "tests/display/made_atlas.h"
 #include "tests/support/folder.h"
 #include "transport/color/spectrum.h"
-#include "transport/import/image.h"
-#include "transport/import/pbrt_importer.h"
-#include "transport/import/ply.h"
+#include "transport/import/images/image.h"
+#include "transport/import/pbrt/pbrt_importer.h"
+#include "transport/import/shapes/ply.h"
 #include "transport/materials/material.h"
-#include "transport/materials/texture.h"
+#include "transport/materials/textures/texture.h"
 
 namespace raylex::test {
 

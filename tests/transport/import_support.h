@@ -6,8 +6,8 @@
 
 #include "tests/support/folder.h"
 #include "tests/support/paths.h"
-#include "transport/geometry/placed_mesh.h"
-#include "transport/import/pbrt_importer.h"
+#include "transport/geometry/shapes/placed_mesh.h"
+#include "transport/import/pbrt/pbrt_importer.h"
 
 namespace import_test {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "transport/import/pbrt_importer.h"
+#include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/lights/light_table.h"
 
 struct Lit {

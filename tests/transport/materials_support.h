@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "transport/materials/closure.h"
+#include "transport/materials/closures/closure.h"
 #include "transport/math/sampling.h"
 
 namespace raylex::test {

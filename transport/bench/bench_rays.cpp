@@ -11,8 +11,8 @@
 #include <ctime>
 #include <vector>
 
-#include "transport/geometry/embree_scene.h"
-#include "transport/import/pbrt_importer.h"
+#include "transport/geometry/embree/embree_scene.h"
+#include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/render/built_scene.h"
 
 using namespace raylex;

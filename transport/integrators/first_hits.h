@@ -7,7 +7,7 @@
 
 #include "geoaovs/geoaovs.h"
 #include "transport/integrators/integrator.h"
-#include "transport/paths/camera_subpaths.h"
+#include "transport/paths/subpaths/camera_subpaths.h"
 #include "transport/paths/vertex.h"
 
 namespace raylex::transport {

@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "transport/cameras/camera.h"
-#include "transport/integrators/bdpt.h"
-#include "transport/integrators/light_tracer.h"
-#include "transport/integrators/path.h"
+#include "transport/integrators/methods/bdpt.h"
+#include "transport/integrators/methods/light_tracer.h"
+#include "transport/integrators/methods/path.h"
+#include "transport/integrators/methods/pssmlt.h"
 #include "transport/integrators/pbrt_integrators.h"
-#include "transport/integrators/pssmlt.h"
 
 namespace raylex::transport {
 

@@ -40,10 +40,10 @@
 #include <string_view>
 #include <vector>
 
-#include "display/services/display_services.h"
-#include "display/services/lpe_services.h"
-#include "display/services/raster_splats.h"
 #include "display/services/registry.h"
+#include "display/services/samples/display_services.h"
+#include "display/services/samples/lpe_services.h"
+#include "display/services/samples/raster_splats.h"
 #include "geoaovs/geoaovs.h"
 #include "transport/paths/counters.h"
 #include "transport/paths/event_table.h"

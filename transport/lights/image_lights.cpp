@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "transport/color/spectrum.h"
-#include "transport/import/image.h"
+#include "transport/import/images/image.h"
 #include "transport/lights/light_factories.h"
 
 namespace raylex::transport {

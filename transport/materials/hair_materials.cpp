@@ -1,5 +1,5 @@
 // hair: fibres, with v across and dpdu along them.
-#include "transport/materials/hair.h"
+#include "transport/materials/closures/hair.h"
 
 #include <limits>
 

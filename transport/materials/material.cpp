@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "transport/materials/material_inputs.h"
-#include "transport/materials/pattern.h"
+#include "transport/materials/textures/pattern.h"
 #include "transport/scene/used_surfaces.h"
 
 namespace raylex::transport {

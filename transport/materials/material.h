@@ -11,14 +11,14 @@
 #include <string>
 #include <vector>
 
-#include "display/services/display_services.h"
 #include "display/services/registry.h"
+#include "display/services/samples/display_services.h"
 #include "transport/color/wavelengths.h"
 #include "transport/geometry/surface_point.h"
-#include "transport/materials/bsdf.h"
-#include "transport/materials/closure.h"
+#include "transport/materials/bsdf/bsdf.h"
+#include "transport/materials/closures/closure.h"
 #include "transport/materials/normal_detail.h"
-#include "transport/materials/texture.h"
+#include "transport/materials/textures/texture.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::transport {

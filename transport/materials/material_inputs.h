@@ -5,11 +5,11 @@
 #include <optional>
 #include <string_view>
 
-#include "transport/materials/conductor.h"
-#include "transport/materials/dielectric.h"
-#include "transport/materials/facet_albedo.h"
+#include "transport/materials/bsdf/conductor.h"
+#include "transport/materials/bsdf/dielectric.h"
+#include "transport/materials/bsdf/facet_albedo.h"
 #include "transport/materials/material.h"
-#include "transport/materials/parameter_reader.h"
+#include "transport/materials/textures/parameter_reader.h"
 
 namespace raylex::transport {
 

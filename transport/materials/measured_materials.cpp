@@ -1,6 +1,6 @@
 // measured: RGL's .bsdf files.
+#include "transport/materials/closures/measured.h"
 #include "transport/materials/material_inputs.h"
-#include "transport/materials/measured.h"
 
 namespace raylex::transport {
 

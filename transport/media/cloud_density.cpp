@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "transport/materials/noise.h"
+#include "transport/math/noise.h"
 
 namespace raylex::transport {
 namespace {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "display/services/foresight.h"
-#include "display/services/lpe_services.h"
+#include "display/services/foresight/foresight.h"
+#include "display/services/samples/lpe_services.h"
 #include "lpe/channels/lobe_slots.h"
-#include "transport/geometry/embree_scene.h"
+#include "transport/geometry/embree/embree_scene.h"
 #include "transport/lights/light_table.h"
 #include "transport/materials/material.h"
 #include "transport/media/medium.h"

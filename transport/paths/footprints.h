@@ -4,8 +4,8 @@
 // as they are.
 #pragma once
 
-#include "transport/geometry/embree_scene.h"
-#include "transport/materials/closure.h"
+#include "transport/geometry/embree/embree_scene.h"
+#include "transport/materials/closures/closure.h"
 
 namespace raylex::transport {
 

@@ -14,9 +14,9 @@
 #include <span>
 #include <vector>
 
-#include "display/services/light_foresight.h"
-#include "display/services/light_words.h"
-#include "display/services/lpe_services.h"
+#include "display/services/foresight/light_foresight.h"
+#include "display/services/foresight/light_words.h"
+#include "display/services/samples/lpe_services.h"
 #include "transport/lights/light_table.h"
 #include "transport/paths/event_table.h"
 #include "transport/paths/scattering.h"

@@ -12,7 +12,7 @@
 
 #include <cmath>
 
-#include "transport/materials/closure.h"
+#include "transport/materials/closures/closure.h"
 #include "transport/paths/subpath.h"
 
 namespace raylex::transport {

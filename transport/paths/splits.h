@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "display/services/lpe_services.h"
+#include "display/services/samples/lpe_services.h"
 #include "transport/paths/subpath.h"
 #include "transport/paths/vertex.h"
 #include "transport/samplers/pixel_sampler.h"

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "transport/materials/scatter.h"
+#include "transport/materials/bsdf/scatter.h"
 #include "transport/math/real.h"
 #include "transport/math/vec.h"
 

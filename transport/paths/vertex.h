@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "transport/geometry/embree_scene.h"
-#include "transport/materials/closure.h"
+#include "transport/geometry/embree/embree_scene.h"
+#include "transport/materials/closures/closure.h"
 
 namespace raylex::transport {
 

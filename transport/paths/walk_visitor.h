@@ -6,7 +6,7 @@
 
 #include "transport/geometry/ray.h"
 #include "transport/geometry/surface_point.h"
-#include "transport/materials/bsdf.h"
+#include "transport/materials/bsdf/bsdf.h"
 #include "transport/paths/strategies.h"
 
 namespace raylex::transport {

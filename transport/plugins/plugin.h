@@ -16,7 +16,7 @@
 // never unloaded. tests/outside/plugins has an example of each kind.
 #pragma once
 
-#include "transport/geometry/embree_scene.h"
+#include "transport/geometry/embree/embree_scene.h"
 #include "transport/integrators/first_hits.h"
 #include "transport/materials/material_inputs.h"
 #include "transport/math/sampling.h"

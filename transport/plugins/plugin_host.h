@@ -10,13 +10,13 @@
 #include "display/buffer/pixel_filter.h"
 #include "display/drivers/display_driver.h"
 #include "display/filters/display_filter.h"
-#include "display/services/sample_filter.h"
+#include "display/services/samples/sample_filter.h"
 #include "transport/cameras/camera.h"
-#include "transport/import/shapes.h"
+#include "transport/import/shapes/shapes.h"
 #include "transport/integrators/integrator.h"
 #include "transport/lights/light_table.h"
 #include "transport/materials/material.h"
-#include "transport/materials/pattern.h"
+#include "transport/materials/textures/pattern.h"
 #include "transport/media/medium.h"
 
 namespace raylex::transport {

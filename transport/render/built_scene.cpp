@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "transport/materials/tee.h"
+#include "transport/materials/textures/tee.h"
 #include "transport/render/clock.h"
 
 namespace raylex::transport {

@@ -13,8 +13,8 @@
 #include <cmath>
 
 #include "display/services/hash64.h"
-#include "transport/render/buckets.h"
-#include "transport/render/render_output.h"
+#include "transport/render/loop/buckets.h"
+#include "transport/render/loop/render_output.h"
 #include "transport/scene/scene_hash.h"
 
 namespace raylex::transport {

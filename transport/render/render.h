@@ -11,18 +11,18 @@
 #include <string>
 #include <vector>
 
-#include "display/buffer/adaptive_sampler.h"
-#include "display/buffer/banded_image.h"
-#include "display/buffer/frame_buffer.h"
-#include "display/buffer/memory_estimate.h"
+#include "display/buffer/adaptive/adaptive_sampler.h"
+#include "display/buffer/frame_buffer/banded_image.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
+#include "display/buffer/frame_buffer/memory_estimate.h"
 #include "display/buffer/pixel_filter.h"
 #include "display/buffer/sample_sink.h"
 #include "display/checkpoint/record_file.h"
 #include "display/services/channel.h"
 #include "display/services/channel_settings.h"
-#include "display/services/display_services.h"
-#include "display/services/lpe_services.h"
-#include "display/services/word_alphabet.h"
+#include "display/services/samples/display_services.h"
+#include "display/services/samples/lpe_services.h"
+#include "display/services/samples/word_alphabet.h"
 #include "geoaovs/cryptomatte.h"
 #include "lpe/channels/lobe_slots.h"
 #include "lpe/result.h"
@@ -52,7 +52,7 @@ struct RenderPlan {
 };
 
 /// An image larger than memory: it is rendered a bucket, a band of its rows, after another, and each finished bucket is
-/// saved and its memory given back. Same bits. See render/buckets.h for how, and what cannot be rendered so.
+/// saved and its memory given back. Same bits. See render/loop/buckets.h for how, and what cannot be rendered so.
 struct BucketSettings {
     /// What the process may take in all, until the image is written; 0: no limit. An image that fits is rendered as a
     /// whole.
@@ -60,7 +60,7 @@ struct BucketSettings {
     int rows = 0;  ///< of a bucket, whether or not the image fits; 0: as `memory` allows
 };
 
-/// Saving the render now and then, so that it can go on after a crash. See render/checkpoint.h for how.
+/// Saving the render now and then, so that it can go on after a crash. See render/stages/checkpoint.h for how.
 struct CheckpointSettings {
     /// Replaced whole or not at all; the caller removes it in the end. Of a render in buckets, a folder with a file for
     /// each.

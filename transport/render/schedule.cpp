@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "transport/render/render_state.h"
 #include "transport/render/schedules/adaptive_schedule.h"
 #include "transport/render/schedules/limited_schedule.h"
 #include "transport/render/schedules/plain_schedule.h"
 #include "transport/render/schedules/replay_schedule.h"
 #include "transport/render/schedules/synchronous_schedule.h"
+#include "transport/render/stages/render_state.h"
 
 namespace raylex::transport {
 

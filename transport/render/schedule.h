@@ -15,9 +15,9 @@
 #include <string>
 #include <string_view>
 
-#include "display/buffer/adaptive_sampler.h"
+#include "display/buffer/adaptive/adaptive_sampler.h"
 #include "transport/render/render_position.h"
-#include "transport/render/render_target.h"
+#include "transport/render/stages/render_target.h"
 
 namespace raylex::transport {
 

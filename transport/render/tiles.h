@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <mutex>
 
-#include "display/buffer/frame_buffer.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
 
 namespace raylex::transport {
 

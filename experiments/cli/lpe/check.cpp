@@ -7,12 +7,12 @@
 
 #include "experiments/cli/lpe/layers.h"
 #include "experiments/cli/lpe/picture.h"
-#include "experiments/job/label_doubts.h"
+#include "experiments/job/channels/label_doubts.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
-#include "lpe/algebra/check.h"
-#include "lpe/algebra/regex_printing.h"
-#include "lpe/algebra/relations.h"
+#include "lpe/algebra/proofs/check.h"
+#include "lpe/algebra/proofs/relations.h"
+#include "lpe/algebra/wording/regex_printing.h"
 #include "lpe/language/extensions.h"
 
 namespace raylex::experiments {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "experiments/cli/commands.h"
-#include "experiments/job/channel_set.h"
-#include "experiments/job/scene_words.h"
-#include "lpe/algebra/check.h"
+#include "experiments/job/channels/channel_set.h"
+#include "experiments/job/channels/scene_words.h"
+#include "lpe/algebra/proofs/check.h"
 #include "lpe/program.h"
 #include "lpe/result.h"
 

@@ -5,7 +5,7 @@
 #include "experiments/cli/lpe/layers.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
-#include "lpe/algebra/explain.h"
+#include "lpe/algebra/explanation/explain.h"
 
 namespace raylex::experiments {
 namespace {

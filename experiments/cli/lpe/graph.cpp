@@ -4,7 +4,7 @@
 #include "experiments/cli/lpe/commands.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
-#include "lpe/algebra/graph.h"
+#include "lpe/algebra/graphs/graph.h"
 
 namespace raylex::experiments {
 namespace {

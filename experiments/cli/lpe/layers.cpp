@@ -4,8 +4,8 @@
 #include <set>
 
 #include "experiments/program/console.h"
-#include "lpe/algebra/check.h"
-#include "lpe/algebra/relations.h"
+#include "lpe/algebra/proofs/check.h"
+#include "lpe/algebra/proofs/relations.h"
 #include "lpe/language/extensions.h"
 
 namespace raylex::experiments {

@@ -5,8 +5,8 @@
 #include "experiments/cli/lpe/commands.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
-#include "lpe/algebra/event_words.h"
-#include "lpe/algebra/why_not.h"
+#include "lpe/algebra/explanation/why_not.h"
+#include "lpe/algebra/wording/event_words.h"
 #include "lpe/match.h"
 #include "lpe/vectors.h"
 

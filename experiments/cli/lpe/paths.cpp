@@ -5,7 +5,7 @@
 #include "experiments/cli/lpe/commands.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
-#include "lpe/algebra/paths.h"
+#include "lpe/algebra/proofs/paths.h"
 
 namespace raylex::experiments {
 namespace {

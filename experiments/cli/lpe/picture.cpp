@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "experiments/program/columns.h"
 #include "experiments/program/console.h"
 #include "lpe/match.h"

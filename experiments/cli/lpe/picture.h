@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "experiments/cli/lpe/layers.h"
-#include "lpe/algebra/overview.h"
-#include "lpe/algebra/sorting.h"
+#include "lpe/algebra/proofs/overview.h"
+#include "lpe/algebra/proofs/sorting.h"
 
 namespace raylex::experiments {
 

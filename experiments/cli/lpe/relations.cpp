@@ -1,5 +1,5 @@
 // raylex lpe equal, contains, empty: proofs about single expressions.
-#include "lpe/algebra/relations.h"
+#include "lpe/algebra/proofs/relations.h"
 #include "experiments/program/exit_codes.h"
 
 #include <memory>

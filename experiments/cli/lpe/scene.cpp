@@ -1,7 +1,7 @@
 // --scene: proofs relative to what one scene can produce.
 #include "experiments/cli/lpe/commands.h"
 #include "experiments/cli/plugin_options.h"
-#include "experiments/job/channel_reasons.h"
+#include "experiments/job/channels/channel_reasons.h"
 #include "experiments/program/console.h"
 
 namespace raylex::experiments {

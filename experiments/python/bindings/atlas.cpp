@@ -7,7 +7,7 @@
 #include <mutex>
 #include <optional>
 
-#include "display/output/memory_image.h"
+#include "display/output/writer/memory_image.h"
 #include "experiments/atlas/answer.h"
 #include "experiments/atlas/bright_words.h"
 #include "experiments/atlas/merged_atlas.h"

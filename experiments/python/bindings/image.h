@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "display/output/exr_reader.h"
+#include "display/output/reader/exr_reader.h"
 #include "experiments/python/bindings/bindings.h"
 #include "lpe/result.h"
 

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "display/output/color_manager.h"
-#include "display/output/comparison.h"
-#include "display/output/exr_layers.h"
-#include "display/output/split_check.h"
+#include "display/output/color/color_manager.h"
+#include "display/output/comparison/comparison.h"
+#include "display/output/reader/exr_layers.h"
+#include "display/output/splits/split_check.h"
 #include "experiments/cli/judge.h"
 #include "experiments/python/bindings/arrays.h"
 #include "experiments/python/bindings/image.h"

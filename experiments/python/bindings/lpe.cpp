@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <array>
 
-#include "experiments/job/channel_set.h"
+#include "experiments/job/channels/channel_set.h"
+#include "experiments/job/channels/scene_words.h"
 #include "experiments/job/job.h"
-#include "experiments/job/scene_words.h"
 #include "experiments/python/bindings/lpe_types.h"
 #include "lpe/match.h"
 #include "lpe/shipped.h"

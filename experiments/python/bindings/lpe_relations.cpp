@@ -1,10 +1,10 @@
 // raylex.lpe: proofs, what they rest on, and what expressions mean.
 #include "experiments/python/bindings/lpe_types.h"
-#include "lpe/algebra/explain.h"
-#include "lpe/algebra/overview.h"
-#include "lpe/algebra/paths.h"
-#include "lpe/algebra/relations.h"
-#include "lpe/algebra/why_not.h"
+#include "lpe/algebra/explanation/explain.h"
+#include "lpe/algebra/explanation/why_not.h"
+#include "lpe/algebra/proofs/overview.h"
+#include "lpe/algebra/proofs/paths.h"
+#include "lpe/algebra/proofs/relations.h"
 #include "lpe/words.h"
 
 namespace raylex::python {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "experiments/python/bindings/bindings.h"
-#include "lpe/algebra/check.h"
+#include "lpe/algebra/proofs/check.h"
 #include "lpe/program.h"
 
 namespace raylex::python {

@@ -1,5 +1,5 @@
 // The module raylex._raylex; the package raylex around it is Python (experiments/python/raylex).
-#include "experiments/job/provenance.h"
+#include "experiments/job/rendering/provenance.h"
 #include "experiments/python/bindings/bindings.h"
 
 PYBIND11_MODULE(_raylex, module) {

@@ -4,14 +4,14 @@
 #include <map>
 #include <optional>
 
-#include "display/output/exr_writer.h"
-#include "display/output/memory_image.h"
-#include "experiments/cli/render_outputs.h"
-#include "experiments/job/channel_plan.h"
+#include "display/output/writer/exr_writer.h"
+#include "display/output/writer/memory_image.h"
+#include "experiments/cli/render/render_outputs.h"
+#include "experiments/job/channels/channel_plan.h"
+#include "experiments/job/channels/scene_words.h"
 #include "experiments/job/job_file.h"
-#include "experiments/job/job_scene.h"
-#include "experiments/job/provenance.h"
-#include "experiments/job/scene_words.h"
+#include "experiments/job/rendering/job_scene.h"
+#include "experiments/job/rendering/provenance.h"
 #include "experiments/python/bindings/arrays.h"
 #include "experiments/python/bindings/image.h"
 #include "experiments/python/bindings/run_control.h"

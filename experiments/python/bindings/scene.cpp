@@ -8,12 +8,12 @@
 
 #include "display/output/atomic_file.h"
 #include "experiments/inspect/scene_facts.h"
+#include "experiments/job/channels/scene_words.h"
 #include "experiments/job/job.h"
-#include "experiments/job/json.h"
-#include "experiments/job/scene_words.h"
+#include "experiments/job/text/json.h"
 #include "experiments/python/bindings/bindings.h"
 #include "transport/export/pbrt_writer.h"
-#include "transport/import/pbrt_importer.h"
+#include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/plugins/plugin_loader.h"
 #include "transport/render/built_scene.h"
 

@@ -1,11 +1,11 @@
-// Scenes from arrays: transport/scene/scene_builder.h with Python's values as parameters.
+// Scenes from arrays: transport/scene/builder/scene_builder.h with Python's values as parameters.
 #include <pybind11/stl.h>
 
 #include <algorithm>
 
 #include "experiments/python/bindings/arrays.h"
 #include "experiments/python/bindings/scene.h"
-#include "transport/scene/scene_builder.h"
+#include "transport/scene/builder/scene_builder.h"
 
 namespace raylex::python {
 

@@ -1,12 +1,12 @@
 // Experiments: run, read, judged, by the functions of `raylex experiment`.
 #include <pybind11/stl.h>
 
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "experiments/python/bindings/arrays.h"
 #include "experiments/python/bindings/run_control.h"
 #include "experiments/study/plan/config.h"
-#include "experiments/study/report/study.h"
-#include "experiments/study/report/study_files.h"
+#include "experiments/study/report/measures/study.h"
+#include "experiments/study/report/measures/study_files.h"
 #include "experiments/study/report/study_report.h"
 #include "experiments/study/results.h"
 #include "experiments/study/run/runner.h"

@@ -1,5 +1,5 @@
-// Light path expressions in a page, third script: texts of the osl dialect to trees, as lpe/language/parser_osl.cpp
-// reads them, with OSL's oddities, which stand there.
+// Light path expressions in a page, third script: texts of the osl dialect to trees, as
+// lpe/language/parser/parser_osl.cpp reads them, with OSL's oddities, which stand there.
 var raylexOsl = (function (Reader, events) {
   'use strict';
   var none = events.noneSymbol;

@@ -1,5 +1,5 @@
 // Light path expressions in a page, second script: texts of the renderman dialect to trees, as
-// lpe/language/parser_renderman.cpp reads them. Grammar: lpe/README.md.
+// lpe/language/parser/parser_renderman.cpp reads them. Grammar: lpe/README.md.
 //
 // Nodes: { kind: 'event', set }, { kind: 'sequence' | 'alternatives', children }, { kind: 'repeat', child, min, max },
 // { kind: 'complement', child }, { kind: 'intersection' | 'difference', left, right }; max -1: without bound.

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "experiments/atlas/asked_layers.h"
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "experiments/report/html.h"
 #include "experiments/report/pixel_data.h"
 #include "lpe/language/names.h"

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <string>
 
-#include "display/output/atlas_file.h"
-#include "display/output/exr_reader.h"
+#include "display/output/atlas/atlas_file.h"
+#include "display/output/reader/exr_reader.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {

@@ -9,7 +9,7 @@
 #include "lpe/channels/lobe_slots.h"
 #include "lpe/truth.h"
 #include "transport/render/built_scene.h"
-#include "transport/scene/scene_builder.h"
+#include "transport/scene/builder/scene_builder.h"
 
 namespace raylex::experiments {
 namespace {

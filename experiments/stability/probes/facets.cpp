@@ -1,9 +1,9 @@
 // Microfacets and interfaces at the ends of roughness, index and angle.
 #include "experiments/stability/probes/draws.h"
 #include "experiments/stability/probes/probes.h"
-#include "transport/materials/conductor.h"
-#include "transport/materials/dielectric.h"
-#include "transport/materials/facet_albedo.h"
+#include "transport/materials/bsdf/conductor.h"
+#include "transport/materials/bsdf/dielectric.h"
+#include "transport/materials/bsdf/facet_albedo.h"
 
 namespace raylex::experiments {
 namespace {

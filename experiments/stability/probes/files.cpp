@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "display/output/exr_reader.h"
-#include "display/output/exr_writer.h"
+#include "display/output/reader/exr_reader.h"
+#include "display/output/writer/exr_writer.h"
 #include "experiments/stability/probes/probes.h"
 
 namespace raylex::experiments {

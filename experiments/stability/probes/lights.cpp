@@ -4,7 +4,7 @@
 #include "experiments/stability/probes/draws.h"
 #include "experiments/stability/probes/probes.h"
 #include "transport/cameras/camera.h"
-#include "transport/import/pbrt_importer.h"
+#include "transport/import/pbrt/pbrt_importer.h"
 
 namespace raylex::experiments {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "experiments/stability/probe.h"
-#include "transport/materials/closure.h"
+#include "transport/materials/closures/closure.h"
 
 namespace raylex::experiments {
 

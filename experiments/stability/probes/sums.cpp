@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "display/buffer/frame_buffer.h"
-#include "display/buffer/memory_estimate.h"
+#include "display/buffer/frame_buffer/frame_buffer.h"
+#include "display/buffer/frame_buffer/memory_estimate.h"
 #include "display/buffer/pixel_filter.h"
 #include "experiments/stability/probes/counted_numbers.h"
 #include "experiments/stability/probes/probes.h"

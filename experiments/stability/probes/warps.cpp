@@ -5,7 +5,7 @@
 
 #include "experiments/stability/probes/probes.h"
 #include "transport/lights/images/environment.h"
-#include "transport/materials/microfacet.h"
+#include "transport/materials/bsdf/microfacet.h"
 #include "transport/math/sampling.h"
 #include "transport/media/medium.h"
 #include "transport/media/phase.h"

@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <numeric>
 
-#include "display/output/comparison.h"
-#include "experiments/job/provenance.h"
+#include "display/output/comparison/comparison.h"
+#include "experiments/job/rendering/provenance.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/stability/suite/line_records.h"
-#include "experiments/study/run/external.h"
+#include "experiments/study/run/processes/external.h"
 
 namespace raylex::experiments {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "experiments/job/job_tables.h"
 #include "experiments/job/parameter_check.h"
-#include "experiments/job/toml_text.h"
+#include "experiments/job/text/toml_text.h"
 #include "experiments/stability/probe.h"
 #include "transport/integrators/integrator.h"
 #include "transport/plugins/plugin_loader.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "experiments/job/provenance.h"
+#include "experiments/job/rendering/provenance.h"
 #include "transport/math/real.h"
 
 namespace raylex::experiments {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "experiments/stability/suite/suite_runner.h"
 
 namespace raylex::experiments {

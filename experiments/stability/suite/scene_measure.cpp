@@ -9,7 +9,7 @@
 #include "experiments/program/interrupt.h"
 #include "experiments/study/analysis/distributions.h"
 #include "lpe/shipped.h"
-#include "transport/import/pbrt_importer.h"
+#include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/render/built_scene.h"
 
 namespace raylex::experiments {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "experiments/job/provenance.h"
+#include "experiments/job/rendering/provenance.h"
 #include "experiments/program/console.h"
 #include "experiments/report/html.h"
 #include "experiments/stability/suite/suite_chart.h"

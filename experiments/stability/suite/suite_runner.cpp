@@ -7,14 +7,14 @@
 #include <mutex>
 #include <thread>
 
-#include "display/output/color_manager.h"
-#include "experiments/job/color_setup.h"
+#include "display/output/color/color_manager.h"
+#include "experiments/job/rendering/color_setup.h"
 #include "experiments/program/interrupt.h"
 #include "experiments/stability/suite/line_records.h"
 #include "experiments/stability/suite/scene_measure.h"
-#include "experiments/study/run/child_process.h"
-#include "experiments/study/run/messages.h"
-#include "transport/geometry/embree_scene.h"
+#include "experiments/study/run/processes/child_process.h"
+#include "experiments/study/run/processes/messages.h"
+#include "transport/geometry/embree/embree_scene.h"
 #include "transport/render/clock.h"
 
 namespace raylex::experiments {

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "experiments/study/analysis/bias.h"
-#include "lpe/algebra/paths.h"
+#include "lpe/algebra/proofs/paths.h"
 
 namespace raylex::experiments {
 namespace {

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "experiments/job/toml_table.h"
+#include "experiments/job/text/toml_table.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {

@@ -11,7 +11,7 @@
 #include "experiments/job/job_tables.h"
 #include "experiments/job/parameter_check.h"
 #include "experiments/job/sampling_requests.h"
-#include "experiments/job/toml_text.h"
+#include "experiments/job/text/toml_text.h"
 #include "experiments/study/plan/config_sections.h"
 #include "experiments/study/plan/shell_places.h"
 #include "transport/plugins/plugin_loader.h"

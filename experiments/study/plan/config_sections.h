@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/job/toml_table.h"
+#include "experiments/job/text/toml_table.h"
 #include "experiments/study/plan/config.h"
 
 namespace raylex::experiments {

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <utility>
 
-#include "experiments/job/toml_text.h"
+#include "experiments/job/text/toml_text.h"
 
 namespace raylex::experiments {
 namespace {

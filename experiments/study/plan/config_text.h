@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/job/toml_table.h"
+#include "experiments/job/text/toml_table.h"
 #include "experiments/study/plan/axis.h"
 #include "lpe/result.h"
 

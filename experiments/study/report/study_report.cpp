@@ -5,14 +5,14 @@
 #include <limits>
 
 #include "display/output/atomic_file.h"
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/study/file_records.h"
-#include "experiments/study/report/assets.h"
-#include "experiments/study/report/paper.h"
-#include "experiments/study/report/study_files.h"
-#include "experiments/study/report/study_page.h"
+#include "experiments/study/report/measures/study_files.h"
+#include "experiments/study/report/page/assets.h"
+#include "experiments/study/report/page/study_page.h"
+#include "experiments/study/report/paper/paper.h"
 
 namespace raylex::experiments {
 namespace {

@@ -8,8 +8,8 @@
 #include "display/services/parameters.h"
 #include "experiments/study/file_records.h"
 #include "experiments/study/results_file.h"
-#include "experiments/study/run/cell_closer.h"
-#include "experiments/study/run/cell_parts.h"
+#include "experiments/study/run/cells/cell_closer.h"
+#include "experiments/study/run/cells/cell_parts.h"
 
 namespace raylex::experiments {
 namespace {

@@ -4,13 +4,13 @@
 #include <set>
 #include <vector>
 
-#include "display/buffer/memory_estimate.h"
+#include "display/buffer/frame_buffer/memory_estimate.h"
 #include "experiments/program/console.h"
-#include "experiments/study/run/cell_parts.h"
-#include "experiments/study/run/cell_worker.h"
-#include "experiments/study/run/estimates.h"
+#include "experiments/study/run/cells/cell_parts.h"
 #include "experiments/study/run/run_progress.h"
 #include "experiments/study/run/runner.h"
+#include "experiments/study/run/workers/cell_worker.h"
+#include "experiments/study/run/workers/estimates.h"
 #include "transport/render/clock.h"
 
 namespace raylex::experiments {

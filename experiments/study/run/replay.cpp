@@ -7,12 +7,12 @@
 #include <iterator>
 #include <utility>
 
-#include "display/output/exr_reader.h"
+#include "display/output/reader/exr_reader.h"
 #include "display/services/parameters.h"
 #include "experiments/study/file_records.h"
 #include "experiments/study/results_file.h"
-#include "experiments/study/run/cell_files.h"
-#include "experiments/study/run/cell_runner.h"
+#include "experiments/study/run/cells/cell_files.h"
+#include "experiments/study/run/cells/cell_runner.h"
 #include "experiments/study/run/results_state.h"
 #include "experiments/study/run/runner.h"
 

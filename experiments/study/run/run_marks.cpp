@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "display/output/atomic_file.h"
-#include "experiments/job/json.h"
+#include "experiments/job/text/json.h"
 #include "lpe/read_input.h"
 
 namespace raylex::experiments {

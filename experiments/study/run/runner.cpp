@@ -10,17 +10,17 @@
 #include <thread>
 
 #include "display/services/parameters.h"
-#include "experiments/job/provenance.h"
+#include "experiments/job/rendering/provenance.h"
 #include "experiments/program/console.h"
 #include "experiments/study/file_records.h"
 #include "experiments/study/results_file.h"
-#include "experiments/study/run/cell_parts.h"
-#include "experiments/study/run/cell_worker.h"
-#include "experiments/study/run/estimates.h"
-#include "experiments/study/run/method_settings.h"
+#include "experiments/study/run/cells/cell_parts.h"
+#include "experiments/study/run/cells/method_settings.h"
 #include "experiments/study/run/results_state.h"
 #include "experiments/study/run/run_marks.h"
 #include "experiments/study/run/run_progress.h"
+#include "experiments/study/run/workers/cell_worker.h"
+#include "experiments/study/run/workers/estimates.h"
 #include "transport/render/clock.h"
 
 namespace raylex::experiments {

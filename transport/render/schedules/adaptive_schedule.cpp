@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "transport/render/render_state.h"
+#include "transport/render/stages/render_state.h"
 
 namespace raylex::transport {
 

@@ -4,8 +4,8 @@
 #include <limits>
 #include <new>
 
-#include "transport/render/render_state.h"
 #include "transport/render/schedules/plain_schedule.h"
+#include "transport/render/stages/render_state.h"
 
 namespace raylex::transport {
 namespace {

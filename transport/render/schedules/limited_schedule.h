@@ -4,8 +4,8 @@
 #pragma once
 
 #include "display/checkpoint/record_file.h"
+#include "transport/render/resolve/limited_passes.h"
 #include "transport/render/schedule.h"
-#include "transport/render/schedules/limited_passes.h"
 
 namespace raylex::transport {
 

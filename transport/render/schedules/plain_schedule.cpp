@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "transport/render/render_worker.h"
+#include "transport/render/stages/render_worker.h"
 
 namespace raylex::transport {
 

@@ -1,6 +1,6 @@
 #include "transport/render/schedules/start_up_schedule.h"
 
-#include "transport/render/render_worker.h"
+#include "transport/render/stages/render_worker.h"
 
 namespace raylex::transport {
 

@@ -1,0 +1,15 @@
+// The words of an atlas as texts of a header, and back. Private to the atlas's files.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "display/output/atlas/atlas_file.h"
+
+namespace raylex::display {
+
+std::map<std::string, std::string> table_attributes(const WordTable& table);
+/// Errors name `path` and what is wrong.
+Result<WordTable> read_table(const std::map<std::string, std::string>& attributes, const std::string& path);
+
+}  // namespace raylex::display

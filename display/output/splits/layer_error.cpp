@@ -1,0 +1,259 @@
+#include "display/output/splits/layer_error.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "display/output/reader/exr_layers.h"
+#include "display/output/splits/split_sum.h"
+#include "display/output/splits/stored_precision.h"
+
+namespace raylex::display {
+
+namespace {
+
+using Kind = SumStep::Kind;
+using LayerPlanes = std::array<const ImagePlane*, 3>;
+constexpr std::size_t block = 512;  // pixels at a time: the stack of a sum of fifty layers stays in the cache
+
+// A layer's three components, or why it cannot take part in a sum of light.
+Result<LayerPlanes> summable(const ExrImage& image, const ImageLayer& layer) {
+    Error error;
+    error.file = image.path;
+    const LayerPlanes planes = layer.triple();
+    if (planes[0] == nullptr) {
+        std::vector<std::string> names;
+        for (const ImagePlane& plane : layer.planes) names.push_back(plane.name);
+        error.message = "layer '" + name_of(layer) + "' has the channels " + list_names(names) +
+                        "; expected R G B, X Y Z or a single one";
+        return error;
+    }
+    for (const ImagePlane* plane : planes) {
+        if (plane->stored != StoredType::unsigned_int) continue;
+        error.message = "layer '" + name_of(layer) + "' holds unsigned integers (" + plane->name +
+                        "); expected light, stored as half or float";
+        return error;
+    }
+    return planes;
+}
+
+// Values of a block of pixels with what is known of them: |value| <= magnitude (the sum of |terms|), off by at most
+// `rounding` for rounding alone and by at most `allowed` with lossy compression.
+struct Values {
+    std::array<double, block> value, magnitude, rounding, allowed;
+};
+
+void load(Values& to, const ImagePlane& plane, const StoredPrecision& precision, bool lossy, std::size_t first,
+          std::size_t count) {
+    const float* stored = plane.values.data() + first;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto value = static_cast<double>(stored[i]);
+        to.value[i] = value;
+        to.magnitude[i] = std::abs(value);
+        to.rounding[i] = precision.unit * std::abs(value) + precision.spacing;
+        to.allowed[i] = to.rounding[i];
+    }
+    if (!lossy || precision.dwa == 0) return;
+    for (std::size_t i = 0; i < count; ++i) to.allowed[i] += dwa_change(to.value[i], precision.dwa);
+}
+
+void add(Values& a, const Values& b, double sign, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+        a.value[i] += sign * b.value[i];
+        a.magnitude[i] += b.magnitude[i];
+        a.rounding[i] += b.rounding[i];
+        a.allowed[i] += b.allowed[i];
+    }
+}
+
+// (a + e)(b + f) = ab + af + be + ef, rounded once; a product below the smallest float is off by its spacing.
+void multiply(Values& a, const Values& b, double unit, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const double rounded = unit * a.magnitude[i] * b.magnitude[i] + (unit > 0 ? 0x1p-149 : 0);
+        a.rounding[i] = a.rounding[i] * (b.magnitude[i] + b.rounding[i]) + a.magnitude[i] * b.rounding[i] + rounded;
+        a.allowed[i] = a.allowed[i] * (b.magnitude[i] + b.allowed[i]) + a.magnitude[i] * b.allowed[i] + rounded;
+        a.value[i] *= b.value[i];
+        a.magnitude[i] *= b.magnitude[i];
+    }
+}
+
+// Partial sums are at most the sum of magnitudes, whatever the order.
+void round(Values& a, double unit, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+        a.rounding[i] += unit * a.magnitude[i];
+        a.allowed[i] += unit * a.magnitude[i];
+    }
+}
+
+// The arithmetic of one sum over a whole image.
+class SumOverImage {
+  public:
+    SumOverImage(const LayerSum& sum, const SumRules& rules, std::vector<LayerPlanes> planes)
+        : sum_(sum), rules_(rules), planes_(std::move(planes)), stack_(static_cast<std::size_t>(sum.depth)) {}
+
+    /// Component c of pixels [first, first + count).
+    const Values& evaluate(std::size_t c, std::size_t first, std::size_t count) {
+        std::size_t top = 0, leaf = 0;  // top: values that wait
+        for (const SumStep& step : sum_.steps) {
+            switch (step.kind) {
+                case Kind::layer: {
+                    const ImagePlane& plane = *planes_[leaf++][c];
+                    load(stack_[top++], plane, precision_of(plane), !rules_.allowance.instead_of_compression, first,
+                         count);
+                    break;
+                }
+                case Kind::add:
+                case Kind::subtract:
+                    --top;
+                    add(stack_[top - 1], stack_[top], step.kind == Kind::add ? 1.0 : -1.0, count);
+                    break;
+                case Kind::multiply:
+                    --top;
+                    multiply(stack_[top - 1], stack_[top], rules_.working_unit, count);
+                    break;
+                case Kind::negate:
+                    for (std::size_t i = 0; i < count; ++i) stack_[top - 1].value[i] = -stack_[top - 1].value[i];
+                    break;
+                case Kind::rounded:
+                    round(stack_[top - 1], step.count * rules_.working_unit, count);
+                    break;
+            }
+        }
+        return stack_.front();
+    }
+
+    /// The largest relative error that rounding can cause: relative to the sum of |terms|, small numbers apart.
+    [[nodiscard]] double unit() const {
+        std::vector<double> units;
+        std::size_t leaf = 0;
+        for (const SumStep& step : sum_.steps) {
+            if (step.kind == Kind::layer) {
+                double unit = 0;
+                for (const ImagePlane* plane : planes_[leaf]) unit = std::max(unit, precision_of(*plane).unit);
+                units.push_back(unit);
+                ++leaf;
+            } else if (step.kind == Kind::rounded) {
+                units.back() += step.count * rules_.working_unit;
+            } else if (step.kind != Kind::negate) {
+                const double last = units.back();
+                units.pop_back();
+                double& unit = units.back();
+                unit = step.kind == Kind::multiply ? unit + last + unit * last + rules_.working_unit
+                                                   : std::max(unit, last);
+            }
+        }
+        return units.back();
+    }
+
+  private:
+    const LayerSum& sum_;
+    const SumRules& rules_;
+    std::vector<LayerPlanes> planes_;  // of the layer steps, in their order
+    std::vector<Values> stack_;
+};
+
+// "float, 2^-23; half, 2^-10; 8 operations in float, 2^-24 each"
+std::string bound_reason(const std::vector<LayerPlanes>& all, const LayerSum& sum, const SumRules& rules) {
+    bool half = false, single = false, pxr24 = false;
+    for (const LayerPlanes& planes : all)
+        for (const ImagePlane* plane : planes) {
+            const double unit = precision_of(*plane).unit;
+            (unit == 0x1p-10 ? half : unit == 0x1p-15 ? pxr24 : single) = true;
+        }
+    std::string text;
+    const auto name = [&text](bool there, const char* what) {
+        if (there) text += (text.empty() ? "" : "; ") + std::string(what);
+    };
+    name(single, "float, 2^-23");
+    name(pxr24, "float packed by PXR24, 2^-15");
+    name(half, "half, 2^-10");
+    const int operations = sum.additions + sum.products;
+    if (rules.working_unit > 0 && operations > 0)
+        text += "; " + std::to_string(operations) + (operations == 1 ? " operation" : " operations") +
+                " in float, 2^-24 each";
+    return text;
+}
+
+// What is allowed beyond rounding, and what would have to be.
+void note_allowances(SplitVerdict& verdict, const std::vector<LayerPlanes>& all, const Allowance& allowance) {
+    std::set<float> levels;
+    bool b44 = false;
+    for (const LayerPlanes& planes : all)
+        for (const ImagePlane* plane : planes) {
+            if (plane->loss == PlaneLoss::dwa) levels.insert(plane->dwa_level);
+            b44 = b44 || plane->loss == PlaneLoss::b44;
+        }
+    if (!allowance.instead_of_compression) {
+        for (const float level : levels)
+            verdict.allowed_for.push_back("DWA compression of level " +
+                                          std::to_string(static_cast<int>(std::lround(level))));
+        if (b44) verdict.unexplained.emplace_back("B44");
+    }
+    if (allowance.absolute > 0 || allowance.relative > 0) verdict.allowed_for.push_back(allowance.reason);
+}
+
+// The first layer that is not finite at the verdict's pixel.
+std::string culprit(const SplitVerdict& verdict, const ExrImage& image, const std::vector<LayerPlanes>& all,
+                    const std::vector<std::string>& names) {
+    const auto pixel = static_cast<std::size_t>(verdict.non_finite_y) * static_cast<std::size_t>(image.width) +
+                       static_cast<std::size_t>(verdict.non_finite_x);
+    for (std::size_t i = 0; i < all.size(); ++i)
+        for (const ImagePlane* plane : all[i])
+            if (!std::isfinite(plane->values[pixel])) return names[i];
+    return {};
+}
+
+}  // namespace
+
+Result<SplitVerdict> judge_sum(const ExrImage& image, const ImageLayer& of, const LayerSum& sum,
+                               const SumRules& rules) {
+    Result<LayerPlanes> whole = summable(image, of);
+    if (!whole) return std::move(whole).error();
+    std::vector<LayerPlanes> planes;
+    std::vector<std::string> names;
+    for (const SumStep& step : sum.steps) {
+        if (step.kind != Kind::layer) continue;
+        Result<LayerPlanes> found = summable(image, *step.layer);
+        if (!found) return std::move(found).error();
+        planes.push_back(*found);
+        names.push_back(name_of(*step.layer));
+    }
+    SumOverImage arithmetic(sum, rules, planes);
+    double unit = arithmetic.unit();
+    for (const ImagePlane* plane : *whole) unit = std::max(unit, precision_of(*plane).unit);
+    const std::size_t pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+    VerdictTally tally(image.width, pixels, unit, rules.allowance, true);
+    Values target;
+    std::vector<std::array<SplitError, 3>> errors(block);
+    for (std::size_t first = 0; first < pixels; first += block) {
+        const std::size_t count = std::min(block, pixels - first);
+        for (std::size_t c = 0; c < 3; ++c) {
+            load(target, *(*whole)[c], precision_of(*(*whole)[c]), !rules.allowance.instead_of_compression, first,
+                 count);
+            const Values& found = arithmetic.evaluate(c, first, count);
+            for (std::size_t i = 0; i < count; ++i) {
+                const double scale = found.magnitude[i] + target.magnitude[i];
+                errors[i][c] = {
+                    std::abs(found.value[i] - target.value[i]),
+                    scale,
+                    found.rounding[i] + target.rounding[i],
+                    found.allowed[i] + target.allowed[i] + rules.allowance.absolute + rules.allowance.relative * scale,
+                    found.value[i],
+                    target.value[i]};
+            }
+        }
+        for (std::size_t i = 0; i < count; ++i) tally.add(first + i, errors[i]);
+    }
+    SplitVerdict verdict = tally.finish();
+    verdict.of = name_of(of);
+    for (const ImageLayer* layer : sum.layers) verdict.layers.push_back(name_of(*layer));
+    planes.push_back(*whole);
+    names.push_back(verdict.of);
+    verdict.bound_reason = bound_reason(planes, sum, rules);
+    note_allowances(verdict, planes, rules.allowance);
+    if (verdict.non_finite > 0) verdict.non_finite_layer = culprit(verdict, image, planes, names);
+    return verdict;
+}
+
+}  // namespace raylex::display

@@ -1,0 +1,122 @@
+#include "display/output/splits/split_check.h"
+
+#include <algorithm>
+
+#include "display/output/reader/exr_layers.h"
+#include "display/output/splits/layer_arithmetic.h"
+#include "display/output/splits/layer_error.h"
+#include "display/output/splits/split_sum.h"
+
+namespace raylex::display {
+
+namespace {
+
+Error split_error(const ExrImage& image, const std::string& message) {
+    Error error;
+    error.file = image.path;
+    error.message = message;
+    return error;
+}
+
+// Sums in raylex's own files are exact and rounded once, when they are stored.
+double working_unit(const ExrImage& image) {
+    const bool ours = std::any_of(image.attributes.begin(), image.attributes.end(), [](const auto& attribute) {
+        return attribute.first.starts_with("raylex/") || attribute.first.starts_with("lpe/");
+    });
+    return ours ? 0.0 : 0x1p-24;
+}
+
+}  // namespace
+
+bool glob_match(std::string_view pattern, std::string_view name) {
+    std::size_t p = 0, n = 0, star = std::string_view::npos, resume = 0;
+    while (n < name.size()) {
+        if (p < pattern.size() && pattern[p] == '*') {
+            star = p++;
+            resume = n;
+        } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
+            ++p;
+            ++n;
+        } else if (star != std::string_view::npos) {  // let the last * swallow one character more
+            p = star + 1;
+            n = ++resume;
+        } else {
+            return false;
+        }
+    }
+    while (p < pattern.size() && pattern[p] == '*') ++p;
+    return p == pattern.size();
+}
+
+Result<SplitVerdict> check_split(const ExrImage& image, const std::string& of, const std::vector<std::string>& sums,
+                                 const Allowance& allowance) {
+    Result<const ImageLayer*> whole = image.require_layer(of);
+    if (!whole) return std::move(whole).error();
+    Result<LayerSum> sum = parse_sum(image, **whole, sums);
+    if (!sum) return std::move(sum).error();
+    return judge_sum(image, **whole, *sum, {working_unit(image), allowance});
+}
+
+Result<std::vector<SplitVerdict>> check_declared_splits(const ExrImage& image, const Allowance& allowance) {
+    std::vector<SplitVerdict> verdicts;
+    for (const PartitionDeclaration& partition : image.partitions) {
+        const auto located = [&partition](Error error) {
+            error.message = "partition '" + partition.name + "': " + error.message;
+            return error;
+        };
+        if (partition.layers.empty())
+            return located(
+                split_error(image, "the header does not list its layers; expected \"beauty = first + second + ...\""));
+        Result<const ImageLayer*> whole = image.require_layer(partition.of);
+        if (!whole) return located(std::move(whole).error());
+        std::vector<const ImageLayer*> layers;
+        for (const std::string& name : partition.layers) {
+            Result<const ImageLayer*> layer = image.require_layer(name);
+            if (!layer) return located(std::move(layer).error());
+            layers.push_back(*layer);
+        }
+        Result<SplitVerdict> verdict = judge_sum(image, **whole, sum_of_layers(layers), {0.0, allowance});
+        if (!verdict) return located(std::move(verdict).error());
+        verdict->partition = partition.name;
+        verdicts.push_back(std::move(*verdict));
+    }
+    return verdicts;
+}
+
+namespace {
+
+/// check(image) of all bands, added up.
+template <class Check>
+Result<std::vector<SplitVerdict>> by_bands(const ExrBands& file, Check check) {
+    constexpr std::uint64_t band_bytes = std::uint64_t{256} << 20;
+    std::vector<SplitVerdict> all;
+    for (const RowRange& rows : file.bands(band_bytes)) {
+        Result<ExrImage> image = file.read(rows);
+        if (!image) return std::move(image).error();
+        Result<std::vector<SplitVerdict>> verdicts = check(*image);
+        if (!verdicts) return std::move(verdicts).error();
+        if (rows.first == 0) all = *std::move(verdicts);
+        else
+            for (std::size_t i = 0; i < all.size(); ++i) add_rows(all[i], (*verdicts)[i], rows.first);
+    }
+    return all;
+}
+
+}  // namespace
+
+Result<SplitVerdict> check_split(const ExrBands& file, const std::string& of, const std::vector<std::string>& sums,
+                                 const Allowance& allowance) {
+    auto verdicts = by_bands(file, [&](const ExrImage& image) -> Result<std::vector<SplitVerdict>> {
+        Result<SplitVerdict> verdict = check_split(image, of, sums, allowance);
+        if (!verdict) return std::move(verdict).error();
+        return std::vector<SplitVerdict>{*std::move(verdict)};
+    });
+    if (!verdicts) return std::move(verdicts).error();
+    return std::move(verdicts->front());
+}
+
+Result<std::vector<SplitVerdict>> check_declared_splits(const ExrBands& file, const Allowance& allowance) {
+    return by_bands(file, [&](const ExrImage& image) { return check_declared_splits(image, allowance); });
+}
+
+}  // namespace raylex::display

@@ -1,0 +1,175 @@
+#include "display/output/splits/split_sum.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <utility>
+
+#include "display/output/splits/stored_precision.h"
+
+namespace raylex::display {
+
+namespace {
+
+// A difference that only the spacing of the smallest numbers explains counts as a relative one of at most the bound.
+double relative_error(const SplitError& error, double unit) {
+    const double relative = error.scale > 0 ? error.absolute / error.scale : 0.0;
+    return error.absolute > error.rounding ? relative : std::min(relative, unit);
+}
+
+}  // namespace
+
+double residual_limit(double bound, const Allowance& allowance) {
+    return std::min(bound + allowance.relative, 0.5);
+}
+
+VerdictTally::VerdictTally(int width, std::size_t pixels, double unit, const Allowance& allowance, bool with_residual)
+    : width_(width), limit_(residual_limit(unit, allowance)) {
+    verdict_.bound = unit;
+    verdict_.allowance = allowance;
+    verdict_.never_above = true;
+    if (with_residual) verdict_.residual.resize(pixels);
+}
+
+void VerdictTally::add(std::size_t pixel, const std::array<SplitError, 3>& components) {
+    SplitVerdict& verdict = verdict_;
+    const int x = static_cast<int>(pixel % static_cast<std::size_t>(width_)),
+              y = static_cast<int>(pixel / static_cast<std::size_t>(width_));
+    bool finite = true, past = false, exceeds = false;
+    double worst = 0;
+    for (const SplitError& here : components) {
+        if (!std::isfinite(here.scale) || !std::isfinite(here.absolute)) {
+            finite = false;
+            continue;
+        }
+        past = past || here.absolute > here.rounding;
+        if (here.absolute > here.allowed) {
+            exceeds = true;
+            if (here.sum > here.whole) verdict.never_above = false;
+        }
+        if (here.absolute > 0) {
+            const double share = limit_ * here.absolute / here.allowed;
+            worst = std::max(worst, here.absolute > here.allowed ? share : std::min(share, limit_));
+        }
+        if (here.absolute > verdict.largest_absolute) {
+            verdict.largest_absolute = here.absolute;
+            verdict.absolute_x = x;
+            verdict.absolute_y = y;
+        }
+        if (const double relative = relative_error(here, verdict.bound); relative > verdict.largest_relative) {
+            verdict.largest_relative = relative;
+            verdict.relative_x = x;
+            verdict.relative_y = y;
+        }
+    }
+    if (!finite && verdict.non_finite++ == 0) {
+        verdict.non_finite_x = x;
+        verdict.non_finite_y = y;
+    }
+    verdict.exceeding += finite && exceeds ? 1 : 0;
+    verdict.past_rounding += finite && past && !exceeds ? 1 : 0;
+    if (!verdict.residual.empty())
+        verdict.residual[pixel] = finite ? static_cast<float>(worst) : std::numeric_limits<float>::infinity();
+}
+
+SplitVerdict VerdictTally::finish() {
+    verdict_.holds = verdict_.non_finite == 0 && verdict_.exceeding == 0;
+    verdict_.never_above = verdict_.never_above && verdict_.exceeding > 0;
+    verdict_.answer = !verdict_.holds              ? SplitAnswer::does_not_hold
+                      : verdict_.past_rounding > 0 ? SplitAnswer::holds_as_allowed
+                                                   : SplitAnswer::holds_to_rounding;
+    return std::move(verdict_);
+}
+
+SplitSum::SplitSum(int width, int height) : width_(width) {
+    const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    for (std::size_t c = 0; c < 3; ++c) {
+        sum_[c].resize(count);
+        scale_[c].resize(count);
+    }
+}
+
+void SplitSum::note_types(const SplitLayer& layer) {
+    double spacing = 0;
+    for (const StoredType type : layer.types) {
+        const StoredPrecision precision = precision_of(type);
+        unit_ = std::max(unit_, precision.unit);
+        spacing = std::max(spacing, precision.spacing);
+    }
+    spacing_ += spacing;
+}
+
+void SplitSum::add(const SplitLayer& layer) {
+    note_types(layer);
+    for (std::size_t c = 0; c < 3; ++c) {
+        double* sum = sum_[c].data();
+        double* scale = scale_[c].data();
+        const float* values = layer.planes[c].data();
+        for (std::size_t i = 0; i < sum_[c].size(); ++i) {
+            const auto value = static_cast<double>(values[i]);
+            sum[i] += value;
+            scale[i] += std::abs(value);
+        }
+    }
+}
+
+void SplitSum::add_whole(const SplitLayer& layer) {
+    note_types(layer);
+    for (std::size_t c = 0; c < 3; ++c) whole_[c].assign(layer.planes[c].begin(), layer.planes[c].end());
+}
+
+SplitVerdict SplitSum::verdict(bool with_residual) const {
+    const std::size_t count = whole_[0].size();
+    VerdictTally tally(width_, count, unit_, {}, with_residual);
+    for (std::size_t pixel = 0; pixel < count; ++pixel) {
+        std::array<SplitError, 3> errors;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double sum = sum_[c][pixel], whole = static_cast<double>(whole_[c][pixel]);
+            const double scale = scale_[c][pixel] + std::abs(whole), rounding = unit_ * scale + spacing_;
+            errors[c] = {std::abs(sum - whole), scale, rounding, rounding, sum, whole};
+        }
+        tally.add(pixel, errors);
+    }
+    return tally.finish();
+}
+
+void add_rows(SplitVerdict& verdict, const SplitVerdict& below, int first_row) {
+    const auto larger = [first_row](double& value, int& x, int& y, double other, int other_x, int other_y) {
+        if (!(other > value)) return;
+        value = other;
+        x = other_x;
+        y = other_y + first_row;
+    };
+    larger(verdict.largest_absolute, verdict.absolute_x, verdict.absolute_y, below.largest_absolute, below.absolute_x,
+           below.absolute_y);
+    larger(verdict.largest_relative, verdict.relative_x, verdict.relative_y, below.largest_relative, below.relative_x,
+           below.relative_y);
+    if (verdict.non_finite == 0 && below.non_finite > 0) {
+        verdict.non_finite_x = below.non_finite_x;
+        verdict.non_finite_y = below.non_finite_y + first_row;
+        verdict.non_finite_layer = below.non_finite_layer;
+    }
+    // Of bands in which nothing exceeds there is nothing to tell the side of.
+    if (verdict.exceeding == 0) verdict.never_above = below.never_above;
+    else if (below.exceeding > 0) verdict.never_above = verdict.never_above && below.never_above;
+    verdict.past_rounding += below.past_rounding;
+    verdict.non_finite += below.non_finite;
+    verdict.exceeding += below.exceeding;
+    verdict.answer = std::max(verdict.answer, below.answer);
+    verdict.holds = verdict.holds && below.holds;
+    verdict.residual.insert(verdict.residual.end(), below.residual.begin(), below.residual.end());
+}
+
+std::string verdict_attribute(const SplitVerdict& verdict, std::size_t layer_count) {
+    std::array<char, 256> text{};
+    std::snprintf(text.data(), text.size(),
+                  "%s; largest relative error %.3g at (%d, %d), bound %.3g; %zu layers; %zu pixels beyond it, "
+                  "%zu not finite",
+                  verdict.holds ? "holds" : "does not hold", verdict.largest_relative, verdict.relative_x,
+                  verdict.relative_y, verdict.bound, layer_count, verdict.exceeding, verdict.non_finite);
+    return text.data();
+}
+
+}  // namespace raylex::display

@@ -1,0 +1,37 @@
+// Which parts and channels a frame buffer's channels become in a file, and what the headers say.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "display/output/writer/exr_writer.h"
+
+namespace raylex::display {
+
+struct PlannedPart {
+    ChannelId channel = invalid_channel;
+    const DataPart* data = nullptr;  ///< instead of a channel; lives in the ImageDescription
+    std::string name;
+    std::vector<std::string> planes;  ///< OpenEXR channel names, in the order of the channel's components
+    ExrStorage storage;
+    bool alpha = false;  ///< the last plane is coverage
+    std::map<std::string, std::string> attributes;
+};
+
+/// The part of check_exr_layout without which no file can be written.
+Status check_channel_names(std::span<const ChannelDefinition> channels, ChannelId beauty);
+
+/// The value that a `verdict/NAME` attribute has until the pixels are known: a text that occurs nowhere else, of
+/// verdict_length bytes.
+[[nodiscard]] std::string verdict_placeholder(std::size_t partition);
+inline constexpr std::size_t verdict_length = 192;
+
+/// Whether the partition's layers and the one they split are all there, as plan_parts judges it.
+[[nodiscard]] bool is_declared(std::span<const ChannelDefinition> channels, ChannelId beauty,
+                               const PartitionDeclaration& partition);
+
+/// The part that beauty is in comes first, the others in the channels' order.
+std::vector<PlannedPart> plan_parts(std::span<const ChannelDefinition> channels, ChannelId beauty,
+                                    const ImageDescription& description);
+
+}  // namespace raylex::display

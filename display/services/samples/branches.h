@@ -1,0 +1,161 @@
+// Law 5's pairs (automaton state, share) in the middle of a move: what trackers, light words and their joins have in
+// common. Private to the LPE services.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "display/services/samples/lpe_services.h"
+
+namespace raylex::display {
+
+/// Finaliser of SplitMix64 (S. Vigna, public domain description): a bijection that mixes every bit.
+inline std::uint64_t mix64(std::uint64_t x) {
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+    return x ^ (x >> 31);
+}
+
+/// The numbers by which an overflow is resolved: few moves need any, so the key is made for the first.
+template <class MakeKey>
+class ChoiceNumbers {
+  public:
+    explicit ChoiceNumbers(MakeKey make_key) : make_key_(make_key) {}
+    double next() {
+        if (!made_) state_ = make_key_();
+        made_ = true;
+        state_ += 0x9e3779b97f4a7c15ull;
+        return static_cast<double>(mix64(state_) >> 11) * 0x1p-53;
+    }
+
+  private:
+    MakeKey make_key_;
+    std::uint64_t state_ = 0;
+    bool made_ = false;
+};
+
+/// What fraction of a scattering each part carries, per colour: proportional, or all to one drawn part.
+class Fractions {
+  public:
+    explicit Fractions(std::span<const LobePart> parts) : parts_(parts) {
+        for (const LobePart& part : parts) total_ += RgbD(part.value);
+        for (int c = 0; c < 3; ++c) {
+            proportional_[c] = total_[c] > 0 && std::isfinite(total_[c]);
+            scale_[c] = 1 / total_[c];  // of floats: never beyond the range of double where it is used
+        }
+    }
+    /// Draws one part per colour, in proportion to what it carries, by the same number for every colour.
+    void pick(double random);
+    [[nodiscard]] RgbD of(std::size_t part) const {
+        RgbD fraction;
+        for (int c = 0; c < 3; ++c)
+            fraction[c] = proportional_[c] ? static_cast<double>(parts_[part].value[c]) * scale_[c]
+                                           : (part == picked_[c] ? 1.0 : 0.0);
+        return fraction;
+    }
+
+  private:
+    std::span<const LobePart> parts_;
+    RgbD total_, scale_;
+    std::array<std::size_t, 3> picked_{};  // part 0 for a colour to which nothing is given
+    std::array<bool, 3> proportional_{};
+};
+
+/// Branches before a move, where they stand. `share` null: one branch at most, its share 1.
+struct Branches {
+    const lpe::State* state = nullptr;
+    const BranchShare* share = nullptr;
+    std::size_t count = 0;
+    std::size_t words = 0;  ///< of a state
+
+    [[nodiscard]] const lpe::State* state_of(std::size_t branch) const { return state + branch * words; }
+    [[nodiscard]] RgbD share_of(std::size_t branch) const { return share == nullptr ? RgbD(1.0) : share[branch].rgb(); }
+};
+
+/// Branches as they come out of a move, equal states merged.
+class BranchList {
+  public:
+    static constexpr std::size_t room = 96, most_words = 256;
+    std::size_t count = 0;
+    bool whole = true;  ///< nothing was split: one branch at most, its share 1
+    bool overflow = false;
+    std::array<lpe::State, room * most_words> state;  // uninitialised, as are the shares
+    std::array<BranchShare, room> share;
+
+    explicit BranchList(std::size_t state_words) : words_(state_words) {}
+
+    [[nodiscard]] bool has_room_for(std::size_t more) const { return count + more <= room; }
+    /// Where candidates for further branches are written, side by side.
+    [[nodiscard]] lpe::State* candidates() { return &state[count * words_]; }
+    [[nodiscard]] static bool same(const lpe::State* a, const lpe::State* b, std::size_t words) {
+        for (std::size_t i = 0; i < words; ++i)
+            if (a[i] != b[i]) return false;
+        return true;
+    }
+    /// Makes a candidate a branch. It and those behind it stay where they are: branches take no more room than
+    /// candidates.
+    void add(const lpe::State* candidate, const RgbD& amount) {
+        std::size_t at = 0;
+        while (at < count && !same(candidate, &state[at * words_], words_)) ++at;
+        if (at < count) {
+            share[at] = {share[at].r + amount.r, share[at].g + amount.g, share[at].b + amount.b};
+            return;
+        }
+        for (std::size_t i = 0; i < words_; ++i) state[at * words_ + i] = candidate[i];
+        share[at] = {amount.r, amount.g, amount.b};
+        ++count;
+    }
+    /// Moves all branches of `from`: each part by its own event, `advance(state, event, to)`, with its fraction.
+    template <class Advance, class Numbers>
+    void split(const Branches& from, std::span<const LobePart> parts, const Fractions& fractions, std::size_t target,
+               Numbers& numbers, Advance advance);
+    /// Brings the branches down to `target` by collapsing the smallest. The collapse moves, per colour, all that the
+    /// chosen branches hold to one of them, drawn in proportion to what it held: the sum is kept exactly and each
+    /// branch's expected share is what it was. One random number serves the three colours, so that they mostly agree on
+    /// the survivor; at most three survive, so three more than the excess are chosen.
+    void collapse(std::size_t target, double random);
+
+  private:
+    [[nodiscard]] double size(std::size_t i) const { return share[i].r + share[i].g + share[i].b; }
+    /// Drops branches whose shares are all 0.
+    void compact();
+
+    std::size_t words_;
+};
+
+template <class Advance, class Numbers>
+void BranchList::split(const Branches& from, std::span<const LobePart> parts, const Fractions& fractions,
+                       std::size_t target, Numbers& numbers, Advance advance) {
+    whole = from.share == nullptr;
+    const auto shrink = [&] {
+        collapse(target, numbers.next());
+        overflow = true;
+    };
+    for (std::size_t branch = 0; branch < from.count; ++branch) {
+        if (!has_room_for(parts.size())) shrink();
+        lpe::State* const next = candidates();  // where each part leads
+        std::uint64_t alive = 0;
+        bool agree = true;
+        for (std::size_t j = 0; j < parts.size(); ++j) {
+            const bool lives = advance(from.state_of(branch), parts[j].event, next + j * words_);
+            alive |= std::uint64_t{lives} << j;
+            agree = agree && lives == ((alive & 1) != 0) && same(next + j * words_, next, words_);
+        }
+        const RgbD base = from.share_of(branch);
+        if (agree) {
+            if (alive != 0) add(next, base);  // the fractions sum to 1: nothing is split, nothing is rounded
+            continue;
+        }
+        whole = false;
+        for (std::size_t j = 0; j < parts.size(); ++j) {
+            const RgbD part = (alive >> j & 1) != 0 ? base * fractions.of(j) : RgbD();
+            if (part.r != 0 || part.g != 0 || part.b != 0) add(next + j * words_, part);
+        }
+    }
+    if (count > target) shrink();
+}
+
+}  // namespace raylex::display

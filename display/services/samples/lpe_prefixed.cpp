@@ -1,0 +1,182 @@
+// The long way of a contribution: what prefixes and holdouts change. Renders without either never come here.
+#include <algorithm>
+#include <utility>
+
+#include "display/services/samples/lpe_services.h"
+
+namespace raylex::display {
+
+/// One event as contribute_apart() takes it.
+struct LpeServices::Report {
+    Rgb value;  ///< what beauty takes
+    EmitterSample sample;
+    const Technique* technique;  ///< null: the event is a surface's own, which beauty never takes
+};
+
+namespace {
+
+/// What a channel with these prefixes takes of the event, black for nothing.
+Rgb own_value(const ChannelPrefixes& prefixes, const Rgb& value, const EmitterSample& sample,
+              const Technique* technique) {
+    if (!prefixes.takes(technique)) return Rgb();
+    if (prefixes.unweighted) return sample.unweighted * sample.visibility;
+    if (prefixes.light_samples()) {
+        if (sample.found_by_sampling) return Rgb();
+        const Rgb& whole = prefixes.nothruput ? sample.emitted : sample.unweighted;
+        return prefixes.unoccluded ? whole : whole * (1 - sample.visibility);
+    }
+    return prefixes.nothruput ? sample.emitted * sample.visibility : value;
+}
+
+}  // namespace
+
+Status LpeSetup::read_channel_prefixes(std::span<const ChannelDefinition> channels) {
+    for (const ChannelId id : channel_of_accept_) {
+        const Result<ChannelPrefixes> read = read_prefixes(channels[static_cast<std::size_t>(id)]);
+        if (!read) return read.error();
+        prefixes_.push_back(*read);
+        prefixed_ = prefixed_ || read->own_value() || read->holdouts;
+        wants_emitter_samples_ = wants_emitter_samples_ || read->emitter_sample() || read->unweighted;
+        if (read->emitter_sample() && needs_emitter_samples_ < 0) needs_emitter_samples_ = id;
+        if (read->light_samples() && needs_light_samples_ < 0) needs_light_samples_ = id;
+    }
+    return success();
+}
+
+bool LpeSetup::follows(lpe::EventClass event) const {
+    return has_user_events_ && program_.follows(event);
+}
+
+/// Packed channels are taken together: where the path may still end so that one of them accepts, they reach what that
+/// one does. That may keep a path that is of no use, and never ends one that is.
+void LpeSetup::find_packed_reach() {
+    const lpe::ProgramView& program = program_.view();
+    if (!program.has_lanes()) return;
+    for (lpe::State state = program.first_ended; state < program.state_count; ++state) {
+        const std::size_t lists = std::size_t{8} * program.lane_count, first = (state - program.first_ended) * lists;
+        for (std::uint32_t i = program.lane_lists[first]; i < program.lane_lists[first + lists]; ++i)
+            reach_[state] |= reach_of(program.accept_lists[i]);
+    }
+}
+
+/// With `holdouts` channels a state that is not dead may still be of no use to a path, which is either held out or not.
+void LpeSetup::find_reach() {
+    if (std::none_of(prefixes_.begin(), prefixes_.end(), [](const ChannelPrefixes& p) { return p.holdouts; })) return;
+    const std::size_t states = program_.state_count(), classes = program_.class_count();
+    reach_.assign(states, 0);
+    for (lpe::State state = 0; state < states; ++state)
+        for (const std::uint16_t channel : program_.accepted(state)) reach_[state] |= reach_of(channel);
+    find_packed_reach();
+    for (bool grew = true; grew;) {
+        grew = false;
+        for (std::size_t k = states; k-- > 0;) {  // successors mostly have higher numbers
+            const auto state = static_cast<lpe::State>(k);
+            std::uint8_t reach = reach_[k];
+            for (std::size_t c = 0; c < classes; ++c)
+                reach |= reach_[program_.next(state, static_cast<lpe::EventClass>(c))];
+            grew = grew || reach != reach_[k];
+            reach_[k] = reach;
+        }
+    }
+}
+
+bool LpeServices::reaches(const Tracker& tracker) const {
+    const lpe::ProgramView& program = setup_.program_.view();
+    for (std::size_t branch = 0; branch < tracker.count_; ++branch)
+        if (reaches(&tracker.state_[branch * program.word_count], wanted_reach(tracker))) return true;
+    return false;
+}
+
+bool LpeServices::needs_visibility(const Tracker& tracker) const {
+    if (takes_all(tracker)) return true;
+    bool needed = false;
+    for (std::size_t branch = 0; branch < tracker.count_; ++branch)
+        setup_.program_.for_each_accepted(&tracker.state_[branch * tracker.groups_], [&](std::uint16_t channel) {
+            const ChannelPrefixes& prefixes = setup_.prefixes_[channel];
+            needed = needed || (prefixes.holdouts == tracker.held_out_ && !prefixes.unoccluded);
+        });
+    return needed;
+}
+
+void LpeServices::hold_out(Tracker& tracker) {
+    tracker.held_out_ = true;
+    apart_ = true;
+}
+
+void LpeServices::contribute(const Rgb& value, Technique technique, const Tracker& tracker,
+                             const EmitterSample& sample) {
+    contribute_apart({value, sample, &technique}, tracker);
+}
+
+void LpeServices::contribute_user(const Rgb& value, const Rgb& throughput, const Tracker& tracker) {
+    const Rgb through = value * throughput;
+    contribute_apart({through, {value, through, 1, false}, nullptr}, tracker);
+}
+
+void LpeServices::contribute_apart(const Report& report, const Tracker& tracker) {
+    const Rgb& value = report.value;
+    const bool valid = !out_of_range(value, setup_.largest_contribution_), black = value.is_black();
+    if (!valid) reject(value, tracker);
+    const std::size_t at = 3 * static_cast<std::size_t>(tracker.row_);
+    const RgbD whole(value);
+    const auto splat = [&](ChannelId id, const RgbD& part) {
+        double* values = table_.values(id) + at;
+        values[0] += part.r;
+        values[1] += part.g;
+        values[2] += part.b;
+        table_.touch(id, tracker.row_);
+    };
+    if (valid && !black && report.technique != nullptr && takes_all(tracker)) {
+        splat(setup_.beauty_, whole);
+        if (path_words_ != nullptr) keep_light(value, *report.technique, tracker);
+    }
+    const std::size_t groups = tracker.groups_;
+    for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
+        const RgbD share = tracker.whole_ ? RgbD(1.0) : tracker.share_[branch].rgb();
+        setup_.program_.for_each_accepted(&tracker.state_[branch * groups], [&](std::uint16_t channel) {
+            const ChannelPrefixes& prefixes = setup_.prefixes_[channel];
+            if (prefixes.holdouts != tracker.held_out_) return;
+            if (!prefixes.own_value()) {
+                if (valid && !black) splat(setup_.channel_of_accept_[channel], whole * share);
+                return;
+            }
+            if (shares_[channel] == unused) {
+                sharing_.push_back(channel);
+                shares_[channel] = RgbD();
+            }
+            shares_[channel] += share;
+        });
+    }
+    if (sharing_.empty()) return;
+    splat_apart(report, tracker, valid);
+    for (const std::uint16_t channel : sharing_) shares_[channel] = unused;
+    sharing_.clear();
+}
+
+/// The channels of sharing_, each with the value that is its own. One that is out of range counts as a rejected
+/// contribution of its own, once for all channels, unless the beauty's was rejected already.
+void LpeServices::splat_apart(const Report& report, const Tracker& tracker, bool valid) {
+    bool rejected = !valid;
+    for (const std::uint16_t channel : sharing_) {
+        const ChannelPrefixes& prefixes = setup_.prefixes_[channel];
+        if (!valid && !prefixes.noinfinitecheck) continue;
+        const Rgb own = own_value(prefixes, report.value, report.sample, report.technique);
+        if (own.is_black()) continue;
+        const ChannelId id = setup_.channel_of_accept_[channel];
+        if (out_of_range(own, setup_.largest_contribution_)) {
+            if (std::exchange(rejected, true)) {
+                table_.count_invalid_of(id);
+            } else {
+                ++invalid_count_;
+                table_.count_invalid(tracker.row_, id, own);
+            }
+            continue;
+        }
+        double* values = table_.values(id) + 3 * static_cast<std::size_t>(tracker.row_);
+        const RgbD part = RgbD(own) * shares_[channel];
+        for (int c = 0; c < 3; ++c) values[c] = prefixes.overwrite ? part[c] : values[c] + part[c];
+        table_.touch(id, tracker.row_);
+    }
+}
+
+}  // namespace raylex::display

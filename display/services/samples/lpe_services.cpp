@@ -1,0 +1,177 @@
+#include "display/services/samples/lpe_services.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "display/services/parameters.h"
+#include "display/services/samples/branches.h"
+
+namespace raylex::display {
+namespace {
+
+Status check_type(const ChannelDefinition& channel) {
+    if (channel.type == ChannelType::rgb) return success();
+    return error_at(location_of(channel),
+                    "channel '" + channel.name + "' has a light path expression but is no colour; expected type rgb");
+}
+
+/// The expression channels among `channels` as the compiler takes them; `id_of` gets their display channels.
+Result<std::vector<lpe::ChannelSource>> collect_sources(std::span<const ChannelDefinition> channels, ChannelId beauty,
+                                                        std::vector<ChannelId>& id_of) {
+    std::vector<std::size_t> index_of(channels.size(), channels.size());
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+        if (channels[i].style != ChannelStyle::expression || static_cast<ChannelId>(i) == beauty) continue;
+        index_of[i] = id_of.size();
+        id_of.push_back(static_cast<ChannelId>(i));
+    }
+    std::vector<lpe::ChannelSource> sources;
+    for (const ChannelId id : id_of) {
+        const ChannelDefinition& channel = channels[static_cast<std::size_t>(id)];
+        lpe::ChannelSource source;
+        source.name = channel.name;
+        source.expression = channel.expression;
+        source.dialect = channel.dialect;
+        source.origin = location_of(channel).file;
+        source.origin_line = channel.origin_line;
+        source.origin_column = channel.origin_column;
+        for (const std::size_t other : channel.rest_of) {
+            if (other >= channels.size() || index_of[other] == channels.size())
+                return error_at(
+                    location_of(channel),
+                    "channel '" + channel.name + "' is the rest of a channel that has no light path expression");
+            source.rest_of.push_back(index_of[other]);
+        }
+        if (const Status status = check_type(channel); !status) return status.error();
+        sources.push_back(std::move(source));
+    }
+    return sources;
+}
+
+}  // namespace
+
+Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, ChannelId beauty,
+                                 const lpe::CompileOptions& options) {
+    LpeSetup setup;
+    setup.beauty_ = beauty;
+    for (const ChannelDefinition& channel : channels)
+        if (channel.style == ChannelStyle::expression)
+            setup.largest_contribution_ = static_cast<float>(
+                std::min(std::ldexp(0x1p38, channel.scale_exponent), double(std::numeric_limits<float>::max())));
+    const Result<std::vector<lpe::ChannelSource>> sources = collect_sources(channels, beauty, setup.channel_of_accept_);
+    if (!sources) return sources.error();
+    if (sources->empty()) return setup;
+    if (const Status status = setup.read_channel_prefixes(channels); !status) return status.error();
+    Result<lpe::Program> program = lpe::Program::compile(*sources, options);
+    if (!program) return program.error();
+    setup.program_ = std::move(*program);
+    const lpe::Program& compiled = setup.program_;
+    if (compiled.group_count() > Tracker::group_limit)
+        return error_at({},
+                        "the light path expressions need " + std::to_string(compiled.group_count()) +
+                            " words of state; expected at most " + std::to_string(Tracker::group_limit),
+                        "ask for fewer channels whose expressions begin with `C.*`, or raise the state cap");
+    setup.targets_ = SplatTargets(compiled.view(), setup.channel_of_accept_);
+    setup.first_states_.resize(compiled.word_count());
+    if (!compiled.advance(compiled.starts().data(), compiled.classify(lpe::Event{}), setup.first_states_.data()))
+        setup.first_states_.clear();
+    for (const lpe::ChannelSource& source : *sources)
+        setup.has_user_events_ = setup.has_user_events_ || source.expression.find('U') != std::string::npos;
+    setup.find_reach();
+    return setup;
+}
+
+LpeServices::LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_t seed, Attribution attribution)
+    : setup_(setup),
+      table_(table),
+      targets_(table.sets() != nullptr ? table.sets()->targets() : setup.targets_),
+      seed_(seed),
+      attribution_(attribution),
+      path_words_(setup.words() != nullptr ? &table.keep_words(*setup.words()) : nullptr),
+      apart_(setup.prefixed_),
+      shares_(setup.prefixes_.size(), unused) {
+    sharing_.reserve(setup.prefixes_.size());
+}
+
+/// Two moves of one path, and two directions tried at one vertex, draw independent numbers.
+std::uint64_t LpeServices::random_key(const Tracker& tracker, const LobePart& first) const {
+    const CameraRow& row = table_.camera_row(tracker.row_);
+    std::uint64_t key = mix64(seed_ + 0x9e3779b97f4a7c15ull);
+    const auto absorb = [&key](std::uint64_t word) { key = mix64(key ^ word) + 0x9e3779b97f4a7c15ull; };
+    absorb((static_cast<std::uint64_t>(static_cast<std::uint32_t>(row.pixel_x)) << 32) |
+           static_cast<std::uint32_t>(row.pixel_y));
+    absorb(row.sample);
+    absorb((static_cast<std::uint64_t>(tracker.moves_) << 32) | std::bit_cast<std::uint32_t>(first.value.r));
+    absorb((static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(first.value.g)) << 32) |
+           std::bit_cast<std::uint32_t>(first.value.b));
+    return key;
+}
+
+Branches LpeServices::branches_of(const Tracker& tracker) {
+    return {tracker.state_.data(), tracker.whole_ ? nullptr : tracker.share_.data(), tracker.count_, tracker.groups_};
+}
+
+std::size_t LpeServices::branch_limit(const Tracker& tracker) {
+    return std::min<std::size_t>(Tracker::capacity, std::size_t{Tracker::state_room} / tracker.groups_);
+}
+
+void LpeServices::take(Tracker& tracker, const BranchList& branches) {
+    if (branches.overflow) ++overflow_count_;
+    tracker.whole_ = branches.whole;
+    tracker.count_ = static_cast<std::uint8_t>(branches.count);
+    const std::size_t states = branches.count * tracker.groups_;
+    for (std::size_t i = 0; i < states; ++i) tracker.state_[i] = branches.state[i];
+    for (std::size_t i = 0; i < branches.count && !branches.whole; ++i) tracker.share_[i] = branches.share[i];
+}
+
+/// Branch by branch, merging as they come.
+void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
+    if (parts.empty()) {
+        tracker.count_ = 0;
+        return;
+    }
+    ++tracker.moves_;
+    ChoiceNumbers numbers([&] { return random_key(tracker, parts[0]); });
+    Fractions fractions(parts);
+    if (attribution_ == Attribution::picked) fractions.pick(numbers.next());
+    const lpe::ProgramView& program = setup_.program_.view();
+    BranchList branches(tracker.groups_);
+    branches.split(branches_of(tracker), parts, fractions, branch_limit(tracker), numbers,
+                   [&](const lpe::State* from, lpe::EventClass event, lpe::State* to) {
+                       return program.advance(from, event, to);
+                   });
+    take(tracker, branches);
+}
+
+/// To channels of a set that the table has no column for.
+void LpeServices::splat_apart(std::span<const ChannelId> channels, const RgbD& value, int row) {
+    for (const ChannelId id : channels) {
+        double* to = table_.values(id) + 3 * static_cast<std::size_t>(row);
+        for (int c = 0; c < 3; ++c) to[c] += value[c];
+        table_.touch(id, row);
+    }
+}
+
+/// Once for the camera ray, and once for beauty and each channel that would have taken a part.
+void LpeServices::reject(const Rgb& value, const Tracker& tracker) {
+    ++invalid_count_;
+    table_.count_invalid(tracker.row_, invalid_channel, value);
+    if (takes_all(tracker)) table_.count_invalid_of(setup_.beauty_);
+    std::vector<std::uint16_t> counted;  // few of these calls are made, so they may allocate
+    const lpe::ProgramView& program = setup_.program_.view();
+    for (std::size_t branch = 0; branch < tracker.count_; ++branch)
+        program.for_each_accepted(&tracker.state_[branch * tracker.groups_], [&](std::uint16_t channel) {
+            const ChannelPrefixes& prefixes = setup_.prefixes_[channel];
+            if (prefixes.holdouts != tracker.held_out_) return;
+            if (prefixes.own_value() && prefixes.noinfinitecheck) return;  // judged by the value that is its own
+            if (std::find(counted.begin(), counted.end(), channel) != counted.end()) return;
+            counted.push_back(channel);
+            table_.count_invalid_of(setup_.channel_of_accept_[channel]);
+        });
+}
+
+}  // namespace raylex::display

@@ -1,0 +1,41 @@
+// What a path atlas takes of the services: every contribution by its words, whatever channels there are.
+#include <utility>
+
+#include "display/services/samples/lpe_services.h"
+#include "display/services/samples/path_words.h"
+
+namespace raylex::display {
+
+Status LpeSetup::keep_words(WordAlphabet alphabet) {
+    std::vector<lpe::EventClass> columns;
+    for (std::size_t column = 0; column < alphabet.column_count(); ++column)
+        columns.push_back(classify(alphabet.event(column)));
+    constexpr std::size_t most_cells = std::size_t{1} << 26;  // 256 MiB: beyond it tables are no longer looked up fast
+    const std::size_t per_column = program_.state_count() + program_.view().image_stride;
+    if (per_column * columns.size() > most_cells)
+        return error_at({}, "the channels' automaton has " + std::to_string(program_.state_count()) +
+                                " states and the scene " + std::to_string(columns.size()) +
+                                " kinds of events, too many to follow both one by one; expected fewer channels beside "
+                                "a path atlas, which can be asked for them afterwards");
+    program_ = program_.with_columns(columns);
+    alphabet_ = std::make_shared<const WordAlphabet>(std::move(alphabet));
+    return success();
+}
+
+lpe::EventClass LpeSetup::column_of(const lpe::Event& event) const {
+    return alphabet_->column(event);
+}
+
+void LpeServices::keep_move(Tracker& tracker, lpe::EventClass event) const {
+    tracker.path_ = path_words_->move(tracker.path_, event);
+}
+
+void LpeServices::keep_move(Tracker& tracker, std::span<const LobePart> parts) const {
+    tracker.path_ = path_words_->move(tracker.path_, parts);
+}
+
+void LpeServices::keep_light(const Rgb& value, Technique technique, const Tracker& tracker) const {
+    path_words_->add(tracker.row_, tracker.path_, value, technique);
+}
+
+}  // namespace raylex::display

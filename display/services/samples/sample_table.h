@@ -1,0 +1,238 @@
+// The table between integrators and the frame buffer: [channel][camera ray + extra rows], one per thread.
+//
+// Integrators fill it through DisplayServices and LpeServices; sample filters read and change it; then the frame buffer
+// takes it in. Values are double, so that a split's layers and beauty differ by no more than double rounding (Law 1).
+// Rows of one pixel stand together, in ascending sample order; extra rows (AddSample) follow all camera rays.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "display/services/channel.h"
+#include "display/services/rgb.h"
+#include "display/services/samples/splat_sets.h"
+
+namespace raylex::display {
+
+class PathWords;
+class WordAlphabet;
+
+/// What the engine knows of a camera ray before it is traced. One entry per row.
+struct CameraRow {
+    std::int32_t pixel_x = 0, pixel_y = 0;  ///< raster index; the pixel this sample belongs to (importance mode)
+    float screen_x = 0, screen_y = 0;       ///< sub-pixel raster position the ray was sent through
+    float filter_weight = 1;   ///< importance mode: sign (and size) of the kernel over its sampling density
+    float shutter_time = 0;    ///< in [0, 1)
+    std::uint64_t sample = 0;  ///< sample index within the pixel
+};
+
+/// What was refused because it is not finite or out of range, with what it takes to render the sample again (Law 6).
+struct InvalidSample {
+    std::int32_t pixel_x = 0, pixel_y = 0;
+    std::uint64_t sample = 0;
+    Rgb value;
+    ChannelId channel = invalid_channel;  ///< whose value; invalid_channel: light, for beauty and layers alike
+};
+
+class SampleTable {
+  public:
+    static constexpr std::size_t invalid_samples_kept = 16;
+    /// Light as the processor's registers hold it: (nothing, red), (green, blue).
+    using Pair [[gnu::vector_size(16), gnu::may_alias]] = double;
+    struct Light {
+        Pair first, second;
+    };
+    /// Sets that come up in a batch get places, by hundreds: a bit for each of a chunk's.
+    static constexpr std::size_t set_chunk = 256;
+    using SetMask = std::array<std::uint64_t, set_chunk / 64>;
+
+    /// How a row of a plain channel got its value. Expression channels and beauty stay `untouched`: they start at 0 and
+    /// add up. Splatted values of a camera ray's rows add up, written ones are composited (see FrameBuffer).
+    enum class RowState : std::uint8_t { untouched, splatted, written };
+
+    /// `max_rows` camera rays and `max_extra_rows` rows from add_sample fit in; more extra rows are refused and
+    /// counted. `sets`, which must outlive the table, lets channels share values; null: each has but its own.
+    SampleTable(std::span<const ChannelDefinition> channels, int max_rows, int max_extra_rows,
+                const SplatSets* sets = nullptr);
+
+    SampleTable(SampleTable&&) noexcept;
+    ~SampleTable();
+
+    /// Empties the table for a new batch of at most max_rows() rays: rows are cleared only where the last batch touched
+    /// them.
+    void begin(std::span<const CameraRow> rows);
+    /// One more camera row, at the end of those there are: for rows that become known one by one. No extra row may
+    /// stand there yet. -1 when the table is full.
+    int add_camera_row(const CameraRow& camera);
+    /// Drops everything sent since begin(); the batch then leaves no trace in the frame buffer.
+    void discard();
+    [[nodiscard]] bool discarded() const { return discarded_; }
+
+    [[nodiscard]] int max_rows() const { return max_rows_; }
+    [[nodiscard]] int camera_row_count() const { return camera_row_count_; }
+    [[nodiscard]] int row_count() const { return row_count_; }  ///< camera rows and extra rows
+    [[nodiscard]] int channel_count() const { return static_cast<int>(channels_.size()); }
+    [[nodiscard]] std::span<const ChannelDefinition> channels() const { return channels_; }
+    [[nodiscard]] const ChannelDefinition& channel(ChannelId id) const {
+        return channels_[static_cast<std::size_t>(id)];
+    }
+    [[nodiscard]] const CameraRow& camera_row(int row) const {
+        return camera_rows_[static_cast<std::size_t>(original(row))];
+    }
+    /// The camera row that an extra row belongs to; a camera row's own index.
+    [[nodiscard]] int original(int row) const { return originals_[static_cast<std::size_t>(row)]; }
+    int add_row(int original);  ///< -1 when the table is full
+
+    /// Values of one channel, component-interleaved per row. Writable for sample filters. A row nothing was sent to
+    /// holds 0 in an expression channel and the channel's miss value in a plain one.
+    [[nodiscard]] double* values(ChannelId id) { return values_.data() + offset_[static_cast<std::size_t>(id)]; }
+    [[nodiscard]] const double* values(ChannelId id) const {
+        return values_.data() + offset_[static_cast<std::size_t>(id)];
+    }
+    /// What was sent to is kept by stripes of rows: of many channels most get nothing from the samples of one pixel.
+    [[nodiscard]] bool touched(ChannelId id) const { return touched_[static_cast<std::size_t>(id)] != 0; }
+    void touch(ChannelId id, int row) {
+        touch_in_passing(id, row);
+        sent_apart_ |= shared_[static_cast<std::size_t>(id)];
+    }
+    void touch(ChannelId id) {  ///< all rows
+        touched_[static_cast<std::size_t>(id)] = ~std::uint64_t{0};
+        sent_apart_ |= shared_[static_cast<std::size_t>(id)];
+    }
+    /// The same of a channel in the ordinary way of its light: nothing is sent apart by it.
+    void touch_in_passing(ChannelId id, int row) {
+        touched_[static_cast<std::size_t>(id)] |= std::uint64_t{1} << (row >> stripe_shift_);
+    }
+
+    /// What channels may share of this batch, beside values of their own; null when each has but its own.
+    [[nodiscard]] const SplatSets* sets() const { return sets_; }
+    /// Adds light, times the filter weight of the row's camera ray, to the sum of a set for the row's block. A sum is
+    /// in the order of these calls: what is added for one block must come in the same order whatever else is in the
+    /// batch (Law 3).
+    void add_to_set(std::size_t set, int row, const Light& light) {
+        std::int32_t place = place_of_set_[set];
+        if (place < 0) [[unlikely]]
+            place = add_set(set);
+        const SetRow of = set_rows_[static_cast<std::size_t>(row)];
+        const auto at = static_cast<std::size_t>(place) % set_chunk;
+        SetChunk& chunk = set_chunks_[static_cast<std::size_t>(place) / set_chunk];
+        chunk.masks[of.block][at / 64] |= std::uint64_t{1} << at % 64;
+        auto* const sum = reinterpret_cast<Pair*>(&chunk.sums[of.block * set_stride + at]);
+        const double weight = static_cast<double>(of.weight);
+        sum[0] += light.first * weight;
+        sum[1] += light.second * weight;
+    }
+    /// The sets that have come up in this batch, by their places.
+    [[nodiscard]] std::span<const std::uint32_t> sets_in_use() const { return sets_in_use_; }
+    /// Which places of a chunk were added to for the block of this camera row, and the sum at one place.
+    [[nodiscard]] const SetMask& set_mask(int row, std::size_t chunk) const {
+        return set_chunks_[chunk].masks[set_rows_[static_cast<std::size_t>(row)].block];
+    }
+    [[nodiscard]] std::array<double, 3> set_sum(int row, std::size_t place) const {
+        const std::size_t block = set_rows_[static_cast<std::size_t>(row)].block;
+        const SetSum& sum = set_chunks_[place / set_chunk].sums[block * set_stride + place % set_chunk];
+        return {sum.r, sum.g, sum.b};
+    }
+    /// Whether a channel that sets stand for was sent something of its own all the same, which adds to the sets'.
+    [[nodiscard]] bool sent_apart() const { return sent_apart_ != 0; }
+
+    /// [channel] the stripes that were touched, to compare with stripes_of().
+    [[nodiscard]] std::span<const std::uint64_t> touched_stripes() const { return touched_; }
+    /// The stripes of rows [begin, end), which are not empty.
+    [[nodiscard]] std::uint64_t stripes_of(int begin, int end) const {
+        const int first = begin >> stripe_shift_, last = (end - 1) >> stripe_shift_;
+        return (~std::uint64_t{0} >> (63 - (last - first))) << first;
+    }
+    /// What the channel's rows hold before anything is sent to them.
+    [[nodiscard]] double fill_value(ChannelId id) const { return fill_[static_cast<std::size_t>(id)]; }
+    /// Whether a Write or a Splat through DisplayServices set this row: rows without one keep the channel's miss value.
+    [[nodiscard]] bool written(ChannelId id, int row) const { return row_state(id, row) != RowState::untouched; }
+    [[nodiscard]] RowState row_state(ChannelId id, int row) const {
+        return row_states_[static_cast<std::size_t>(id) * row_capacity_ + static_cast<std::size_t>(row)];
+    }
+    void set_row_state(ChannelId id, int row, RowState state) {
+        row_states_[static_cast<std::size_t>(id) * row_capacity_ + static_cast<std::size_t>(row)] = state;
+    }
+    void set_row_states(ChannelId id, int first, int count, RowState state) {
+        std::fill_n(row_states_.data() + static_cast<std::size_t>(id) * row_capacity_ + static_cast<std::size_t>(first),
+                    count, state);
+    }
+
+    /// Has the table keep the words of its light, told apart by an alphabet that outlives it, and the light of each.
+    PathWords& keep_words(const WordAlphabet& alphabet);
+    /// Null unless they are kept. An atlas notes in them what it calls each word.
+    [[nodiscard]] PathWords* words() const { return words_.get(); }
+
+    std::vector<float> depth;  ///< [row] hit distance or what WriteDistance said; +inf for a miss
+    std::vector<std::uint8_t> is_volume;
+    std::vector<RgbD> opacity;          ///< [row] 0 = nothing hit, 1 = opaque
+    std::vector<std::int32_t> surface;  ///< [row] what is there, 1-based in the renderer's own count; 0 = nothing named
+    std::vector<std::uint8_t>
+        valid;  ///< [row] 0 marks a camera ray that could not be traced: it counts as a black miss
+
+    /// Counts a refused value of `row` against its camera ray and `channel`, and logs it while there is room: call once
+    /// per refused value, count_invalid_of() for each further channel that would have taken it.
+    void count_invalid(int row, ChannelId channel, const Rgb& value);
+    void count_invalid_of(ChannelId channel) { ++invalid_by_channel_[static_cast<std::size_t>(channel)]; }
+    /// Refused values of a camera ray since begin(): what the AOV invalidSamples counts.
+    [[nodiscard]] std::uint32_t invalid_count(int camera_row) const {
+        return invalid_[static_cast<std::size_t>(camera_row)];
+    }
+    /// Since the table was made, discarded batches included: in all, [channel], and the first ones.
+    [[nodiscard]] std::uint64_t invalid_total() const { return invalid_total_; }
+    [[nodiscard]] std::span<const std::uint64_t> invalid_by_channel() const { return invalid_by_channel_; }
+    [[nodiscard]] std::span<const InvalidSample> invalid_log() const { return invalid_log_; }
+
+  private:
+    void clear_rows(int count);
+    void clear_channel(std::size_t channel, std::size_t values, double fill, std::size_t rows);
+    void clear_sets();
+    std::int32_t add_set(std::size_t set);
+    void find_set_blocks(std::size_t first_row, std::size_t end_row);
+
+    struct alignas(32) SetSum {
+        double nothing, r, g, b;
+    };
+    /// Which block the row's samples are summed up in, and what they count for.
+    struct SetRow {
+        std::uint32_t block;
+        float weight;
+    };
+    /// An odd number of cache lines, so that blocks do not all lie in the same few sets of the cache.
+    static constexpr std::size_t set_stride = set_chunk + 2;
+    struct SetChunk {
+        std::vector<SetSum> sums;    // [block * set_stride + place] what `masks` does not name is 0
+        std::vector<SetMask> masks;  // [block]
+    };
+    std::unique_ptr<PathWords> words_;
+    const SplatSets* sets_ = nullptr;
+    std::vector<std::int32_t> place_of_set_;  // [set] negative: none in this batch
+    std::vector<std::uint32_t> sets_in_use_;  // [place]
+    std::vector<SetChunk> set_chunks_;
+    std::vector<SetRow> set_rows_;      // [row]
+    std::uint32_t set_blocks_ = 0;      // of this batch
+    std::vector<std::uint8_t> shared_;  // [channel]
+    std::uint8_t sent_apart_ = 0;
+    std::vector<std::uint32_t> invalid_;  // [camera row]
+    std::vector<std::uint64_t> invalid_by_channel_;
+    std::vector<InvalidSample> invalid_log_;
+    std::uint64_t invalid_total_ = 0;
+    std::vector<ChannelDefinition> channels_;
+    std::vector<std::size_t> offset_;  // [channel] into values_
+    std::vector<double> values_;
+    std::vector<double> fill_;            // [channel]
+    std::vector<std::uint64_t> touched_;  // [channel] a bit for each stripe of 2^stripe_shift_ rows
+    std::vector<RowState> row_states_;    // [channel * row_capacity_ + row]
+    std::vector<CameraRow> camera_rows_;
+    std::vector<std::int32_t> originals_;
+    std::size_t row_capacity_ = 0;
+    int max_rows_ = 0, camera_row_count_ = 0, row_count_ = 0, stripe_shift_ = 0;
+    bool discarded_ = false;
+};
+
+}  // namespace raylex::display

@@ -1,0 +1,214 @@
+// raylex ask: layers, and reasons, from an atlas; no ray is traced.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "display/output/atomic_file.h"
+#include "display/output/reader/exr_reader.h"
+#include "display/output/splits/split_check.h"
+#include "display/output/writer/exr_writer.h"
+#include "experiments/atlas/answer.h"
+#include "experiments/atlas/bright_words.h"
+#include "experiments/atlas/merged_atlas.h"
+#include "experiments/cli/commands.h"
+#include "experiments/cli/expression_options.h"
+#include "experiments/cli/judge.h"
+#include "experiments/job/rendering/provenance.h"
+#include "experiments/program/columns.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
+#include "experiments/program/tint.h"
+
+namespace raylex::experiments {
+namespace {
+
+struct AskOptions : ExpressionOptions {
+    std::vector<std::string> files;
+    std::string output, at;
+    std::optional<int> top, suggest;
+    bool intervals = false, errors = false, merge = false;
+};
+
+Error option_error(const std::string& option, const std::string& message, const std::string& hint = {}) {
+    return error_at({option, 0, 0}, message, hint);
+}
+
+Status check_options(const AskOptions& options) {
+    const bool layers = options.any(), pixel = options.top || !options.at.empty();
+    const int asked = (layers ? 1 : 0) + (pixel ? 1 : 0) + (options.suggest ? 1 : 0) + (options.merge ? 1 : 0);
+    if (asked == 0)
+        return option_error("ask",
+                            "nothing is asked for; expected --lpe, --channels, --partition or --light-groups "
+                            "with -o, or --top with --at, --suggest, or --merge with -o");
+    if (asked > 1)
+        return option_error("ask",
+                            "layers, --top, --suggest and --merge are questions of their own; "
+                            "expected one of them at a time");
+    if (!options.merge && options.files.size() != 1)
+        return option_error("ask", std::to_string(options.files.size()) + " files are given; expected one atlas",
+                            "--merge makes one of several");
+    if (options.merge && options.files.size() < 2)
+        return option_error("--merge", "one atlas cannot be merged; expected at least two");
+    if (options.top.has_value() != !options.at.empty())
+        return option_error(options.top ? "--top" : "--at",
+                            "--top and --at say how many words of which pixel; expected "
+                            "both, such as --top 20 --at 12,7");
+    if (layers != !options.output.empty() && !options.merge)
+        return option_error("-o", layers ? "layers need a file; expected -o LAYERS.exr"
+                                         : "only layers and merged atlases are written; expected no -o");
+    if (options.merge && options.output.empty())
+        return option_error("-o", "a merged atlas needs a file; expected -o MERGED.atlas.exr");
+    if (options.output.empty()) return success();
+    if (std::filesystem::path(options.output).extension() != ".exr")
+        return option_error("-o", "the output '" + options.output +
+                                      "' has no name ending in .exr; expected an OpenEXR "
+                                      "file name");
+    for (const std::string& file : options.files) {
+        std::error_code failed;
+        if (file == options.output || std::filesystem::equivalent(file, options.output, failed))
+            return option_error("-o", "'" + file + "' is asked and would be replaced; expected a file of its own");
+    }
+    return display::check_writable(options.output);
+}
+
+std::string triple(const std::array<float, 3>& rgb) {
+    return "(" + number_text(static_cast<double>(rgb[0])) + ", " + number_text(static_cast<double>(rgb[1])) + ", " +
+           number_text(static_cast<double>(rgb[2])) + ")";
+}
+
+std::string with_error(double value, double error) {
+    return number_text(value) + (std::isfinite(error) ? " +- " + number_text(error, 2) : " +- unknown");
+}
+
+int tell_pixel(display::AtlasFile& atlas, const AskOptions& options) {
+    int x = 0, y = 0;
+    const char* const end = options.at.data() + options.at.size();
+    const auto first = std::from_chars(options.at.data(), end, x);
+    const bool comma = first.ec == std::errc() && first.ptr != end && *first.ptr == ',';
+    if (!comma || std::from_chars(first.ptr + 1, end, y).ptr != end || end[-1] == ',')
+        return report_error(option_error("--at", "'" + options.at + "' is no pixel; expected X,Y, such as 12,7"));
+    const auto pixel = bright_words(atlas, x, y, static_cast<std::size_t>(*options.top));
+    if (!pixel) return report_error(pixel.error());
+    print_line("pixel (" + std::to_string(x) + ", " + std::to_string(y) +
+               "): " + triple({pixel->rgba[0], pixel->rgba[1], pixel->rgba[2]}) + ", luminance " +
+               with_error(pixel->luminance, pixel->error) + ", " + number_text(pixel->samples, 6) + " samples");
+    for (const BrightWord& word : pixel->words) {
+        const double share = pixel->luminance != 0 ? 100 * word.luminance / pixel->luminance : 0;
+        print_line("  " + padded(number_text(share) + " %", 9) + padded(with_error(word.luminance, word.error), 24) +
+                   word_text(atlas.table(), word.word));
+    }
+    if (pixel->more > 0) print_line("  and " + counted(pixel->more, "more word"));
+    return exit_holds;
+}
+
+int tell_suggestion(display::AtlasFile& atlas, const AskOptions& options) {
+    const auto layers = suggest_partition(atlas, static_cast<std::size_t>(*options.suggest));
+    if (!layers) return report_error(layers.error());
+    if (layers->empty())
+        return report_error(error_at({atlas.path(), 0, 0},
+                                     "no pixel tells its noise: there are too few samples; expected at least two"));
+    std::size_t width = 4;
+    for (const SuggestedLayer& layer : *layers) width = std::max(width, layer.name.size());
+    std::string flags;
+    print_line(padded("layer", width) + "  noise   light   expression");
+    for (const SuggestedLayer& layer : *layers) {
+        print_line(padded(layer.name, width) + "  " + padded(number_text(100 * layer.noise) + " %", 8) +
+                   padded(number_text(100 * layer.light) + " %", 8) +
+                   (layer.expression.empty() ? "what is left" : layer.expression));
+        if (!layer.expression.empty()) flags += " --lpe " + shell_command({layer.name + "=" + layer.expression});
+    }
+    print_line("raylex ask " + shell_command({atlas.path()}) + flags + " -o layers.exr");
+    return exit_holds;
+}
+
+int merge_files(const AskOptions& options) {
+    auto merged = MergedAtlas::open(options.files);
+    if (!merged) return report_error(merged.error());
+    if (Status written = display::write_atlas(options.output, **merged, (*merged)->description()); !written)
+        return report_error(written.error());
+    auto file = display::AtlasFile::open(options.output);
+    if (!file) return report_error(file.error());
+    return judge_atlas(**file);
+}
+
+int write_layers(const CLI::App& command, display::AtlasFile& atlas, const AskOptions& options,
+                 const CommandContext& context) {
+    Job job;
+    if (Status read = read_expressions(command, options, job); !read) return report_error(read.error());
+    auto answered = answer_question(atlas, job, {options.intervals, options.errors});
+    if (!answered) return report_error(answered.error());
+    for (const std::string& note : answered->notes) print_warning(note);
+    if (!answered->refuted.empty()) {
+        std::fprintf(stderr, "raylex: %s\nNothing was written.\n", answered->refuted.c_str());
+        return exit_does_not_hold;
+    }
+    answered->description.attributes["raylex/asked"] = shell_command(context.arguments);
+    const AskedLayers& layers = answered->layers;
+    std::vector<display::SplitVerdict> verdicts;
+    if (Status written =
+            display::write_exr(options.output, layers, AskedLayers::beauty, answered->description, &verdicts);
+        !written)
+        return report_error(written.error());
+    bool hold = true;
+    for (const display::SplitVerdict& verdict : verdicts) {
+        print_verdict(verdict_line(verdict), verdict.holds);
+        hold = hold && verdict.holds;
+    }
+    print_line(options.output + ": " + std::to_string(atlas.width()) + "x" + std::to_string(atlas.height()) + ", " +
+               counted(layers.channels().size(), "layer") + " from " + counted(atlas.table().words.size(), "word"));
+    return hold ? exit_holds : exit_does_not_hold;
+}
+
+int ask(const CLI::App& command, const AskOptions& options, const CommandContext& context) {
+    if (Status good = check_options(options); !good) return report_error(good.error());
+    if (options.merge) return merge_files(options);
+    auto atlas = display::AtlasFile::open(options.files.front());
+    if (!atlas) return report_error(atlas.error());
+    if (!(*atlas)->description().complete)
+        print_warning((*atlas)->path() + " is of a render that was interrupted: its pixels have fewer samples");
+    if (options.top) return tell_pixel(**atlas, options);
+    if (options.suggest) return tell_suggestion(**atlas, options);
+    return write_layers(command, **atlas, options, context);
+}
+
+}  // namespace
+
+void add_ask_command(CLI::App& app, CommandContext& context) {
+    CLI::App* command =
+        app.add_subcommand("ask", "Answers light path expressions from the atlas of a render, without tracing a ray.");
+    auto options = std::make_shared<AskOptions>();
+    command->add_option("FILE.atlas.exr", options->files, "what raylex render --atlas wrote; several with --merge")
+        ->required()
+        ->option_text("...");
+    const OptionGroup layers(*command, "Layers"), why(*command, "Why"), files(*command, "Files");
+    add_expression_options(layers, *options);
+    layers.add_flag("--intervals", options->intervals,
+                    "a layer that the atlas cannot tell exactly becomes two, NAME_least and NAME_most, between which "
+                    "it is; default: it is refused");
+    layers.add_flag("--errors", options->errors,
+                    "adds a layer NAME_error to each: the standard error of its luminance, (R + G + B) / 3");
+    why.add("--top", options->top, "N", "prints the N words that make a pixel bright, with their standard errors")
+        ->check(CLI::Range(1, 1000000));
+    why.add("--at", options->at, "X,Y", "the pixel, from the top left corner");
+    why.add("--suggest", options->suggest, "N",
+            "proposes a partition whose layers are the N kinds of words with most noise, and a rest")
+        ->check(CLI::Range(1, 200));
+    files.add_flag("--merge", options->merge,
+                   "makes one atlas of several: renders of one scene with different seeds, or shards of one");
+    files.add("-o,--output", options->output, "OUT.exr", "the file with the layers, or the merged atlas");
+    command->footer(
+        "Layers have the names, headers and partitions that a render with the same options gives them, and its values "
+        "up to\n"
+        "rounding; raylex verify judges the file. Exit codes: 0 answered and partitions sum, 1 a partition does not "
+        "hold,\n"
+        "2 bad usage or input, a question that the atlas cannot answer among them. experiments/docs/atlas.md has the "
+        "rest.");
+    command->callback([command, options, &context] { context.exit_code = ask(*command, *options, context); });
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,148 @@
+// raylex merge: the image that the shards of a render add up to.
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "display/output/atomic_file.h"
+#include "display/output/reader/exr_reader.h"
+#include "display/output/splits/split_check.h"
+#include "experiments/atlas/merged_atlas.h"
+#include "experiments/cli/commands.h"
+#include "experiments/cli/judge.h"
+#include "experiments/cli/plugin_options.h"
+#include "experiments/job/rendering/provenance.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
+#include "experiments/program/tint.h"
+#include "experiments/program/work_lock.h"
+#include "experiments/shards/merge_shards.h"
+
+namespace raylex::experiments {
+namespace {
+
+struct ImageMergeOptions {
+    std::vector<std::string> records, plugins;
+    std::string output, atlas;
+    unsigned shards = 0;
+    bool wait = false;
+};
+
+/// Those that are named, and those of --shards.
+std::vector<std::string> records_of(const ImageMergeOptions& options) {
+    std::vector<std::string> records = options.records;
+    for (unsigned part = 1; part <= options.shards; ++part)
+        records.push_back(shard_file(options.output, part, options.shards));
+    return records;
+}
+
+/// The file as a reader finds it; the exit code.
+int judge_merged(const std::string& path) {
+    auto file = display::ExrBands::open(path);
+    if (!file) return report_error(file.error());
+    const display::ExrImage& image = file->image();
+    if (image.partitions.empty()) return exit_holds;
+    auto verdicts = display::check_declared_splits(*file);
+    if (!verdicts) return report_error(verdicts.error());
+    int code = exit_holds;
+    for (const display::SplitVerdict& verdict : *verdicts) {
+        print_verdict(verdict_line(verdict), verdict.holds);
+        if (verdict.holds) continue;
+        print_line("  " + write_residual_map(verdict, image));
+        code = exit_does_not_hold;
+    }
+    return code;
+}
+
+/// The atlases that stand beside the records, as one; the exit code.
+int merge_atlases(const std::string& output, const MergedRender& merged) {
+    std::vector<std::string> files;
+    for (const auto& [part, parts] : merged.parts) files.push_back(shard_file(output, part, parts));
+    auto atlas = MergedAtlas::open(files);
+    if (!atlas) return report_error(atlas.error());
+    const display::ImageDescription description = (*atlas)->description();
+    // Neither file need be one that this program wrote: what is not there is not the same.
+    const auto said = [](const display::ImageDescription& by, const char* name) {
+        const auto found = by.attributes.find(name);
+        return found == by.attributes.end() ? std::string() : found->second;
+    };
+    for (const char* name : {"raylex/scene", "raylex/job", "raylex/seed", "raylex/samples_per_pixel"})
+        if (said(description, name) != said(merged.image.description, name))
+            return report_error(error_at({files.front(), 0, 0},
+                                         "this atlas, or one beside it, is of another render than the records: they "
+                                         "have another " +
+                                             std::string(name),
+                                         "expected the atlases that 'raylex render --shard' left with the records"));
+    if (Status written = display::write_atlas(output, **atlas, description); !written)
+        return report_error(written.error());
+    auto file = display::AtlasFile::open(output);
+    if (!file) return report_error(file.error());
+    return judge_atlas(**file);
+}
+
+int merge_records(const ImageMergeOptions& options, const std::vector<std::string>& arguments) {
+    if (std::filesystem::path(options.output).extension() != ".exr")
+        return report_error("the output '" + options.output +
+                            "' has no name ending in .exr; expected an OpenEXR file name");
+    if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
+    if (Status writable = display::check_writable(options.output); !writable) return report_error(writable.error());
+    const std::vector<std::string> records = records_of(options);
+    if (!options.atlas.empty())
+        if (Status writable = display::check_writable(options.atlas); !writable) return report_error(writable.error());
+    if (records.empty())
+        return report_error("no records to merge; expected their names, or --shards N for OUT.exr.shard-1-of-N ...");
+    constexpr double patience = 10;  // a shard's process is sooner at its lock
+    if (options.wait)
+        if (Status all = wait_for_files(records, shard_lock, patience); !all) return report_error(all.error());
+    auto merged = merge_shards(records);
+    if (!merged) return report_error(merged.error());
+    merged->image.description.attributes["raylex/merge_command"] = shell_command(arguments);
+    if (Status written = write_merged_image(options.output, *merged); !written) return report_error(written.error());
+    int code = judge_merged(options.output);
+    if (code == exit_bad_input) return code;
+    if (!options.atlas.empty()) {
+        const int of_atlas = merge_atlases(options.atlas, *merged);
+        if (of_atlas == exit_bad_input) return of_atlas;
+        code = std::max(code, of_atlas);
+    } else if (merged->has_atlas) {
+        print_note("the shards left path atlases, which --atlas FILE.atlas.exr makes one of: the name they were given");
+    }
+    if (merged->facts.invalid_samples > 0)
+        print_warning(std::to_string(merged->facts.invalid_samples) +
+                      " contributions or values were not finite, or too large to be summed, and were left out of "
+                      "beauty and layers alike");
+    const display::FrameBufferLayout& layout = merged->pixels->layout();
+    print_line(options.output + ": " + std::to_string(layout.width) + "x" + std::to_string(layout.height) + ", " +
+               counted(merged->shards, "shard") + ", " + std::to_string(merged->facts.range.total) +
+               " samples per pixel, " + duration_text(merged->facts.cpu_seconds) + " CPU in all");
+    return code;
+}
+
+}  // namespace
+
+void add_merge_command(CLI::App& app, CommandContext& context) {
+    CLI::App* command = app.add_subcommand(
+        "merge", "Makes one image of the records that 'raylex render --shard' leaves: the bits of one render.");
+    auto options = std::make_shared<ImageMergeOptions>();
+    command->add_option("RECORD", options->records, "records of all shards of one render, in any order")
+        ->option_text("...");
+    command->add_option("--shards", options->shards, "the records OUT.exr.shard-1-of-N to OUT.exr.shard-N-of-N")
+        ->option_text("N")
+        ->check(CLI::Range(1U, 1000000U));
+    command->add_flag(
+        "--wait", options->wait,
+        "waits for records that processes on this machine are rendering, and ten seconds for one to begin");
+    command->add_option("-o,--output", options->output, "image to write")
+        ->required()
+        ->option_text("OUT.exr (required)");
+    command
+        ->add_option("--atlas", options->atlas,
+                     "merges the path atlases of the shards too, FILE.shard-1-of-N to FILE.shard-N-of-N")
+        ->option_text("FILE.atlas.exr");
+    add_plugin_option(*command, options->plugins);
+    command->footer(
+        "Records stay as they are. Those of another build, seed, scene or setting are refused by name, as are samples "
+        "that two\nrecords have or none has. Exit codes: 0 done; 1 a split does not hold; 2 bad input.");
+    command->callback([options, &context] { context.exit_code = merge_records(*options, context.arguments); });
+}
+
+}  // namespace raylex::experiments

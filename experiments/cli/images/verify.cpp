@@ -1,0 +1,238 @@
+// raylex verify: do the layers of an image sum to what they split?
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+
+#include "display/output/reader/exr_layers.h"
+#include "display/output/reader/exr_reader.h"
+#include "display/output/splits/split_check.h"
+#include "experiments/cli/commands.h"
+#include "experiments/cli/judge.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
+#include "experiments/verify/presets.h"
+
+namespace raylex::experiments {
+namespace {
+
+struct VerifyOptions {
+    std::vector<std::string> files, sums;
+    std::string of;
+    std::optional<std::string> preset, tolerance_text;
+    std::optional<display::Allowance> tolerance;
+};
+
+/// Prints a verdict; a failure leaves its heat map. Returns whether it holds.
+bool print_verdict(const display::SplitVerdict& verdict, const display::ExrImage& image,
+                   const std::string& title = {}) {
+    print_line(image.path + ": " + verdict_text(verdict, title));
+    if (!verdict.holds) print_line("  " + write_residual_map(verdict, image));
+    return verdict.holds;
+}
+
+void note_incomplete(const display::ExrImage& image) {
+    if (image.attributes.contains("raylex/incomplete"))
+        print_line(image.path + ": the render was interrupted; this image is incomplete");
+}
+
+// "ABS,REL", two numbers that are not negative.
+Result<display::Allowance> parse_tolerance(const std::string& text) {
+    display::Allowance allowance;
+    allowance.instead_of_compression = true;
+    allowance.reason = "--tolerance";
+    const char* at = text.c_str();
+    for (double* number : {&allowance.absolute, &allowance.relative}) {
+        char* end = nullptr;
+        *number = std::strtod(at, &end);
+        const bool last = number == &allowance.relative;
+        if (end == at || !std::isfinite(*number) || *number < 0 || *end != (last ? '\0' : ',')) {
+            Error error;
+            error.file = "--tolerance";
+            error.column = static_cast<int>(at - text.c_str()) + 1;
+            error.excerpt = text;
+            error.message = std::string(
+                "expected ABS,REL: two numbers from 0 on, such as 1e-6,1e-5 (|sum - of| <= rounding + "
+                "ABS + REL (sum of |terms| + |of|))");
+            return error;
+        }
+        at = end + 1;
+    }
+    return allowance;
+}
+
+/// Of an image in memory, or of a file in bands.
+template <class Source>
+int verify_sum_of(const Source& source, const display::ExrImage& image, const VerifyOptions& options) {
+    // Nobody said what is split: what is called as renderers call the beauty, and the verdict names it.
+    std::string of = options.of;
+    if (of.empty() && image.layer("") == nullptr) of = display::likely_beauty(image);
+    auto verdict = display::check_split(source, of, options.sums, options.tolerance.value_or(display::Allowance{}));
+    if (!verdict) return report_error(verdict.error());
+    note_incomplete(image);
+    return print_verdict(*verdict, image) ? exit_holds : exit_does_not_hold;
+}
+
+int verify_sum(const VerifyOptions& options) {
+    if (options.files.size() == 1) {
+        auto file = display::ExrBands::open(options.files.front());
+        return file ? verify_sum_of(*file, file->image(), options) : report_error(file.error());
+    }
+    auto image = display::read_exr_set(options.files);
+    return image ? verify_sum_of(*image, *image, options) : report_error(image.error());
+}
+
+// All splits of one image by a preset: whether they hold, or an error.
+Result<bool> verify_found(const display::ExrImage& image, const Preset& preset, const std::vector<FoundSplit>& splits,
+                          const VerifyOptions& options) {
+    bool all_hold = true;
+    note_incomplete(image);
+    for (const FoundSplit& split : splits) {
+        auto verdict = display::check_split(image, split.of, {split.sum}, options.tolerance.value_or(split.allowance));
+        if (!verdict) return std::move(verdict).error();
+        verdict->partition = split.title;
+        for (char& c : verdict->partition)
+            if (c == ' ' || c == '/') c = '-';
+        const bool holds = print_verdict(*verdict, image, std::string(preset.renderer) + " " + split.title);
+        print_line("  " + verdict->of + " = " + split.formula);
+        if (!split.note.empty()) print_line("  " + split.note);
+        all_hold = all_hold && holds;
+        if (holds) continue;
+        std::string missing;
+        for (const std::string& pass : split.missing) missing += (missing.empty() ? "" : ", ") + pass;
+        if (!missing.empty()) print_line("  not in the file, so not in the sum: " + missing);
+        print_line("  " + std::string(preset.advice));
+    }
+    return all_hold;
+}
+
+int verify_preset(const VerifyOptions& options) {
+    auto preset = find_preset(*options.preset);
+    if (!preset) return report_error(preset.error());
+    // Several files are one image each, or the layers of one image where the first alone has nothing to judge.
+    auto first = display::read_exr(options.files.front());
+    if (!first) return report_error(first.error());
+    const bool one_image = options.files.size() > 1 && !find_splits(**preset, *first, options.of);
+    bool all_hold = true;
+    for (const std::string& file : options.files) {
+        const bool is_first = &file == &options.files.front();
+        auto image = one_image  ? display::read_exr_set(options.files)
+                     : is_first ? std::move(first)  // NOLINT(bugprone-use-after-move): the loop comes to it once
+                                : display::read_exr(file);
+        if (!image) return report_error(image.error());
+        auto splits = find_splits(**preset, *image, options.of);
+        if (!splits) return report_error(splits.error());
+        auto hold = verify_found(*image, **preset, *splits, options);
+        if (!hold) return report_error(hold.error());
+        all_hold = *hold && all_hold;
+        if (one_image) break;
+    }
+    return all_hold ? exit_holds : exit_does_not_hold;
+}
+
+std::string without_partition(const display::ExrImage& image) {
+    std::string text = image.path + ": no partition is declared in the header, so there is nothing to judge. ";
+    for (const Preset& preset : presets())
+        if (auto splits = find_splits(preset, image, {}))
+            text += "Its layers are named as " + std::string(preset.renderer) + " names them: raylex verify " +
+                    image.path + " --preset " + preset.name + ". ";
+    return text + "Say which layers must sum to which: raylex verify " + image.path +
+           " --of beauty --sum 'diffuse_*,specular_*,emission'. The layers are: " +
+           display::list_names(image.layer_names());
+}
+
+int verify_declared(const VerifyOptions& options) {
+    bool all_hold = true;
+    std::string without;
+    for (const std::string& file : options.files) {
+        if (display::is_atlas(file)) {
+            auto atlas = display::AtlasFile::open(file);
+            if (!atlas) return report_error(atlas.error());
+            const int code = judge_atlas(**atlas);
+            if (code == exit_bad_input) return code;
+            all_hold = code == exit_holds && all_hold;
+            continue;
+        }
+        auto bands = display::ExrBands::open(file);
+        if (!bands) return report_error(bands.error());
+        const display::ExrImage& image = bands->image();
+        if (image.partitions.empty()) {
+            if (without.empty()) without = without_partition(image);
+            continue;
+        }
+        auto verdicts = display::check_declared_splits(*bands, options.tolerance.value_or(display::Allowance{}));
+        if (!verdicts) return report_error(verdicts.error());
+        note_incomplete(image);
+        for (const display::SplitVerdict& verdict : *verdicts) all_hold = print_verdict(verdict, image) && all_hold;
+    }
+    if (!without.empty()) return report_error(without);
+    return all_hold ? exit_holds : exit_does_not_hold;
+}
+
+int verify(VerifyOptions options) {
+    if (!options.of.empty() && options.sums.empty() && !options.preset)
+        return report_error("--of " + options.of +
+                            " needs --sum with the layers that must sum to it, such as --sum 'diffuse_*,emission'");
+    if (!options.sums.empty() && options.preset)
+        return report_error("--sum and --preset both say what is summed; expected one of them");
+    if (options.tolerance_text) {
+        auto tolerance = parse_tolerance(*options.tolerance_text);
+        if (!tolerance) return report_error(tolerance.error());
+        options.tolerance = std::move(*tolerance);
+    }
+    return options.preset         ? verify_preset(options)
+           : options.sums.empty() ? verify_declared(options)
+                                  : verify_sum(options);
+}
+
+std::string preset_help() {
+    std::string names;
+    for (const Preset& preset : presets()) names += (names.empty() ? "" : ", ") + std::string(preset.name);
+    return "finds the layers by the names that a renderer gives them, and judges every split there is: " + names;
+}
+
+}  // namespace
+
+void add_verify_command(CLI::App& app, CommandContext& context) {
+    CLI::App* command =
+        app.add_subcommand("verify", "Checks pixel by pixel that the layers of an image sum to what they split.");
+    auto options = std::make_shared<VerifyOptions>();
+    command
+        ->add_option("FILE.exr", options->files,
+                     "images of any renderer; with --sum, several files are the layers of one image")
+        ->required()
+        ->option_text("...");
+    command->add_option("--preset", options->preset, preset_help())->option_text("NAME");
+    command->add_option("--of", options->of, "the layer that is split; with --sum, default beauty")
+        ->option_text("LAYER");
+    command
+        ->add_option("--sum", options->sums,
+                     "what must sum to it: layers, globs with * and ?, and expressions with + - * ( ), between commas; "
+                     "'DiffDir' is enough for 'ViewLayer.DiffDir' where only one layer is called so")
+        ->option_text("'SUM,...'")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command
+        ->add_option(
+            "--tolerance", options->tolerance_text,
+            "allows |sum - of| <= rounding + ABS + REL (sum of |terms| + |of|), in place of what a preset and lossy "
+            "compression allow")
+        ->option_text("ABS,REL");
+    command->footer(
+        "Without --sum and --preset every partition declared in the header is judged, and a path atlas by whether its "
+        "words sum\n"
+        "to its beauty. Three answers: holds to rounding, holds\n"
+        "within what is allowed, does not hold. Rounding is that of the stored type (float 2^-23, half 2^-10) times "
+        "the sum\n"
+        "of |terms| + |of|, carried through products, with 2^-24 for each operation of another renderer. Allowed are "
+        "DWA\n"
+        "compression, a preset's measured accumulation, or --tolerance. A failure writes a residual heat map beside "
+        "the image.\n"
+        "Example: raylex verify their.exr --of Combined --sum '(DiffDir+DiffInd)*DiffCol, "
+        "(GlossDir+GlossInd)*GlossCol, Emit'\n"
+        "Exit codes: 0 holds, 1 does not hold, 2 bad usage or input.");
+    command->callback([options, &context] { context.exit_code = verify(*options); });
+}
+
+}  // namespace raylex::experiments

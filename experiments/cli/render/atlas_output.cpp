@@ -1,0 +1,82 @@
+#include "experiments/cli/render/atlas_output.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "display/output/atomic_file.h"
+#include "experiments/atlas/scene_record.h"
+
+namespace raylex::experiments {
+
+Status AtlasOutput::prepare(Job& job, const SceneWords& scene) {
+    const AtlasRequest& request = job.outputs.atlas;
+    if (request.file.empty()) return success();
+    request_ = &request;
+    if (!job.settings.beauty)
+        return error_at(request.location,
+                        "an atlas splits the beauty, and --no-beauty leaves none; expected a render "
+                        "with beauty");
+    if (!job.settings.sample_filters.empty())
+        return error_at(request.location,
+                        "an atlas keeps light as it arrives, and sample filter '" +
+                            job.settings.sample_filters.front().type +
+                            "' changes samples: its words would not sum to the beauty",
+                        "leave out the sample filters, or the atlas");
+    if (job.settings.picked_lobes)
+        return error_at(request.location,
+                        "an atlas keeps exact shares, and lobes are picked here; expected a render "
+                        "without picked lobes");
+    job.settings.words = request.rules;
+    // Where nothing is said, words are kept whole; of those beyond 16 scatterings next to none is met twice.
+    constexpr int longest_unless_asked = 16;
+    if (request.rules.length == 0)
+        job.settings.words->length =
+            std::clamp(static_cast<int>(scene.words.max_depth.value_or(longest_unless_asked)), 1, longest_unless_asked);
+    scene_record_ = scene_record(scene);
+    return success();
+}
+
+Status AtlasOutput::make(const Job& job, const transport::RenderPlan& plan) {
+    if (request_ == nullptr) return success();
+    if (plan.splat)
+        return error_at(request_->location,
+                        "an atlas is made of samples that belong to one pixel, and filter mode splat shares them; "
+                        "expected filter mode importance");
+    const display::ChannelDefinition& beauty = plan.channels[static_cast<std::size_t>(plan.beauty)];
+    if (beauty.rule != display::FilterRule::filter)
+        return error_at(request_->location,
+                        "an atlas splits a filtered beauty, and the beauty has another rule; "
+                        "expected no rule for it");
+    negative_ = plan.filter->has_negative_lobes() ? display::SignedLight::weights
+                : plan.signed_light               ? display::SignedLight::light
+                                                  : display::SignedLight::none;
+    alphabet_ = plan.words;
+    display::PathAtlas::Settings settings{plan.width, plan.height, beauty.scale_exponent, request_->budget, nullptr};
+    if (plan.raster) {
+        raster_filter_ = std::make_unique<display::PixelFilter>(*plan.filter);
+        settings.raster = raster_filter_.get();
+    }
+    buffer_ = std::make_unique<display::PathAtlas>(settings);
+    static_cast<void>(job);
+    return display::check_writable(request_->file);
+}
+
+Status AtlasOutput::write(const transport::RenderOutput& output, const display::ImageDescription& description) {
+    if (!buffer_) return success();
+    display::ImageDescription of_atlas = description;
+    of_atlas.attributes["atlas/scene"] = scene_record_;
+    const auto source = display::atlas_of_render(*buffer_, *alphabet_, output.frame_buffer, output.beauty, negative_);
+    return display::write_atlas(request_->file, *source, of_atlas);
+}
+
+Result<std::optional<display::AtlasVerdict>> AtlasOutput::judge() const {
+    if (!buffer_) return std::optional<display::AtlasVerdict>();
+    auto file = display::AtlasFile::open(request_->file);
+    if (!file) return file.error();
+    (*file)->read_parts(false);
+    auto verdict = display::check_atlas(**file);
+    if (!verdict) return verdict.error();
+    return std::optional<display::AtlasVerdict>(*verdict);
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,314 @@
+#include "experiments/cli/render/render_outputs.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include "display/output/atomic_file.h"
+#include "experiments/program/console.h"
+#include "experiments/report/png_driver.h"
+
+namespace raylex::experiments {
+namespace {
+
+std::string file_of(const display::DriverRequest& request) {
+    for (const Parameter& parameter : request.parameters.parameters)
+        if (parameter.name == "file" && parameter.strings.size() == 1) return parameter.strings.front();
+    return {};
+}
+
+display::DriverRequest main_image(const Job& job) {
+    display::DriverRequest request{"exr", {}};
+    Parameter& file = request.parameters.parameters.emplace_back();
+    file.name = "file";
+    file.type = ParameterType::string;
+    file.strings = {job.output};
+    return request;
+}
+
+}  // namespace
+
+/// Layers of equal size share a line; the largest come first.
+void print_memory(const RenderOutputs& outputs, std::uint64_t limit) {
+    const std::vector<display::MemoryItem>& items = outputs.memory();
+    const std::size_t layers = outputs.layers();
+    std::map<std::uint64_t, std::vector<std::string>, std::greater<>> by_size;
+    for (const display::MemoryItem& item : items)
+        if (item.bytes > 0) by_size[item.bytes].push_back(item.name);  // layers of statistics are in their sources
+    std::string line = "memory: " + display::memory_text(display::total_bytes(items)) + " for " +
+                       std::to_string(layers) + (layers == 1 ? " layer" : " layers");
+    if (limit > 0) line += ", of at most " + display::memory_text(limit);
+    print_line(line);
+    if (outputs.buckets() > 0)
+        print_line("  for a bucket of " + std::to_string(outputs.bucket_rows()) + " rows, one of " +
+                   std::to_string(outputs.buckets()));
+    for (const auto& [bytes, names] : by_size) {
+        std::string list;
+        for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+        print_line("  " + display::memory_text(bytes) + (names.size() > 1 ? " each: " : ": ") + list);
+    }
+}
+
+std::vector<std::string> requested_files(const Job& job) {
+    if (job.shard) {
+        std::vector<std::string> files{job.shard->record, job.statistics};
+        if (job.statistics.empty()) files.pop_back();
+        return files;
+    }
+    std::vector<std::string> files{job.output, job.preview, job.statistics, job.outputs.deep.file,
+                                   job.outputs.atlas.file};
+    for (const display::DriverRequest& request : job.outputs.drivers) files.push_back(file_of(request));
+    std::erase_if(files, [](const std::string& file) { return file.empty(); });
+    return files;
+}
+
+Status RenderOutputs::make(const Job& job, const ColorSetup& color) {
+    job_ = &job;
+    register_png_driver();
+    const display::DriverContext context{color.manager ? &*color.manager : nullptr, job.display, job.view,
+                                         job.exposure};
+    std::vector<display::DriverRequest> requests;
+    if (job.shard) return success();
+    if (!job.output.empty()) requests.push_back(main_image(job));
+    if (!job.preview.empty()) requests.push_back(preview_request(job.preview, {"--preview", 0, 0}));
+    requests.insert(requests.end(), job.outputs.drivers.begin(), job.outputs.drivers.end());
+    for (const display::DriverRequest& request : requests) {
+        auto driver = display::make_display_driver(request.name, request.parameters, context);
+        if (!driver) return driver.error();
+        drivers_.add(std::move(*driver));
+    }
+    return success();
+}
+
+Status RenderOutputs::make_deep(const transport::RenderPlan& plan) {
+    const DeepRequest& request = job_->outputs.deep;
+    if (request.file.empty()) return success();
+    if (plan.filter->has_negative_lobes())
+        return error_at(request.location, "pixel filter '" + plan.filter->name() +
+                                              "' has negative lobes, and a deep sample cannot have negative alpha; "
+                                              "expected box, triangle, gaussian or blackman-harris");
+    if (plan.splat)
+        return error_at(request.location,
+                        "a deep image is made of samples that belong to one pixel, and filter mode splat "
+                        "shares them; expected filter mode importance");
+    if (plan.raster)
+        return error_at(request.location,
+                        "a deep image is made of samples that belong to one pixel, and the light paths of this "
+                        "integrator land anywhere; expected another integrator, such as path");
+    std::vector<display::ChannelId> chosen;
+    if (plan.beauty >= 0) chosen.push_back(plan.beauty);
+    std::vector<std::string> names;
+    std::string list;
+    for (const display::ChannelDefinition& channel : plan.channels) {
+        names.push_back(channel.name);
+        list += (list.empty() ? "" : ", ") + channel.name;
+    }
+    for (const std::string& name : request.channels) {
+        const auto found = std::find(names.begin(), names.end(), name);
+        if (found == names.end()) {
+            const std::string near = nearest_name(name, names);
+            return error_at(
+                request.location,
+                "the deep image names the channel '" + name + "', which is not there; expected one of: " + list,
+                near.empty() ? std::string() : "did you mean '" + near + "'?");
+        }
+        const auto id = static_cast<display::ChannelId>(found - names.begin());
+        if (std::find(chosen.begin(), chosen.end(), id) == chosen.end()) chosen.push_back(id);
+    }
+    if (chosen.empty())
+        return error_at(request.location,
+                        "the deep image has no channel; expected some with --deep-channels, or a beauty");
+    if (Status fits = display::DeepBuffer::check(plan.channels, chosen, request.options); !fits) {
+        Error error = fits.error();
+        error.file = request.location.file;
+        error.line = request.location.line;
+        return error;
+    }
+    deep_ = std::make_unique<display::DeepBuffer>(plan.width, plan.height, plan.channels, chosen, request.options);
+    return display::check_writable(request.file);
+}
+
+namespace {
+
+constexpr const char* beside_buckets = " with a render in buckets (--memory, --bucket-rows): ";
+constexpr const char* without_it = "leave it out, or render without buckets";
+
+Error live_viewer_in_buckets() {
+    return error_at({},
+                    std::string("a live viewer") + beside_buckets + "it may be shown any part of the image at any time",
+                    without_it);
+}
+
+}  // namespace
+
+/// What wants the whole image at any time is refused where no more than a bucket of it is in memory.
+Status RenderOutputs::check_buckets(const transport::RenderPlan& plan) {
+    buckets_ = plan.buckets;
+    bucket_rows_ = plan.bucket_rows;
+    if (plan.buckets == 0) return success();
+    const std::string why = beside_buckets;
+    if (!job_->outputs.deep.file.empty())
+        return error_at(job_->outputs.deep.location,
+                        "a deep image" + why + "its samples are kept in memory for the whole image", without_it);
+    if (!job_->outputs.atlas.file.empty())
+        return error_at(job_->outputs.atlas.location,
+                        "a path atlas" + why + "its words are kept in memory for the whole image", without_it);
+    if (std::any_of(job_->outputs.drivers.begin(), job_->outputs.drivers.end(),
+                    [](const display::DriverRequest& each) { return each.name == "tev"; }))
+        return live_viewer_in_buckets();
+    return success();
+}
+
+Status RenderOutputs::begin(const transport::RenderPlan& plan, std::vector<display::SampleSink*>& sinks,
+                            const display::Chromaticities& primaries,
+                            std::vector<display::PartitionDeclaration>& partitions) {
+    channels_.assign(plan.channels.begin(), plan.channels.end());
+    layout_.width = plan.width;
+    layout_.height = plan.height;
+    for (const ObjectRequest& request : job_->outputs.filters) {
+        auto filter = display::make_display_filter(request.name, request.parameters, {channels_, plan.beauty});
+        if (!filter) return filter.error();
+        filters_.push_back(std::move(*filter));
+    }
+    if (Status buckets = check_buckets(plan); !buckets) return buckets;
+    drop_altered(plan, partitions);
+    memory_ = plan.memory;
+    if (Status deep = make_deep(plan); !deep) return deep;
+    if (Status atlas = atlas_.make(*job_, plan); !atlas) return atlas;
+    if (atlas_.buffer() != nullptr) memory_.push_back({"atlas", atlas_.buffer()->expected_bytes()});
+    if (deep_) memory_.push_back({"deep", deep_->expected_bytes()});
+    const std::string in_buckets =
+        plan.buckets == 0 ? "--memory SIZE renders it in buckets, each saved when it is finished" : "";
+    if (Status fits = display::check_memory(memory_, job_->outputs.memory_limit, in_buckets); !fits) return fits;
+    if (deep_) sinks.push_back(deep_.get());
+    if (atlas_.buffer() != nullptr) sinks.push_back(atlas_.buffer());
+    display::DriverImage image;
+    image.title = std::filesystem::path(job_->output).filename().string();
+    image.width = plan.width;
+    image.height = plan.height;
+    image.layers = display::driver_layers(channels_, plan.beauty);
+    image.channels = channels_;
+    image.beauty = plan.beauty;
+    image.chromaticities = primaries;
+    image.partitions = partitions;
+    if (Status opened = drivers_.open(image); !opened) return opened;
+    if (buckets_ > 0 && drivers_.any_live()) return live_viewer_in_buckets();  // a plugin's
+    return success();
+}
+
+/// Partitions whose layers no longer sum because a filter changes one of them, or the beauty, by itself.
+void RenderOutputs::drop_altered(const transport::RenderPlan& plan,
+                                 std::vector<display::PartitionDeclaration>& partitions) {
+    std::vector<display::ChannelId> altered = plan.altered;
+    for (const auto& filter : filters_)
+        for (const display::ChannelId id : filter->alters()) altered.push_back(id);
+    const auto altered_member = [&](const display::PartitionDeclaration& partition) -> std::string {
+        for (const display::ChannelId id : altered) {
+            const std::string name = id == plan.beauty ? "beauty" : channels_[static_cast<std::size_t>(id)].name;
+            const std::string whole = partition.of.empty() ? "beauty" : partition.of;
+            if (name == whole ||
+                std::find(partition.layers.begin(), partition.layers.end(), name) != partition.layers.end())
+                return name;
+        }
+        return {};
+    };
+    std::erase_if(partitions, [&](const display::PartitionDeclaration& partition) {
+        const std::string name = altered_member(partition);
+        if (!name.empty())
+            warnings_.push_back("partition '" + partition.name + "' is left out of the file: a filter changes '" +
+                                name + "' by itself, so its layers no longer sum");
+        return !name.empty();
+    });
+    if (!filters_.empty() && !job_->outputs.deep.file.empty())
+        warnings_.push_back(
+            "the deep image is not compared with the image: display filters change the one and not the other");
+}
+
+namespace {
+
+/// The image of a render that goes on.
+class LivePixels final : public display::PixelImage {
+  public:
+    LivePixels(const transport::LiveImage& image, const display::FrameBufferLayout& layout,
+               std::span<const display::ChannelDefinition> channels)
+        : image_(image), layout_(layout), channels_(channels) {}
+    [[nodiscard]] const display::FrameBufferLayout& layout() const override { return layout_; }
+    [[nodiscard]] std::span<const display::ChannelDefinition> channels() const override { return channels_; }
+    [[nodiscard]] std::vector<double> resolve(display::ChannelId id,
+                                              const display::PixelRegion& region) const override {
+        return image_.resolve(id, region);
+    }
+    [[nodiscard]] std::vector<double> resolve_alpha(const display::PixelRegion& region) const override {
+        return image_.resolve_alpha(region);
+    }
+
+  private:
+    const transport::LiveImage& image_;
+    const display::FrameBufferLayout& layout_;
+    std::span<const display::ChannelDefinition> channels_;
+};
+
+}  // namespace
+
+void RenderOutputs::update(const transport::RenderProgress& progress) {
+    if (progress.image == nullptr) return;
+    const double total = static_cast<double>(std::max<std::uint64_t>(progress.samples_total, 1));
+    const LivePixels live(*progress.image, layout_, channels_);
+    const display::FilteredImage image = filtered(live);
+    drivers_.update(
+        progress.seconds, static_cast<double>(progress.samples_done) / total,
+        {[&](display::ChannelId id, const display::PixelRegion& region) { return image.resolve(id, region); },
+         [&](const display::PixelRegion& region) { return image.resolve_alpha(region); }});
+}
+
+Status RenderOutputs::close(const transport::RenderOutput& output, const display::ImageDescription& description) {
+    const display::FilteredImage image = filtered(output.image());
+    Status closed = success();
+    try {
+        closed = drivers_.close({image, output.beauty, description});
+    } catch (const display::BandFailure& failure) {  // of what no driver of ours catches
+        return failure.error();
+    }
+    if (Status atlas = atlas_.write(output, description); closed && !atlas) closed = atlas;
+    if (!deep_) return closed;
+    Status deep = display::write_deep_exr(job_->outputs.deep.file, *deep_, output.beauty, description,
+                                          job_->outputs.deep.storage);
+    return closed ? deep : closed;
+}
+
+Result<std::optional<display::DeepVerdict>> RenderOutputs::judge_deep(const display::ExrImage& image) const {
+    if (!deep_ || !filters_.empty()) return std::optional<display::DeepVerdict>();
+    auto verdict = display::check_deep(job_->outputs.deep.file, image);
+    if (!verdict) return verdict.error();
+    return std::optional<display::DeepVerdict>(std::move(*verdict));
+}
+
+std::vector<std::string> RenderOutputs::take_warnings() {
+    std::vector<std::string> warnings = drivers_.take_warnings();
+    warnings.insert(warnings.begin(), warnings_.begin(), warnings_.end());
+    warnings_.clear();
+    return warnings;
+}
+
+std::vector<std::string> RenderOutputs::files() const {
+    std::vector<std::string> files = drivers_.files();
+    std::erase(files, job_->output);
+    if (deep_) files.push_back(job_->outputs.deep.file);
+    if (atlas_.buffer() != nullptr) files.push_back(job_->outputs.atlas.file);
+    return files;
+}
+
+std::string deep_line(const display::DeepVerdict& verdict) {
+    std::string line = "deep: " + std::to_string(verdict.layers.size()) +
+                       (verdict.layers.size() == 1 ? " layer" : " layers") +
+                       (verdict.holds ? " flattened equal the image" : " flattened DO NOT EQUAL the image") +
+                       " (largest error of alpha " + number_text(verdict.largest_alpha) + ", of colour " +
+                       number_text(verdict.largest_color) + "; " + std::to_string(verdict.samples) +
+                       " samples, at most " + std::to_string(verdict.most_samples) + " in a pixel)";
+    if (verdict.exceeding > 0) line += "; " + std::to_string(verdict.exceeding) + " pixels exceed the bound";
+    if (!verdict.sorted) line += "; samples are out of order";
+    return line;
+}
+
+}  // namespace raylex::experiments

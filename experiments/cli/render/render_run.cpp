@@ -1,0 +1,445 @@
+#include "experiments/cli/render/render_run.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "display/output/atomic_file.h"
+#include "display/output/reader/exr_reader.h"
+#include "display/output/splits/split_check.h"
+#include "display/output/writer/exr_writer.h"
+#include "experiments/atlas/merged_atlas.h"
+#include "experiments/cli/judge.h"
+#include "experiments/cli/loading_line.h"
+#include "experiments/cli/render/progress.h"
+#include "experiments/cli/render/render_outputs.h"
+#include "experiments/cli/render/render_summary.h"
+#include "experiments/job/channels/channel_plan.h"
+#include "experiments/job/rendering/effect_report.h"
+#include "experiments/job/rendering/job_scene.h"
+#include "experiments/job/rendering/provenance.h"
+#include "experiments/job/rendering/statistics.h"
+#include "experiments/job/sampling_requests.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
+#include "experiments/program/interrupt.h"
+#include "experiments/program/tint.h"
+#include "experiments/program/work_lock.h"
+#include "experiments/shards/shard_render.h"
+#include "lpe/algebra/wording/event_words.h"
+#include "transport/render/built_scene.h"
+
+namespace raylex::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The steps of one render, in order. Each returns nothing to go on, or the exit code to end with.
+class RenderRun {
+  public:
+    RenderRun(Job job, const std::vector<std::string>& arguments) : job_(std::move(job)), arguments_(arguments) {}
+
+    int run() {
+        at_once_.emplace("raylex: interrupted before anything was rendered; no file was written\n");
+        if (job_.shard) return run_shard();
+        if (job_.settings.only) {
+            for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
+                if (const std::optional<int> code = (this->*step)()) return *code;
+            return replay();
+        }
+        for (std::optional<int> (RenderRun::*step)() :
+             {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::build, &RenderRun::plan, &RenderRun::render,
+              &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_statistics})
+            if (const std::optional<int> code = (this->*step)()) return *code;
+        print_summary({job_, *output_, image_, splits_, deep_, atlas_, beauties_, outputs_.files(), phases_});
+        if (!output_->complete) return interrupt_flag().load() ? exit_interrupted : exit_does_not_hold;
+        if ((deep_ && !deep_->holds) || (atlas_ && !atlas_->holds)) return exit_does_not_hold;
+        return std::all_of(splits_.begin(), splits_.end(), [](const display::SplitVerdict& each) { return each.holds; })
+                   ? exit_holds
+                   : exit_does_not_hold;
+    }
+
+    /// What all samples would take.
+    std::optional<int> estimate(bool calibrate, RenderEstimate& estimate) {
+        quiet_ = true;
+        for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
+            if (const std::optional<int> code = (this->*step)()) return code;
+        if (Status possible = check_shardable(job_, loaded_->scene); !possible) return report_error(possible.error());
+        auto samples = samples_of_job(job_, loaded_->scene);
+        if (!samples) return report_error(samples.error());
+        estimate.samples_per_pixel = *samples;
+        const std::uint64_t most_memory = job_.settings.buckets ? job_.settings.buckets->memory : 0;
+        calibrate = calibrate && !job_.settings.buckets;  // what does not fit is not rendered here either
+        job_.settings.buckets.reset();
+        constexpr double seconds = 2;
+        job_.settings.limit = transport::SampleLimit{seconds, 0, 0};
+        double pixels = 0;
+        std::uint64_t image_bytes = 0;
+        job_.settings.before_rendering = [&](const transport::RenderPlan& plan, std::vector<display::SampleSink*>&) {
+            pixels = static_cast<double>(plan.crop.width()) * static_cast<double>(plan.crop.height());
+            image_bytes = display::total_bytes(plan.memory) / 2;  // the other half is for the limit
+            return calibrate ? success() : Status(error_at({}, "nothing is rendered"));
+        };
+        const auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
+        if (!output && pixels == 0) return report_error(output.error());
+        // What is resident now, with the image and its copy for the limit; a checkpoint, and a record, are such copies.
+        estimate.memory_bytes = peak_memory_bytes() + (output ? 1 : 3) * image_bytes;
+        if (most_memory > 0) estimate.memory_bytes = std::min(estimate.memory_bytes, most_memory);
+        if (!output || output->statistics.camera_samples == 0) return go_on;
+        estimate.cpu_seconds = output->statistics.render_cpu_seconds * pixels * static_cast<double>(*samples) /
+                               static_cast<double>(output->statistics.camera_samples);
+        return go_on;
+    }
+
+  private:
+    using Step = std::optional<int>;
+    static constexpr std::nullopt_t go_on = std::nullopt;
+
+    /// Some of the samples, to a record of their sums.
+    int run_shard() {
+        for (std::optional<int> (RenderRun::*step)() :
+             {&RenderRun::check_outputs, &RenderRun::lock_shard, &RenderRun::load, &RenderRun::begin_shard,
+              &RenderRun::build, &RenderRun::plan, &RenderRun::render, &RenderRun::write_shard,
+              &RenderRun::write_statistics})
+            if (const std::optional<int> code = (this->*step)()) return *code;
+        const transport::RenderStatistics& statistics = output_->statistics;
+        print_line(shard_->record() + ": " + shard_->text() + ", " + duration_text(statistics.render_seconds) + " (" +
+                   duration_text(statistics.render_cpu_seconds) + " CPU)");
+        return exit_holds;
+    }
+
+    void warn(const std::string& message) {
+        print_warning(message);
+        warnings_.push_back(message);
+    }
+
+    /// Everything that must be writable after the render is asked for before it.
+    Step check_outputs() {
+        if (fs::path(job_.output).extension() != ".exr")
+            return report_error("the output '" + job_.output +
+                                "' has no name ending in .exr; expected an OpenEXR file name");
+        if (Status recovery = check_recovery(job_); !recovery) return report_error(recovery.error());
+        if (Status fits = check_exr_requests(job_.outputs); !fits) return report_error(fits.error());
+        if (job_.resume && !job_.shard)
+            for (const std::string& path : {job_.output, checkpoint_file(job_)}) display::remove_abandoned(path);
+        std::vector<std::string> taken{job_.scene_file, job_.job_file};
+        for (const std::string& path : requested_files(job_)) {
+            for (const std::string& other : taken) {
+                std::error_code failed;
+                if (!other.empty() && (path == other || fs::equivalent(path, other, failed)))
+                    return report_error("'" + path +
+                                        "' is used twice, for input or for another output; expected a file of its own");
+            }
+            taken.push_back(path);
+            Status writable = display::check_writable(path);
+            if (!writable) return report_error(writable.error());
+        }
+        return go_on;
+    }
+
+    Step load() {
+        const PhaseClock clock;
+        LoadingLine loading;
+        auto loaded = load_job_scene(job_, loading.progress());
+        loading.finish();
+        if (!loaded) return report_error(loaded.error());
+        loaded_ = std::move(*loaded);
+        ask_for_film_layers(loaded_->scene.film, job_);
+        if (const auto ignored = ask_for_film_clamp(loaded_->scene, job_)) warn(*ignored);
+        for (const std::string& warning : loaded_->warnings) warn(warning);
+        if (!quiet_)
+            for (const std::string& line : job_.show_effects ? effect_table(loaded_->effects, job_.effects)
+                                                             : effect_summary(loaded_->effects, job_.effects))
+                print_line(line);
+        if (!job_.settings.only)
+            if (Status made = outputs_.make(job_, loaded_->color); !made) return report_error(made.error());
+        phases_["load"] = clock.elapsed();
+        return interrupted_early();
+    }
+
+    /// Once: the plan goes by the same tables as the render, so that no image and no grid is read again.
+    Step build() {
+        LoadingLine loading;
+        auto built = transport::BuiltScene::build(loaded_->scene,
+                                                  {job_.settings.isa, job_.settings.threads, loading.progress()});
+        loading.finish();
+        if (!built) return report_error(built.error());
+        built_ = std::move(*built);
+        return interrupted_early();
+    }
+
+    Step lock_shard() {
+        auto lock = WorkLock::take(shard_lock(job_.shard->record), "is rendering this shard");
+        if (!lock) return report_error(lock.error());
+        lock_.emplace(*std::move(lock));
+        return go_on;
+    }
+
+    Step begin_shard() {
+        if (!job_.preview.empty() || !job_.outputs.drivers.empty())
+            print_note(
+                "previews and viewers are of whole images and left out here; 'raylex preview' shows what "
+                "'raylex merge' writes");
+        auto shard = ShardRender::make(job_, loaded_->scene);
+        if (!shard) return report_error(shard.error());
+        shard_ = *std::move(shard);
+        return go_on;
+    }
+
+    /// Whether the record of this shard is there. Then render() ends before a ray is traced.
+    Status look_for_record(const transport::RenderPlan& plan) {
+        std::string warning;
+        auto done = shard_->is_done(plan, warning);
+        if (!done) return done.error();
+        if (!warning.empty()) warn(warning);
+        shard_is_done_ = *done;
+        return *done ? Status(error_at({}, "this shard is done")) : success();
+    }
+
+    Step plan() {
+        const PhaseClock clock;
+        auto words = scene_words(job_, loaded_->scene, built_.get());
+        if (!words) return report_error(words.error());
+        auto plan = plan_channels(job_, *words);
+        if (!plan) return report_error(plan.error());
+        for (const std::string& note : plan->notes) warn(note);
+        if (!plan->refuted.empty()) {
+            std::fprintf(stderr, "raylex: %s\nNothing was rendered.\n", plan->refuted.c_str());
+            return exit_does_not_hold;
+        }
+        if (!job_.settings.beauty && plan->channels.empty())
+            return report_error("--no-beauty leaves nothing to render; expected at least one --lpe or --aov with it");
+        job_.settings.channels = plan->channels;
+        for (const std::string& line :
+             job_.show_effects ? aov_table(job_.settings.channels) : aov_summary(job_.settings.channels))
+            print_line(line);
+        if (!job_.settings.only)
+            if (Status atlas = outputs_.atlas().prepare(job_, *words); !atlas) return report_error(atlas.error());
+        partitions_ = plan->partitions;
+        beauties_ = plan->beauties;
+        phases_["plan"] = clock.elapsed();
+        return interrupted_early();
+    }
+
+    /// Ctrl-C before the first sample: there is nothing to write.
+    static Step interrupted_early() {
+        if (!interrupt_flag().load()) return go_on;
+        std::fprintf(stderr, "raylex: interrupted before anything was rendered; no file was written\n");
+        return exit_interrupted;
+    }
+
+    void ask_for_checkpoints() {
+        if (job_.checkpoint_seconds == 0 && !job_.settings.buckets) return;
+        transport::CheckpointSettings settings;
+        settings.file = checkpoint_file(job_);
+        settings.seconds =
+            job_.checkpoint_seconds > 0 ? job_.checkpoint_seconds : std::numeric_limits<double>::infinity();
+        settings.resume = job_.resume;
+        settings.identity = checkpoint_identity(job_, loaded_->color);
+        job_.settings.checkpoint = std::move(settings);
+    }
+
+    /// The image is safe under its name, and so are all other files: what would bring it back is not needed any more.
+    void remove_checkpoint() {
+        if (!output_->complete || (job_.checkpoint_seconds == 0 && !output_->bands)) return;
+        const Status removed = output_->bands ? transport::remove_buckets(checkpoint_file(job_))
+                                              : display::remove_file(checkpoint_file(job_));
+        if (!removed) warn(removed.error().to_string());
+        output_->bands.reset();  // and its band in memory, before the file is read
+    }
+
+    Step render() {
+        ask_for_checkpoints();
+        Progress progress;
+        job_.settings.before_rendering = [&](const transport::RenderPlan& plan,
+                                             std::vector<display::SampleSink*>& sinks) {
+            at_once_.reset();
+            progress.begin(plan);
+            Status begun = outputs_.begin(plan, sinks, loaded_->primaries, partitions_);
+            if (begun) print_memory(outputs_, job_.outputs.memory_limit);
+            return begun && shard_ ? look_for_record(plan) : begun;
+        };
+        auto output = transport::render(
+            loaded_->scene, *built_, job_.settings,
+            [&](const transport::RenderProgress& now) {
+                progress.update(now);
+                outputs_.update(now);
+            },
+            &interrupt_flag());
+        progress.finish();
+        for (const std::string& warning : outputs_.take_warnings()) warn(warning);
+        if (shard_is_done_) {
+            print_line(shard_->record() + ": " + shard_->text() + " is done already");
+            return exit_holds;
+        }
+        if (!output) return report_error(output.error());
+        output_.emplace(std::move(*output));
+        for (const Error& warning : output_->warnings) warn(warning.to_string());
+        const transport::RenderStatistics& statistics = output_->statistics;
+        phases_["build"] = {statistics.build_seconds, statistics.build_cpu_seconds};
+        phases_["prepare"] = {statistics.prepare_seconds, statistics.prepare_cpu_seconds};
+        phases_["render"] = {statistics.render_seconds, statistics.render_cpu_seconds};
+        if (statistics.invalid_samples > 0) warn(text_of_invalid(job_, *output_, arguments_));
+        if (!output_->complete && statistics.camera_samples == 0) {
+            if (interrupt_flag().load()) return interrupted_early();
+            print_warning(
+                "the time was up before any sample was finished; no file was written. Expected more time, or paths "
+                "that end: --max-depth bounds them");
+            return exit_does_not_hold;
+        }
+        return go_on;
+    }
+
+    /// One sample of one pixel, told and not written. Exit code 1 when something of it is refused.
+    int replay() {
+        const transport::SampleChoice& only = *job_.settings.only;
+        auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
+        if (!output) return report_error(output.error());
+        const transport::RenderStatistics& statistics = output->statistics;
+        const std::span<const display::ChannelDefinition> channels = output->frame_buffer.channels();
+        print_line("pixel (" + std::to_string(only.x) + ", " + std::to_string(only.y) + "), sample " +
+                   std::to_string(only.sample) + ", seed " + std::to_string(output->seed) + ": " +
+                   std::to_string(statistics.invalid_samples) + " contributions or values refused");
+        const auto triple = [](double r, double g, double b) {
+            return "(" + number_text(r) + ", " + number_text(g) + ", " + number_text(b) + ")";
+        };
+        for (const display::InvalidSample& each : statistics.invalid_log)
+            print_line("  refused: " + triple(each.value.r, each.value.g, each.value.b) +
+                       (each.channel >= 0 ? " for " + channels[static_cast<std::size_t>(each.channel)].name : ""));
+        const bool inside = only.x >= 0 && only.y >= 0 && only.x < output->width && only.y < output->height;
+        for (std::size_t i = 0; inside && i < channels.size(); ++i) {
+            const std::vector<double> value = output->frame_buffer.resolve(static_cast<display::ChannelId>(i),
+                                                                           {only.x, only.y, only.x + 1, only.y + 1});
+            print_line("  " + channels[i].name + ": " +
+                       (value.size() == 3 ? triple(value[0], value[1], value[2]) : number_text(value[0])));
+        }
+        return statistics.invalid_samples > 0 ? exit_does_not_hold : exit_holds;
+    }
+
+    /// What the file or the record says of the image.
+    display::ImageDescription describe_image() {
+        attributes_ = header_attributes(job_, *output_, arguments_, loaded_->color.description);
+        if (!beauties_.empty()) attributes_["raylex/is_beauty"] = lpe::joined_by(beauties_, ", ");
+        if (!loaded_->color.texture_spaces->empty())
+            attributes_["raylex/texture_spaces"] = *loaded_->color.texture_spaces;
+        return image_description(job_, *loaded_, *output_, partitions_, attributes_);
+    }
+
+    Step write_shard() {
+        const PhaseClock clock;
+        if (!output_->complete) {
+            print_line(shard_->record() + ": " + shard_->text() + ", INTERRUPTED; the same command goes on from here");
+            return exit_interrupted;
+        }
+        const display::ImageDescription description = describe_image();
+        // The record comes last: where it is, all of the shard is.
+        const ShardRange& range = shard_->range();
+        if (Status s = outputs_.atlas().write(*output_, of_samples(description, range.first, range.end)); !s)
+            return report_error(s.error());
+        if (Status s = shard_->write(*output_, description, job_.outputs.filters); !s) return report_error(s.error());
+        remove_checkpoint();
+        phases_["write"] = clock.elapsed();
+        return go_on;
+    }
+
+    Step write_image() {
+        const PhaseClock clock;
+        const display::ImageDescription description = describe_image();
+        Status written = outputs_.close(*output_, description);
+        for (const std::string& warning : outputs_.take_warnings()) warn(warning);
+        if (!written && written.error().file == job_.output) return rescue(written.error(), description);
+        if (!written) return report_error(written.error());
+        remove_checkpoint();
+        phases_["write"] = clock.elapsed();
+        return go_on;
+    }
+
+    /// The output could not be written after all (a full disk): what was rendered is not given up before the folder for
+    /// temporary files was tried.
+    Step rescue(const Error& failure, const display::ImageDescription& description) {
+        std::error_code failed;
+        const fs::path folder = fs::temp_directory_path(failed);
+        const std::string path = (folder / fs::path(job_.output).filename()).string();
+        if (!failed && !fs::exists(path, failed) &&
+            display::write_exr(path, outputs_.filtered(output_->image()), output_->beauty, description)) {
+            Error error = failure;
+            error.hint = "the image was saved as " + path + " instead";
+            return report_error(error);
+        }
+        return report_error(failure);
+    }
+
+    /// Judges the file as a reader finds it, not the buffers it came from.
+    Step judge() {
+        auto file = display::ExrBands::open(job_.output);
+        if (!file) return report_error(file.error());
+        image_ = file->image();
+        if (!image_.partitions.empty()) {
+            auto verdicts = display::check_declared_splits(*file);
+            if (!verdicts) return report_error(verdicts.error());
+            splits_ = std::move(*verdicts);
+        }
+        if (outputs_.deep() != nullptr) {
+            auto pixels = display::read_exr(job_.output);
+            if (!pixels) return report_error(pixels.error());
+            image_ = *std::move(pixels);
+        }
+        auto deep = outputs_.judge_deep(image_);
+        if (!deep) return report_error(deep.error());
+        deep_ = std::move(*deep);
+        auto atlas = outputs_.atlas().judge();
+        if (!atlas) return report_error(atlas.error());
+        atlas_ = *atlas;
+        return go_on;
+    }
+
+    Step write_statistics() {
+        if (job_.statistics.empty()) return go_on;
+        RunRecord record{&job_,   &*output_,   arguments_,        phases_,         warnings_,
+                         splits_, attributes_, outputs_.memory(), outputs_.deep(), loaded_->effects};
+        Status written = display::write_text_file(job_.statistics, statistics_json(record));
+        if (!written) return report_error(written.error());
+        return go_on;
+    }
+
+    Job job_;
+    const std::vector<std::string>& arguments_;
+    // Where an interrupt loses nothing it ends the program; from before_rendering() on it waits for the image.
+    const InterruptsWait wait_;
+    std::optional<InterruptsAtOnce> at_once_;
+    std::unique_ptr<JobScene> loaded_;
+    std::shared_ptr<const transport::BuiltScene> built_;
+    std::vector<display::PartitionDeclaration> partitions_;
+    std::vector<std::string> beauties_;
+    RenderOutputs outputs_;
+    std::optional<WorkLock> lock_;
+    std::optional<ShardRender> shard_;
+    bool shard_is_done_ = false, quiet_ = false;
+    std::optional<transport::RenderOutput> output_;
+    std::optional<display::DeepVerdict> deep_;
+    std::optional<display::AtlasVerdict> atlas_;
+    display::ExrImage image_;  // its pixels only where a deep image is compared with them
+    std::vector<display::SplitVerdict> splits_;
+    std::map<std::string, PhaseTime> phases_;
+    std::map<std::string, std::string> attributes_;
+    std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+std::optional<int> estimate_render(Job job, const std::vector<std::string>& arguments, bool calibrate,
+                                   RenderEstimate& estimate) {
+    install_interrupt_handler();
+    return RenderRun(std::move(job), arguments).estimate(calibrate, estimate);
+}
+
+int run_render(Job job, const std::vector<std::string>& arguments) {
+    install_interrupt_handler();
+    return RenderRun(std::move(job), arguments).run();
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,76 @@
+#include "experiments/cli/render/render_summary.h"
+
+#include <filesystem>
+
+#include "experiments/cli/judge.h"
+#include "experiments/job/sampling_requests.h"
+#include "experiments/program/console.h"
+#include "experiments/program/interrupt.h"
+#include "experiments/program/tint.h"
+#include "lpe/algebra/wording/event_words.h"
+
+namespace raylex::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+void print_sampling(const RenderSummary& of) {
+    const std::uint64_t samples = of.output.statistics.camera_samples;
+    if (of.output.resumed_samples > 0)
+        print_line("resumed from a checkpoint with " + std::to_string(of.output.resumed_samples) + " of " +
+                   std::to_string(samples) + " samples");
+    if (of.job.settings.limit && of.output.complete)
+        print_line("time: " + std::to_string(of.output.samples_per_pixel) + " samples per pixel; --spp " +
+                   std::to_string(of.output.samples_per_pixel) + " gives the same bits");
+    if (!of.output.adaptive) return;
+    const double pixels = static_cast<double>(of.output.width) * static_cast<double>(of.output.height);
+    std::string line =
+        "adaptive: " + number_text(static_cast<double>(samples) / pixels, 6) + " samples per pixel in the mean";
+    if (!of.output.adaptive->channel.empty())
+        line += ", error of " + of.output.adaptive->channel + " " + number_text(100 * of.output.adaptive->error) + " %";
+    if (const std::uint64_t missed = of.output.unconverged_pixels; missed > 0)
+        line += "; " + std::to_string(missed) + " pixels are above " + number_text(100 * of.output.adaptive->target) +
+                " % with the most samples that they may have";
+    print_line(line);
+}
+
+}  // namespace
+
+void print_summary(const RenderSummary& of) {
+    const transport::RenderStatistics& statistics = of.output.statistics;
+    for (const display::SplitVerdict& verdict : of.splits) {
+        print_verdict(verdict_line(verdict), verdict.holds);
+        if (!verdict.holds) print_line("  " + write_residual_map(verdict, of.image));
+    }
+    if (of.deep) print_verdict(deep_line(*of.deep), of.deep->holds);
+    if (of.atlas) {
+        const auto pixels = static_cast<std::uint64_t>(of.output.width) * static_cast<std::uint64_t>(of.output.height);
+        print_verdict(atlas_line(*of.atlas, pixels), of.atlas->holds);
+    }
+    std::error_code failed;
+    const auto bytes = fs::file_size(of.job.output, failed);
+    std::string line = of.job.output + ": " + std::to_string(of.output.width) + "x" + std::to_string(of.output.height) +
+                       ", " + std::to_string(of.image.layers.size()) +
+                       (of.image.layers.size() == 1 ? " layer, " : " layers, ") +
+                       size_text(failed ? 0.0 : static_cast<double>(bytes));
+    if (!of.output.complete)
+        line += interrupt_flag().load() ? "; INCOMPLETE: interrupted"
+                                        : "; INCOMPLETE: the time was up before all pixels had as many samples";
+    print_line(line);
+    if (!of.output.complete && (of.job.checkpoint_seconds > 0 || of.output.bands) &&
+        fs::exists(checkpoint_file(of.job), failed))
+        print_line(checkpoint_file(of.job) + ": --resume goes on from here");
+    print_sampling(of);
+    if (!of.beauties.empty())
+        print_line("the beauty by another name: " + lpe::joined_by(of.beauties, ", ") + " (every path of this scene)");
+    for (const std::string& path : of.files) print_line(path);
+    if (!of.job.statistics.empty()) print_line(of.job.statistics);
+    const auto seconds = [&of](const char* phase) { return duration_text(of.phases.at(phase).wall_seconds); };
+    const double cpu = statistics.render_cpu_seconds;
+    print_line("load " + seconds("load") + ", plan " + seconds("plan") + ", build " + seconds("build") + ", prepare " +
+               seconds("prepare") + ", render " + seconds("render") + " (" + duration_text(cpu) + " CPU, " +
+               number_text(cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu * 1e-6 : 0) +
+               " M samples per CPU second), write " + seconds("write"));
+}
+
+}  // namespace raylex::experiments

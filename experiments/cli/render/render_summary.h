@@ -1,0 +1,36 @@
+// What a render says when it is done.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "display/output/atlas/atlas_file.h"
+#include "display/output/reader/exr_reader.h"
+#include "display/output/splits/split_check.h"
+#include "experiments/cli/render/render_outputs.h"
+#include "experiments/job/job.h"
+#include "experiments/job/rendering/statistics.h"
+#include "transport/render/render.h"
+
+namespace raylex::experiments {
+
+/// All that is told, where it stands.
+struct RenderSummary {
+    const Job& job;
+    const transport::RenderOutput& output;
+    const display::ExrImage& image;  ///< the file as a reader finds it
+    std::span<const display::SplitVerdict> splits;
+    const std::optional<display::DeepVerdict>& deep;
+    const std::optional<display::AtlasVerdict>& atlas;
+    const std::vector<std::string>& beauties;  ///< layers that are every path of the scene
+    std::vector<std::string> files;            ///< beside the image
+    const std::map<std::string, PhaseTime>& phases;
+};
+
+/// Verdicts, files, sampling and times, a line each.
+void print_summary(const RenderSummary& of);
+
+}  // namespace raylex::experiments

@@ -1,0 +1,243 @@
+// raylex scene: scenes as files and as what invariants are checked on.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "experiments/cli/commands.h"
+#include "experiments/cli/loading_line.h"
+#include "experiments/cli/option_group.h"
+#include "experiments/cli/plugin_options.h"
+#include "experiments/cli/scenes/scene_commands.h"
+#include "experiments/inspect/scene_doubts.h"
+#include "experiments/invariants/search.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
+#include "experiments/program/interrupt.h"
+#include "experiments/program/tint.h"
+#include "transport/export/pbrt_writer.h"
+#include "transport/import/input_file.h"
+#include "transport/import/pbrt/pbrt_importer.h"
+
+namespace raylex::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+void print_warnings(const transport::SceneDescription& scene) {
+    for (const Error& warning : scene.warnings) print_warning(warning.to_string());
+}
+
+// --- write ---
+
+struct WriteOptions {
+    std::string input, output;
+    std::vector<std::string> plugins;
+};
+
+int write_scene(const WriteOptions& options) {
+    if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
+    const auto scene = transport::import_pbrt(options.input);
+    if (!scene) return report_error(scene.error());
+    print_warnings(*scene);
+    const auto left_out = transport::write_pbrt(*scene, options.output);
+    if (!left_out) return report_error(left_out.error());
+    for (const std::string& each : *left_out) print_warning(each);
+    return exit_holds;
+}
+
+void add_write_command(CLI::App& scene, CommandContext& context) {
+    CLI::App* command = scene.add_subcommand("write", "Writes a scene as one resolved pbrt-v4 file.");
+    auto options = std::make_shared<WriteOptions>();
+    command->add_option("IN.pbrt", options->input, "the scene; what it includes and imports comes along")->required();
+    command->add_option("-o,--output", options->output, "the file; meshes that came from files go to FILE.meshes/")
+        ->option_text("OUT.pbrt")
+        ->required();
+    add_plugin_option(*command, options->plugins);
+    command->footer(
+        "Includes, imports, attributes, names and transforms are resolved; numbers have the digits that read back as "
+        "themselves,\nso the file renders the same bits. Images are named by their absolute path.\n"
+        "Exit codes: 0 written, 2 bad usage or input.");
+    command->callback([options, &context] { context.exit_code = write_scene(*options); });
+}
+
+// --- check ---
+
+struct SceneCheckOptions {
+    std::string input;
+    bool invariants = false;
+    double timeout = 600;
+    std::vector<std::string> plugins;
+    InvariantOptions check;
+};
+
+const char* outcome_text(InvariantState outcome) {
+    switch (outcome) {
+        case InvariantState::holds:
+            return "holds";
+        case InvariantState::violated:
+            return "VIOLATED";
+        case InvariantState::skipped:
+            break;
+    }
+    return "skipped";
+}
+
+std::string table_cell(std::string text, std::size_t width) {
+    text.resize(std::max(text.size() + 1, width), ' ');
+    return text;
+}
+
+void print_verdicts(const std::vector<Verdict>& verdicts) {
+    print_line(table_cell("invariant", 18) + table_cell("measured", 12) + table_cell("bound", 12) +
+               table_cell("verdict", 10));
+    for (const Verdict& verdict : verdicts) {
+        const bool skipped = verdict.outcome == InvariantState::skipped;
+        print_line(table_cell(verdict.invariant, 18) + table_cell(skipped ? "-" : number_text(verdict.measured), 12) +
+                   table_cell(skipped ? "-" : number_text(verdict.bound), 12) +
+                   table_cell(outcome_text(verdict.outcome), 10) + verdict.note);
+    }
+}
+
+int check_scene(const SceneCheckOptions& options) {
+    if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
+    if (!options.invariants) {
+        LoadingLine loading;
+        const auto scene = transport::import_pbrt(
+            options.input,
+            {.missing = transport::MissingFiles::placeholders, .threads = 0, .progress = loading.progress()});
+        const auto built =
+            scene ? transport::BuiltScene::build(*scene, {.isa = {}, .threads = 0, .progress = loading.progress()})
+                  : scene.error();
+        loading.finish();
+        if (!scene) return report_error(scene.error());
+        print_warnings(*scene);
+        if (!built) return report_error(built.error());
+        const std::vector<Error> doubts = scene_doubts(*scene, **built);
+        for (const Error& doubt : doubts) print_line(doubt.to_string());
+        const std::size_t objects = scene->objects.size();
+        print_line(options.input + ": " + counted(scene->shapes.size(), "shape") + ", " + counted(objects, "object") +
+                   ", " + counted(scene->instances.size(), "instance") + ", " +
+                   counted(scene->lights.size() + scene->area_lights.size(), "light") + ", " +
+                   counted(scene->warnings.size(), "warning") + ", " + counted(doubts.size(), "doubt") +
+                   (scene->placeholders.empty()
+                        ? ""
+                        : ", " + counted(scene->placeholders.size(), "file") + " that cannot be found"));
+        return doubts.empty() && scene->placeholders.empty() ? exit_holds : exit_does_not_hold;
+    }
+    const auto text = transport::read_file(options.input, NamedBy::file, "a pbrt-v4 scene");
+    if (!text) return report_error(text.error());
+    const auto report = check_in_process(*text, options.input, options.check, options.timeout, &interrupt_flag());
+    if (!report) return report_error(report.error());
+    if (interrupt_flag().load()) return exit_interrupted;
+    if (!report->refused.empty()) return report_error("the scene is refused: " + report->refused);
+    print_verdicts(report->verdicts);
+    return report->holds() ? exit_holds : exit_does_not_hold;
+}
+
+std::string invariant_list() {
+    std::string list;
+    for (const InvariantInfo& info : invariants())
+        list += "  " + table_cell(std::string(info.name), 18) + std::string(info.help) + "\n";
+    return list;
+}
+
+void add_check_command(CLI::App& scene, CommandContext& context) {
+    CLI::App* command = scene.add_subcommand(
+        "check", "Reads a scene and looks for what can hardly be meant; checks what must hold of its images.");
+    auto options = std::make_shared<SceneCheckOptions>();
+    command->add_option("SCENE.pbrt", options->input, "the scene")->required();
+    const OptionGroup group(*command, "Options");
+    group.add_flag("--invariants", options->invariants, "renders it and variants of it, small, and prints a table");
+    group.add_repeated("--only", options->check.only, "NAME", "one of the invariants below");
+    group.add("--seed", options->check.seed, "N", "of samples and of the expressions that split the light; default 0");
+    group.add("--pixels", options->check.most_pixels, "N", "of an image at most; default 64");
+    group.add("--samples", options->check.most_samples, "N", "a pixel at most where bits are compared; default 4");
+    group.add("--mean-samples", options->check.samples_of_means, "N", "a pixel where means are compared; default 64");
+    group.add("--replicates", options->check.replicates, "N", "renders a mean; default 8, four times as many confirm");
+    group.add("--timeout", options->timeout, "S", "seconds after which the scene hangs; default 600");
+    add_plugin_option(*command, options->plugins);
+    command->footer(
+        "Without --invariants: normals and texture coordinates that are of no use, lights "
+        "that give nothing,\nand what is defined and never used, each at its line of the file.\n"
+        "Invariants:\n" +
+        invariant_list() +
+        "Means are compared by Student's t at a level of 1e-9 each, a thousandth for a million of them.\n"
+        "Exit codes: 0 all holds and nothing is in doubt, 1 something is, 2 bad usage or input.");
+    command->callback([options, &context] { context.exit_code = check_scene(*options); });
+}
+
+// --- search ---
+
+void print_finding(const Finding& finding) {
+    print_line("scene " + std::to_string(finding.scene) + " violates " + finding.invariant + ": measured " +
+               number_text(finding.verdict.measured) + ", bound " + number_text(finding.verdict.bound) + "; " +
+               finding.verdict.note);
+    print_line("  " + std::to_string(finding.lines_before) + " lines shrunk to " + std::to_string(finding.lines) +
+               " in " + counted(finding.trials, "trial") + ": " + finding.file);
+    std::fflush(stdout);  // hours may pass before the next line
+}
+
+int search(const SearchOptions& options, const std::vector<std::string>& plugins) {
+    if (Status loaded = load_plugins(plugins); !loaded) return report_error(loaded.error());
+    const InterruptsWait wait;
+    const auto report = search_scenes(
+        options,
+        [](const SearchReport&, const Finding* finding) {
+            if (finding != nullptr) print_finding(*finding);
+        },
+        &interrupt_flag());
+    if (!report) return report_error(report.error());
+    print_line(counted(report->scenes, "scene") + " in " + duration_text(report->seconds) + ", " +
+               number_text(double(report->scenes) / std::max(report->seconds, 1e-9)) + " a second; " +
+               std::to_string(report->tame) + " of ordinary size, " + std::to_string(report->refused) + " refused");
+    for (const InvariantInfo& info : invariants()) {
+        const std::string name(info.name);
+        const auto count = [&](const auto& counts) {
+            const auto found = counts.find(name);
+            return found == counts.end() ? std::uint64_t{0} : found->second;
+        };
+        print_line("  " + table_cell(name, 18) + table_cell(std::to_string(count(report->checked)) + " checked,", 17) +
+                   std::to_string(count(report->skipped)) + " did not apply");
+    }
+    print_line(report->findings.empty() ? "no violation" : counted(report->findings.size(), "violation"));
+    return report->findings.empty() ? exit_holds : exit_does_not_hold;
+}
+
+void add_search_command(CLI::App& scene, CommandContext& context) {
+    CLI::App* command =
+        scene.add_subcommand("search", "Draws random scenes until an invariant fails; shrinks and saves what does.");
+    auto options = std::make_shared<SearchOptions>();
+    auto plugins = std::make_shared<std::vector<std::string>>();
+    options->seconds = 60;
+    const OptionGroup group(*command, "Options");
+    group.add("--seconds", options->seconds, "S", "for how long; default 60, 0: until --scenes are through");
+    group.add("--scenes", options->scenes, "N", "at most; default 0: any number");
+    group.add("--seed", options->seed, "N", "number of the first scene, the others follow; default 0");
+    group.add_repeated("--only", options->check.only, "NAME", "one invariant, see raylex scene check --help");
+    group.add("--means-every", options->means_every, "N",
+              "scene of ordinary size is also checked for invariants of means; default 6, 0: none");
+    group.add("--timeout", options->seconds_a_scene, "S", "seconds after which a scene hangs; default 120");
+    group.add("--findings", options->most_findings, "N", "after which it ends; default 20");
+    group.add("-o,--output", options->folder, "FOLDER", "for scenes that fail; default raylex-search");
+    add_plugin_option(*command, *plugins);
+    command->footer(
+        "A scene that is refused with an error has an answer. A process that dies or hangs, and a violated invariant, "
+        "is a\nfinding: its scene is made as small as it fails, and saved with the command that repeats it.\n"
+        "Example: raylex scene search --seconds 3600 -o found\n"
+        "Exit codes: 0 nothing found, 1 something found, 2 bad usage or input, 130 after Ctrl-C.");
+    command->callback([options, plugins, &context] { context.exit_code = search(*options, *plugins); });
+}
+
+}  // namespace
+
+void add_scene_command(CLI::App& app, CommandContext& context) {
+    CLI::App* scene = app.add_subcommand(
+        "scene", "Says what scenes hold, checks what must hold of them, writes them, searches for bad ones.");
+    scene->require_subcommand(1);
+    add_scene_info_command(*scene, context);
+    add_check_command(*scene, context);
+    add_search_command(*scene, context);
+    add_write_command(*scene, context);
+}
+
+}  // namespace raylex::experiments

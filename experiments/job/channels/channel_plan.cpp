@@ -1,0 +1,433 @@
+#include "experiments/job/channels/channel_plan.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "experiments/job/channels/channel_reasons.h"
+#include "geoaovs/geoaovs.h"
+#include "lpe/algebra/proofs/check.h"
+#include "lpe/algebra/proofs/relations.h"
+#include "lpe/algebra/wording/regex_printing.h"
+#include "lpe/language/glob.h"
+#include "lpe/language/names.h"
+#include "lpe/shipped.h"
+
+namespace raylex::experiments {
+namespace {
+
+using display::ChannelDefinition;
+using display::ChannelStyle;
+
+std::string layer_name_for(const std::string& group) {
+    std::string name = "light_";
+    for (const char c : group) {
+        const bool fits =
+            (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+        name += fits ? c : '_';
+    }
+    return name;
+}
+
+class Planner {
+  public:
+    Planner(const Job& job, const SceneWords& scene)
+        : job_(job), scene_(scene), alphabet_(scene.alphabet), words_(scene.words) {}
+
+    Result<ChannelPlan> run() {
+        for (const ExpressionRequest& request : job_.expressions) {
+            Status added = add_expression(request);
+            if (!added) return added.error();
+        }
+        for (Status (Planner::*step)() :
+             {&Planner::declared_partitions, &Planner::automatic_rest, &Planner::shipped, &Planner::light_groups,
+              &Planner::techniques, &Planner::aovs, &Planner::check_rules}) {
+            Status done = (this->*step)();
+            if (!done) return done.error();
+            if (!plan_.refuted.empty()) break;
+        }
+        note_unexplained();
+        return std::move(plan_);
+    }
+
+  private:
+    Status add_channel(ChannelDefinition channel, const SourceLocation& where) {
+        Status usable = check_layer_name(channel.name, where);
+        if (!usable) return usable;
+        if (const auto [known, is_new] = index_.emplace(channel.name, plan_.channels.size()); !is_new)
+            return error_at(where, "the channel name '" + channel.name +
+                                       "' is used twice; expected every channel to have its own name");
+        plan_.channels.push_back(std::move(channel));
+        sources_.emplace_back();
+        return success();
+    }
+
+    Status add_expression(const ExpressionRequest& request) {
+        const SourceLocation& where = request.location;
+        auto expansion = lpe::expand_names(
+            {request.name, request.expression, request.dialect, where.file, where.line, where.column, {}, request.map},
+            job_.macros);
+        if (!expansion) return expansion.error();
+        ChannelDefinition channel;
+        channel.name = request.name;
+        channel.style = ChannelStyle::expression;
+        channel.expression = expansion->source.expression;
+        channel.dialect = request.dialect;
+        channel.space = "rendering colour space";
+        channel.origin = where.file;
+        channel.origin_line = where.line;
+        channel.origin_column = where.column;
+        Status added = add_channel(std::move(channel), request.location);
+        if (!added) return added;
+        for (const std::string& each : expansion->warnings)
+            plan_.notes.push_back("channel '" + request.name + "': " + each);
+        lpe::ChannelSource& source = sources_.back();
+        source = std::move(expansion->source);
+        auto prefixes = lpe::expression_prefixes(source);
+        if (!prefixes) return prefixes.error();
+        if (!prefixes->empty()) prefixed_[request.name] = prefixes->front();
+        auto warnings = lpe::expression_warnings(source, words_);
+        if (warnings)
+            for (const std::string& each : *warnings) plan_.notes.push_back("channel '" + request.name + "': " + each);
+        note_reach(source, std::find(prefixes->begin(), prefixes->end(), "holdouts") != prefixes->end());
+        return success();
+    }
+
+    /// A job for another scene has such channels by the dozen: the first are explained, the others named.
+    void note_black(const std::string& name, const std::string& reason) {
+        constexpr int most_explained = 8;
+        if (++black_ <= most_explained)
+            plan_.notes.push_back("channel '" + name +
+                                  "' can match no path of this scene, and its layer will be black: " + reason);
+        else unexplained_.push_back(name);
+    }
+    void note_unexplained() {
+        if (unexplained_.empty()) return;
+        std::string names;
+        for (const std::string& name : unexplained_) names += (names.empty() ? "'" : ", '") + name + "'";
+        plan_.notes.push_back(std::to_string(unexplained_.size()) +
+                              " more channels can match no path of this scene, and their layers will be black: " +
+                              names + "; raylex lpe explain EXPR --scene SCENE says why");
+    }
+
+    /// Channels that will be black are named before the render, with the reason; those that are the beauty are known.
+    void note_reach(const lpe::ChannelSource& source, bool holdouts) {
+        const std::string who = "channel '" + source.name + "'";
+        const auto never = why_never(source, scene_);
+        if (never && *never) note_black(source.name, **never);
+        else if (holdouts && !scene_.holdouts)
+            plan_.notes.push_back(who +
+                                  " takes what is seen first at holdouts, and no object is one: its layer will be "
+                                  "black; expected a [[label]] rule with holdout = true");
+        const auto unknown = unknown_labels(source, scene_);
+        if (unknown && !(never && *never))
+            for (const std::string& each : *unknown) plan_.notes.push_back(who + ": " + each);
+        const auto beauty = lpe::is_beauty(source, words_);
+        if (beauty && *beauty && !rule_of(source.name)) plan_.beauties.push_back(source.name);
+    }
+
+    /// The layer that takes what `channels` leave.
+    Status add_rest(const std::string& name, const std::vector<std::string>& channels, const SourceLocation& where) {
+        ChannelDefinition rest;
+        rest.name = name;
+        rest.style = ChannelStyle::expression;
+        rest.space = "rendering colour space";
+        for (const std::string& each : channels) rest.rest_of.push_back(index_.at(each));
+        rest.expression = rest_text(channels);
+        return add_channel(std::move(rest), where);
+    }
+
+    /// What the rest layer holds, as an expression for its header, where a short one holds in every scene or in this
+    /// one.
+    [[nodiscard]] std::string rest_text(const std::vector<std::string>& channels) const {
+        const std::vector<lpe::ChannelSource> sources = sources_of(channels);
+        for (const lpe::Words& words : {lpe::Words{}, words_}) {
+            auto text = lpe::rest_expression(sources, std::nullopt, words);
+            if (text && *text) return **text;
+        }
+        return {};
+    }
+
+    [[nodiscard]] std::vector<lpe::ChannelSource> sources_of(const std::vector<std::string>& names) const {
+        std::vector<lpe::ChannelSource> result;
+        for (const std::string& name : names) result.push_back(sources_[index_.at(name)]);
+        return result;
+    }
+
+    Status declared_partitions() {
+        for (const PartitionRequest& request : job_.partitions) {
+            for (const auto& known : plan_.partitions)
+                if (known.name == request.name)
+                    return error_at(request.location,
+                                    "the partition name '" + request.name + "' is used twice; expected another name");
+            std::vector<std::string> wanted = request.channels;
+            if (!request.of.empty()) wanted.push_back(request.of);
+            for (const std::string& name : wanted) {
+                Status fits = check_member(request, name);
+                if (!fits) return fits;
+                in_partition_[name] = true;
+            }
+            if (request.of.empty() && !job_.settings.beauty)
+                return error_at(request.location, "partition '" + request.name +
+                                                      "' splits the beauty, which this render does not make; "
+                                                      "expected of = \"channel\", or no --no-beauty");
+            if (!request.rest.empty() && !request.of.empty())
+                return error_at(request.location, "partition '" + request.name +
+                                                      "' has both 'of' and 'rest'; expected a rest layer only "
+                                                      "where the beauty is split");
+            Status proved = prove(request);
+            if (!proved || !plan_.refuted.empty()) return proved;
+        }
+        return success();
+    }
+
+    [[nodiscard]] const display::RuleRequest* rule_of(const std::string& name) const {
+        for (const display::RuleRequest& request : job_.settings.rules)
+            if (request.channel == name && request.rule != display::FilterRule::filter) return &request;
+        return nullptr;
+    }
+
+    Status check_member(const PartitionRequest& request, const std::string& name) const {
+        const auto found = index_.find(name);
+        if (found == index_.end()) {
+            std::vector<std::string> known;
+            std::string list;
+            for (const ExpressionRequest& each : job_.expressions) {
+                known.push_back(each.name);
+                list += (list.empty() ? "" : ", ") + each.name;
+            }
+            const std::string near = nearest_name(name, known);
+            return error_at(
+                request.location,
+                "partition '" + request.name + "' names the channel '" + name +
+                    "', which is not there; expected one of: " + (list.empty() ? "(no channel is declared)" : list),
+                near.empty() ? std::string() : "did you mean '" + near + "'?");
+        }
+        if (const auto prefix = prefixed_.find(name); prefix != prefixed_.end())
+            return error_at(request.location, "channel '" + name + "' carries the prefix '" + prefix->second +
+                                                  "' and cannot be part of partition '" + request.name +
+                                                  "'; expected plain expressions");
+        return success();
+    }
+
+    Status prove(const PartitionRequest& request) {
+        display::PartitionDeclaration declaration{request.name, request.of, request.channels};
+        const std::vector<lpe::ChannelSource> sources = sources_of(request.channels);
+        std::string summary;
+        if (request.rest.empty()) {
+            std::optional<lpe::ChannelSource> of;
+            if (!request.of.empty()) of = sources_[index_.at(request.of)];
+            auto report = lpe::check_partition(sources, of, words_);
+            if (!report) return report.error();
+            if (report->verdict != lpe::Verdict::partition) summary = report->summary;
+        } else {
+            auto report = lpe::check_disjoint(sources, words_);
+            if (!report) return report.error();
+            if (!report->disjoint) summary = report->summary;
+            Status added = add_rest(request.rest, request.channels, request.location);
+            if (!added) return added;
+            in_partition_[request.rest] = true;
+            declaration.layers.push_back(request.rest);
+        }
+        if (!summary.empty()) {
+            Error where = error_at(request.location, "partition '" + request.name + "' does not hold: " + summary);
+            if (job_.measure_refuted) plan_.notes.push_back(where.to_string());
+            else plan_.refuted = where.to_string();
+        }
+        plan_.partitions.push_back(std::move(declaration));
+        return success();
+    }
+
+    /// Channels of the job that stand in no declared partition get a `rest` layer when no path is in two of them.
+    Status automatic_rest() {
+        if (!job_.settings.beauty) return success();
+        std::vector<std::string> members;
+        for (const ExpressionRequest& request : job_.expressions)
+            if (!prefixed_.contains(request.name) && !in_partition_.contains(request.name) && !rule_of(request.name))
+                members.push_back(request.name);
+        if (members.empty()) return success();
+        auto report = lpe::check_disjoint(sources_of(members), words_);
+        if (!report) {
+            plan_.notes.push_back("no rest layer: " + report.error().message);
+            return success();
+        }
+        if (!report->disjoint) {
+            plan_.notes.push_back("no rest layer and no partition 'auto': " + report->summary);
+            return success();
+        }
+        const std::string name = index_.contains("rest") ? "auto_rest" : "rest";
+        Status added = add_rest(name, members, job_.expressions.front().location);
+        if (!added) return added;
+        members.push_back(name);
+        plan_.partitions.push_back({"auto", "", std::move(members)});
+        return success();
+    }
+
+    /// A generated set of channels with its partition; proved like any other.
+    Status add_generated(const std::string& partition, const std::vector<ExpressionRequest>& requests) {
+        PartitionRequest declared;
+        declared.name = partition;
+        declared.location.file = "partition " + partition;
+        for (const ExpressionRequest& request : requests) {
+            ChannelDefinition channel;
+            channel.name = request.name;
+            channel.style = ChannelStyle::expression;
+            channel.expression = request.expression;
+            channel.dialect = request.dialect;
+            channel.space = "rendering colour space";
+            Status added = add_channel(std::move(channel), request.location);
+            if (!added) return added;
+            sources_.back() = {request.name, request.expression, request.dialect, request.location.file, 0, 0, {}};
+            declared.channels.push_back(request.name);
+        }
+        if (!job_.settings.beauty) return success();  // nothing to sum to
+        return prove(declared);
+    }
+
+    Status shipped() {
+        if (!job_.shipped_partition) return success();
+        std::vector<ExpressionRequest> requests;
+        for (const lpe::NamedExpression& each : lpe::shipped_partition())
+            requests.push_back({std::string(each.name),
+                                std::string(each.expression),
+                                lpe::Dialect::renderman,
+                                {"the shipped partition", 0, 0}});
+        return add_generated("shipped", requests);
+    }
+
+    [[nodiscard]] bool emission_carries(const std::string& group) const {
+        return std::any_of(alphabet_.terminals.begin(), alphabet_.terminals.end(), [&](const lpe::Event& event) {
+            return event.type == lpe::EventType::emission &&
+                   (event.labels.empty() ? group.empty() : event.labels.front() == group);
+        });
+    }
+
+    Status light_groups() {
+        if (!job_.light_groups) return success();
+        std::vector<ExpressionRequest> requests;
+        std::map<std::string, int> taken{{"light_default", 1}};
+        const SourceLocation where{"the light groups", 0, 0};
+        for (const std::string& group : alphabet_.light_groups) {
+            if (group.empty()) continue;
+            std::string name = layer_name_for(group);
+            if (const int count = ++taken[name]; count > 1) name += "_" + std::to_string(count);
+            const std::string label = lpe::quoted_label(group);
+            const std::string terminal =
+                emission_carries(group) ? "[<L." + label + "><O." + label + ">]" : "<L." + label + ">";
+            requests.push_back({name, "C.*" + terminal, lpe::Dialect::renderman, where});
+        }
+        requests.push_back({"light_default", emission_carries("") ? "C.*[<L.''><O.''>]" : "C.*<L.''>",
+                            lpe::Dialect::renderman, where});
+        return add_generated("light_groups", requests);
+    }
+
+    /// Of every channel asked for a layer for each technique, weighted and not, down to words of `most_vertices`, and
+    /// one for what is longer. The weighted ones sum to the channel by construction: each contribution has one
+    /// technique.
+    Status techniques() {
+        if (!job_.techniques) return success();
+        constexpr std::uint32_t most_vertices = 8;
+        const auto depth = static_cast<std::uint32_t>(std::max(words_.max_depth.value_or(5), 1));
+        const std::uint32_t vertices = std::min(depth + 2, most_vertices);
+        for (const std::string& name : job_.techniques->channels) {
+            auto expression = technique_source(name);
+            if (!expression) return expression.error();
+            display::PartitionDeclaration partition{
+                "techniques" + (name == "beauty" ? "" : "_" + name), name == "beauty" ? "" : name, {}};
+            const auto add = [&](const std::string& suffix, const std::string& prefix) {
+                ChannelDefinition channel;
+                channel.name = name + "_" + suffix;
+                channel.style = ChannelStyle::expression;
+                channel.expression = prefix + ";" + *expression;
+                channel.space = "rendering colour space";
+                channel.origin = job_.techniques->location.file;
+                channel.origin_line = job_.techniques->location.line;
+                return add_channel(std::move(channel), job_.techniques->location);
+            };
+            for (std::uint32_t n = 2; n <= vertices; ++n)
+                for (std::uint32_t s = 0; s < (n == 2 ? 1 : n); ++s) {
+                    const std::string technique = "s" + std::to_string(s) + "t" + std::to_string(n - s);
+                    if (Status added = add(technique, technique); !added) return added;
+                    partition.layers.push_back(name + "_" + technique);
+                    if (Status added = add(technique + "_unweighted", technique + ";unweighted"); !added) return added;
+                }
+            if (depth + 2 > vertices) {
+                const std::string beyond = "beyond" + std::to_string(vertices);
+                if (Status added = add(beyond, beyond); !added) return added;
+                partition.layers.push_back(name + "_" + beyond);
+            }
+            if (name != "beauty" || job_.settings.beauty) plan_.partitions.push_back(std::move(partition));
+        }
+        return success();
+    }
+
+    /// What a channel's layers by technique read behind their prefix.
+    [[nodiscard]] Result<std::string> technique_source(const std::string& name) const {
+        if (name == "beauty") return std::string("C.*");
+        const auto found = index_.find(name);
+        const std::string asked = "layers of '" + name + "' by technique: ";
+        if (found == index_.end() || plan_.channels[found->second].style != ChannelStyle::expression)
+            return error_at(job_.techniques->location,
+                            asked +
+                                "there is no such channel with a light path expression; expected beauty or one of the "
+                                "job's [[channel]] or --lpe channels");
+        const ChannelDefinition& channel = plan_.channels[found->second];
+        if (channel.dialect != lpe::Dialect::renderman || !channel.rest_of.empty() || prefixed_.contains(name))
+            return error_at(job_.techniques->location,
+                            asked + "expected a channel in the renderman dialect, without prefixes and no rest layer");
+        const std::string mark = "lpe:";
+        return channel.expression.starts_with(mark) ? channel.expression.substr(mark.size()) : channel.expression;
+    }
+
+    Status aovs() {
+        for (const AovRequest& request : job_.aovs) {
+            auto definition = transport::named_channel(request.name, alphabet_.pattern_channels);
+            if (!definition) {
+                Error error = definition.error();
+                error.file = request.location.file;
+                error.line = request.location.line;
+                error.column = request.location.column;
+                return error;
+            }
+            Status added = add_channel(std::move(*definition), request.location);
+            if (!added) return added;
+        }
+        return success();
+    }
+
+    /// What a rule picks does not add up.
+    Status check_rules() {
+        for (const display::PartitionDeclaration& partition : plan_.partitions) {
+            std::vector<std::string> members = partition.layers;
+            members.push_back(partition.of);
+            for (const std::string& name : members)
+                if (const display::RuleRequest* rule = rule_of(name))
+                    return error_at(rule->location, "channel '" + name + "' has the rule '" +
+                                                        display::rule_name(rule->rule) +
+                                                        "' and cannot be part of partition '" + partition.name +
+                                                        "', whose layers add up under the pixel filter only");
+        }
+        return success();
+    }
+
+    const Job& job_;
+    const SceneWords& scene_;
+    const transport::SceneAlphabet& alphabet_;
+    lpe::Words words_;
+    ChannelPlan plan_;
+    std::vector<lpe::ChannelSource> sources_;  // beside plan_.channels
+    std::map<std::string, std::size_t> index_;
+    std::map<std::string, std::string> prefixed_;  // channel -> its first prefix
+    std::map<std::string, bool> in_partition_;
+    int black_ = 0;  // channels without paths, and those of them without a note of their own
+    std::vector<std::string> unexplained_;
+};
+
+}  // namespace
+
+Result<ChannelPlan> plan_channels(const Job& job, const SceneWords& scene) {
+    return Planner(job, scene).run();
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,179 @@
+#include "experiments/job/rendering/statistics.h"
+
+#include <sys/resource.h>
+#include <chrono>
+#include <ctime>
+
+#include "experiments/job/rendering/effect_report.h"
+#include "experiments/job/rendering/provenance.h"
+#include "experiments/job/text/json.h"
+
+namespace raylex::experiments {
+namespace {
+
+double wall_now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double cpu_now() {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
+}
+
+Json phases_json(const RunRecord& record) {
+    Json phases;
+    for (const char* name : {"load", "plan", "build", "prepare", "render", "write"}) {
+        const auto found = record.phases.find(name);
+        const PhaseTime time = found != record.phases.end() ? found->second : PhaseTime{};
+        phases[name] = {{"wall_seconds", time.wall_seconds}, {"cpu_seconds", time.cpu_seconds}};
+    }
+    return phases;
+}
+
+/// Every rejected contribution that was logged, with what renders that sample again.
+Json invalid_json(const RunRecord& record) {
+    const transport::RenderStatistics& statistics = record.output->statistics;
+    Json log = Json::array();
+    const auto channels = record.output->frame_buffer.channels();
+    for (const display::InvalidSample& each : statistics.invalid_log) {
+        // Non-finite numbers have no form in JSON: text keeps them.
+        log.push_back(
+            {{"pixel", {each.pixel_x, each.pixel_y}},
+             {"sample", each.sample},
+             {"value", {std::to_string(each.value.r), std::to_string(each.value.g), std::to_string(each.value.b)}},
+             {"replay",
+              {{"seed", record.output->seed},
+               {"isa", record.output->isa},
+               {"sampler", record.output->sampler},
+               {"integrator", record.output->integrator},
+               {"scene", record.job->scene_file},
+               {"samples_per_pixel", record.output->samples_per_pixel},
+               {"command", replay_command(*record.job, *record.output, record.arguments, each)}}}});
+        if (each.channel >= 0) log.back()["channel"] = channels[static_cast<std::size_t>(each.channel)].name;
+    }
+    Json by_channel = Json::object();
+    for (std::size_t i = 0; i < statistics.invalid_by_channel.size(); ++i)
+        if (statistics.invalid_by_channel[i] > 0) by_channel[channels[i].name] = statistics.invalid_by_channel[i];
+    return {{"count", statistics.invalid_samples}, {"by_channel", by_channel}, {"logged", log}};
+}
+
+Json splits_json(const RunRecord& record) {
+    Json splits = Json::array();
+    for (const display::SplitVerdict& verdict : record.splits)
+        splits.push_back({{"partition", verdict.partition},
+                          {"of", verdict.of.empty() ? "beauty" : verdict.of},
+                          {"layers", verdict.layers},
+                          {"holds", verdict.holds},
+                          {"largest_absolute", verdict.largest_absolute},
+                          {"largest_relative", verdict.largest_relative},
+                          {"bound", verdict.bound},
+                          {"past_rounding_pixels", verdict.past_rounding},
+                          {"exceeding_pixels", verdict.exceeding},
+                          {"non_finite_pixels", verdict.non_finite}});
+    return splits;
+}
+
+Json cryptomatte_json(const transport::RenderOutput& output) {
+    Json mattes = Json::array();
+    for (const geoaovs::Cryptomatte& matte : output.cryptomatte) {
+        const geoaovs::Cryptomatte::Remainder left = matte.remainder();
+        mattes.push_back({{"name", matte.name()},
+                          {"ranks", matte.ranks()},
+                          {"names", matte.name_count()},
+                          {"memory_bytes", matte.coverage().memory_bytes()},
+                          {"remainder", {{"largest", left.largest}, {"mean", left.mean}, {"pixels", left.pixels}}}});
+    }
+    return mattes;
+}
+
+Json memory_json(const RunRecord& record) {
+    Json layers = Json::object();
+    for (const display::MemoryItem& item : record.memory) layers[item.name] = item.bytes;
+    return {{"total_bytes", display::total_bytes(record.memory)},
+            {"limit_bytes", record.job->outputs.memory_limit},
+            {"layers", layers}};
+}
+
+Json deep_json(const display::DeepCounts& counts) {
+    return {{"samples", counts.samples},
+            {"pixels_past_the_limit", counts.merged_pixels},
+            {"coarsest_tolerance", counts.coarsest},
+            {"refused_rows", counts.refused_rows}};
+}
+
+}  // namespace
+
+PhaseClock::PhaseClock() : wall_(wall_now()), cpu_(cpu_now()) {}
+
+PhaseTime PhaseClock::elapsed() const {
+    return {wall_now() - wall_, cpu_now() - cpu_};
+}
+
+std::uint64_t peak_memory_bytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts kilobytes
+}
+
+std::string statistics_json(const RunRecord& record) {
+    const transport::RenderOutput& output = *record.output;
+    const transport::RenderStatistics& statistics = output.statistics;
+    const std::uint64_t rays = statistics.camera_rays + statistics.scattering_rays + statistics.shadow_rays;
+    const double cpu = statistics.render_cpu_seconds;
+    Json json;
+    json["complete"] = output.complete;
+    json["image"] = {{"file", record.job->output}, {"width", output.width}, {"height", output.height}};
+    json["phases"] = phases_json(record);
+    json["rays"] = {{"camera", statistics.camera_rays},
+                    {"scattering", statistics.scattering_rays},
+                    {"shadow", statistics.shadow_rays},
+                    {"total", rays}};
+    json["branches"] = statistics.branches;
+    json["effects"] = effects_json(record.effects, record.job->effects);
+    json["aovs"] = aovs_json(record.job->settings.channels);
+    const auto pruned = [&](transport::Pruned cause) { return statistics.pruned[static_cast<std::size_t>(cause)]; };
+    json["pruned"] = {{"paths", pruned(transport::Pruned::paths)},
+                      {"light_samples", pruned(transport::Pruned::light_samples)},
+                      {"shadow_rays", pruned(transport::Pruned::shadow_rays)},
+                      {"rays_left_to_light_samples", pruned(transport::Pruned::rays_left_to_light_samples)},
+                      {"light_samples_left_to_rays", pruned(transport::Pruned::light_samples_left_to_rays)},
+                      {"lobes", pruned(transport::Pruned::lobes)},
+                      {"light_paths", pruned(transport::Pruned::light_paths)},
+                      {"joins", pruned(transport::Pruned::joins)},
+                      {"weak_paths", pruned(transport::Pruned::weak_paths)},
+                      {"closures", pruned(transport::Pruned::closures)}};
+    json["samples"] = {{"camera", statistics.camera_samples},
+                       {"per_pixel", output.samples_per_pixel},
+                       {"per_cpu_second", cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu : 0.0}};
+    if (output.frame_buffer.light_path_count() > 0)
+        json["samples"]["light_paths"] = output.frame_buffer.light_path_count();
+    if (output.resumed_samples > 0) json["samples"]["resumed"] = output.resumed_samples;
+    if (output.adaptive)
+        json["adaptive"] = {{"settings", describe(*record.job->settings.adaptive)},
+                            {"channel", output.adaptive->channel},
+                            {"error", output.adaptive->error},
+                            {"unconverged_pixels", output.unconverged_pixels}};
+    if (record.job->settings.checkpoint)
+        json["checkpoints"] = {{"written", statistics.checkpoints},
+                               {"stall_seconds", statistics.checkpoint_stall_seconds}};
+    json["rays_per_cpu_second"] = cpu > 0 ? static_cast<double>(rays) / cpu : 0.0;
+    json["path_length_histogram"] = statistics.path_length_histogram;
+    json["attribution_overflow"] = statistics.attribution_overflow;
+    json["invalid_samples"] = invalid_json(record);
+    json["rejected_block_sums"] = output.rejected_block_sums;
+    json["refused_services_calls"] = statistics.refused_services_calls;
+    json["memory"] = memory_json(record);
+    if (record.deep != nullptr) json["deep"] = deep_json(record.deep->counts());
+    json["peak_memory_bytes"] = peak_memory_bytes();
+    json["threads"] = output.threads;
+    json["seed"] = output.seed;
+    json["splits"] = splits_json(record);
+    json["cryptomatte"] = cryptomatte_json(output);
+    json["warnings"] = record.warnings;
+    json["provenance"] = record.attributes;
+    // Paths and scene text may hold bytes that are no UTF-8: replaced, not thrown over.
+    return json_text(json, 2) + "\n";
+}
+
+}  // namespace raylex::experiments

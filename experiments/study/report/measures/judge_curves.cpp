@@ -1,0 +1,184 @@
+// Verdicts over the curves of a study: slopes, times, speed-ups, what a setting buys, which paths are wrong.
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "experiments/study/report/measures/study.h"
+
+namespace raylex::experiments {
+namespace {
+
+std::vector<BudgetGroup> groups_of(const Curve& curve) {
+    std::vector<BudgetGroup> groups;
+    for (const BudgetPoint& point : curve.points) groups.push_back(point.group);
+    return groups;
+}
+
+/// The most expensive point whose error stands clear of the reference's own; the most expensive one when none does.
+const BudgetPoint* best_point(const Curve& curve) {
+    const BudgetPoint* best = nullptr;
+    for (const BudgetPoint& point : curve.points)
+        if (!point.group.at_floor) best = &point;
+    return best != nullptr || curve.points.empty() ? best : &curve.points.back();
+}
+
+Interval speed_up(const Curve& curve, const Curve& against, double confidence) {
+    const BudgetPoint *a = best_point(curve), *b = best_point(against);
+    if (a == nullptr || b == nullptr) {
+        Interval none{NAN, NAN, NAN, "not measured", {}};
+        return none;
+    }
+    IntervalOptions options;
+    options.confidence = confidence;
+    Interval result =
+        speed_up_interval({a->group.errors, a->group.seconds}, {b->group.errors, b->group.seconds}, options);
+    for (const BudgetPoint* each : {a, b})
+        if (result.valid() && !each->squared.valid()) result.note = each->squared.note;
+    return result;
+}
+
+/// Of error x time over replicates; NaN when there are none.
+double median_cost(const BudgetPoint& point) {
+    std::vector<double> costs;
+    for (std::size_t i = 0; i < point.group.errors.size(); ++i)
+        costs.push_back(point.group.errors[i] * point.group.seconds[i]);
+    if (costs.empty()) return NAN;
+    std::sort(costs.begin(), costs.end());
+    const std::size_t middle = costs.size() / 2;
+    return costs.size() % 2 == 1 ? costs[middle] : (costs[middle - 1] + costs[middle]) / 2;
+}
+
+/// A few fireflies move the mean of replicates, and its interval is none then; they do not move the median.
+double speed_up_by_medians(const Curve& curve, const Curve& against) {
+    const BudgetPoint *a = best_point(curve), *b = best_point(against);
+    if (a == nullptr || b == nullptr) return NAN;
+    const double cost = median_cost(*a), against_cost = median_cost(*b);
+    return cost > 0 && against_cost > 0 ? against_cost / cost : NAN;  // not above 0: at the reference's own error
+}
+
+std::string others_of(const MethodVariant& variant, const std::string& key) {
+    std::string text = variant.method;
+    for (const auto& [name, value] : variant.settings)
+        if (name != key) text += " " + name + "=" + value;
+    return text;
+}
+
+/// "default" where a variant says nothing of a setting.
+const std::string& setting(const MethodVariant& variant, const std::string& key) {
+    static const std::string unsaid = "default";
+    for (const auto& [name, value] : variant.all_settings)
+        if (name == key) return value;
+    return unsaid;
+}
+
+/// The only setting in which two variants differ; empty when there are several or none.
+std::string only_difference(const MethodVariant& a, const MethodVariant& b) {
+    std::set<std::string> keys;
+    for (const MethodVariant* each : {&a, &b})
+        for (const auto& [key, value] : each->all_settings) keys.insert(key);
+    // A filter beside none differs in its type, whatever its parameters.
+    for (const char* entity : {"integrator", "sampler", "filter", "sample_filter"}) {
+        const std::string prefix = std::string(entity) + ".", type = prefix + "type";
+        if (setting(a, type) == setting(b, type)) continue;
+        std::erase_if(keys, [&](const std::string& key) { return key.starts_with(prefix) && key != type; });
+    }
+    std::erase_if(keys, [&](const std::string& key) { return setting(a, key) == setting(b, key); });
+    return keys.size() == 1 ? *keys.begin() : std::string();
+}
+
+/// A setting's value for readers: of a filter, a sampler or an integrator with its parameters.
+std::string setting_text(const MethodVariant& variant, const std::string& key) {
+    std::string text = setting(variant, key), parameters;
+    if (!key.ends_with(".type")) return text;
+    const std::string prefix = key.substr(0, key.size() - 4);
+    if (prefix == "sample_filter." && text == "default") return "none";
+    for (const auto& [name, value] : variant.all_settings)
+        if (name.starts_with(prefix) && name != key)
+            parameters += (parameters.empty() ? "" : ", ") + name.substr(prefix.size()) + "=" + value;
+    return parameters.empty() ? text : text + " (" + parameters + ")";
+}
+
+/// Each variant against the first one for each setting in which it differs from an earlier one and in nothing else.
+void find_effects(Study& study, const SceneInfo& scene) {
+    for (std::size_t j = 1; j < study.variants.size(); ++j) {
+        const MethodVariant& to = study.variants[j];
+        std::set<std::string> seen;
+        for (std::size_t i = 0; i < j; ++i) {
+            const MethodVariant& from = study.variants[i];
+            const std::string key = only_difference(from, to);
+            if (key.empty() || !seen.insert(key).second) continue;
+            for (const ChannelInfo& channel : scene.channels) {
+                const Curve *a = study.curve(scene.name, to.name, channel.name),
+                            *b = study.curve(scene.name, from.name, channel.name);
+                if (a == nullptr || b == nullptr) continue;
+                study.effects.push_back({scene.name, channel.name, key, setting_text(from, key), setting_text(to, key),
+                                         others_of(from, key), speed_up(*a, *b, study.options.confidence),
+                                         speed_up_by_medians(*a, *b), to.name, from.name});
+            }
+        }
+    }
+}
+
+void find_words(Study& study, const SceneInfo& scene, const MethodVariant& variant) {
+    std::vector<JudgedChannel> channels;
+    bool any = false;
+    for (const BiasEntry& entry : study.bias) {
+        // What the method says it does not find makes a channel neither wrong nor right.
+        if (entry.scene != scene.name || entry.variant != variant.name || !entry.verdict.tested ||
+            !entry.omitted.empty())
+            continue;
+        any = any || entry.convicts();
+        for (const ChannelInfo& channel : scene.channels)
+            if (channel.name == entry.channel && !channel.beauty)
+                channels.push_back(
+                    {channel.name, channel.expression, channel.dialect, entry.convicts(), entry.verdict.adjusted_p});
+    }
+    if (!any) return;
+    WordsEntry entry{scene.name, variant.name, first_differing_words(channels)};
+    if (entry.first.words.empty() && entry.first.notes.empty())
+        entry.first.notes.emplace_back(
+            "no channel but the beauty differs; channels by bounce "
+            "(`raylex lpe split --by bounce,lobe`) would tell which paths do");
+    study.words.push_back(std::move(entry));
+}
+
+}  // namespace
+
+void judge_curves(Study& study) {
+    for (BiasEntry& entry : study.bias)
+        if (const Curve* curve = study.curve(entry.scene, entry.variant, entry.channel))
+            for (const BudgetPoint& point : curve->points)
+                if (point.budget == entry.budget) entry.heavy_tail = entry.heavy_tail || point.group.heavy_tail;
+    for (Curve& curve : study.curves) {
+        std::stable_sort(curve.points.begin(), curve.points.end(),
+                         [](const BudgetPoint& a, const BudgetPoint& b) { return a.seconds < b.seconds; });
+        const std::vector<BudgetGroup> groups = groups_of(curve);
+        bool unbiased = true;
+        for (const MethodVariant& variant : study.variants)
+            if (variant.name == curve.variant) unbiased = variant.unbiased;
+        curve.slope = judge_slope(groups, unbiased);
+        for (const BiasEntry& entry : study.bias)
+            if (entry.scene == curve.scene && entry.variant == curve.variant && entry.channel == curve.channel &&
+                !entry.omitted.empty()) {
+                curve.slope.too_shallow = false;
+                curve.slope.text = "not judged: it says that it does not find " + entry.omitted;
+            }
+        for (const double target : target_errors)
+            curve.times.push_back(time_to_error(groups, target, study.options.confidence));
+        curve.prediction = check_prediction(groups);
+    }
+    for (Curve& curve : study.curves)
+        for (const MethodVariant& variant : study.variants)
+            if (const Curve* base = study.curve(curve.scene, variant.name, curve.channel, curve.region);
+                base != nullptr) {
+                curve.first = base == &curve;
+                curve.speed_up = speed_up(curve, *base, study.options.confidence);
+                break;
+            }
+    for (const SceneInfo& scene : study.experiment->scenes) {
+        find_effects(study, scene);
+        for (const MethodVariant& variant : study.variants) find_words(study, scene, variant);
+    }
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,453 @@
+// Every image of an experiment, read once and measured.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "experiments/program/console.h"
+#include "experiments/study/report/measures/study.h"
+#include "lpe/algebra/proofs/paths.h"
+
+namespace raylex::experiments {
+namespace {
+
+/// The cells of one scene, variant and budget that have images, by replicate.
+struct Group {
+    const MethodVariant* variant = nullptr;
+    BudgetKind kind = BudgetKind::samples;
+    double budget = 0;
+    std::vector<const Cell*> cells;
+};
+
+struct Reference {
+    PixelArray mean;
+    std::optional<PixelArray> variance;  ///< of the mean; none where it is not kept
+};
+
+struct RegionPixels {
+    std::string name;  ///< "": the whole image
+    std::vector<std::uint32_t> pixels;
+};
+
+/// What a cell's time counts beside rendering: preparation. Loading, building and writing are phases, and not in it.
+double setup_of(const Cell& cell, bool cpu_clock) {
+    double rendering = 0;
+    for (const Phase& phase : cell.phases)
+        if (phase.name == "render") rendering += cpu_clock ? phase.cpu_seconds : phase.wall_seconds;
+    return rendering > 0 ? std::max(0.0, cell.seconds(cpu_clock) - rendering) : 0;
+}
+
+bool is_black(const PixelArray& array) {
+    return std::all_of(array.values.begin(), array.values.end(), [](double value) { return value == 0; });
+}
+
+std::vector<double> selected(const PixelArray& array, const std::vector<std::uint32_t>& pixels) {
+    return values_of(array, pixels);
+}
+
+class Measurer {
+  public:
+    Measurer(const Experiment& experiment, Study& study) : experiment_(experiment), study_(study) {}
+
+    Status measure() {
+        for (const SceneInfo& scene : experiment_.scenes) {
+            Status done = measure_scene(scene);
+            if (!done) return done;
+        }
+        return success();
+    }
+
+  private:
+    Status measure_scene(const SceneInfo& scene) {
+        if (scene.reference.empty()) {
+            study_.omissions.push_back(
+                {"scene " + scene.name,
+                 "no reference" + (scene.reference_failure.empty() ? "" : " (" + scene.reference_failure + ")") +
+                     ": errors, bias and images of it are not judged"});
+            return success();
+        }
+        std::vector<RegionPixels> regions{{"", {}}};
+        for (const Region& region : experiment_.regions) {
+            if (!region.scene.empty() && region.scene != scene.name) continue;
+            Result<std::vector<std::uint32_t>> pixels = region_pixels(region, scene.width, scene.height);
+            if (!pixels) return std::move(pixels).error();
+            regions.push_back({region.name, std::move(*pixels)});
+        }
+        const std::vector<Group> groups = groups_of(scene);
+        for (const ChannelInfo& channel : scene.channels) measure_channel(scene, channel, regions, groups);
+        return success();
+    }
+
+    [[nodiscard]] std::vector<Group> groups_of(const SceneInfo& scene) const {
+        std::vector<Group> groups;
+        for (const MethodVariant& variant : study_.variants)
+            for (const Cell& cell : experiment_.cells) {
+                if (cell.failed || cell.scene != scene.name || variant_name(cell) != variant.name) continue;
+                const auto same = std::find_if(groups.begin(), groups.end(), [&](const Group& each) {
+                    return each.variant == &variant && each.kind == cell.budget_kind && each.budget == cell.budget;
+                });
+                if (same != groups.end()) same->cells.push_back(&cell);
+                else groups.push_back({&variant, cell.budget_kind, cell.budget, {&cell}});
+            }
+        return groups;
+    }
+
+    void measure_channel(const SceneInfo& scene, const ChannelInfo& channel, const std::vector<RegionPixels>& regions,
+                         const std::vector<Group>& groups) {
+        Result<PixelArray> mean = read_mean(scene.reference, channel.name);
+        if (!mean) {
+            study_.omissions.push_back({"channel " + channel.name + " of scene " + scene.name, mean.error().message});
+            return;
+        }
+        if (!channel.beauty && is_black(*mean) && is_black_everywhere(channel, groups)) {
+            study_.omissions.push_back({"channel " + channel.name + " of scene " + scene.name,
+                                        "black in the reference and in every image: there is nothing to measure"});
+            return;
+        }
+        Reference reference{std::move(*mean), std::nullopt};
+        Result<PixelArray> m2 = read_m2(scene.reference, channel.name), samples = read_samples(scene.reference);
+        if (m2 && samples) reference.variance = variance_of_mean(*m2, *samples);
+        // Curves of one (region, variant) over budgets; `groups` come budget by budget.
+        std::map<std::pair<std::string, std::string>, std::size_t> curves;
+        for (const RegionPixels& region : regions)
+            for (const MethodVariant& variant : study_.variants)
+                for (const Group& group : groups)
+                    if (group.variant == &variant && !curves.contains({region.name, variant.name})) {
+                        curves[{region.name, variant.name}] = study_.curves.size();
+                        study_.curves.push_back({scene.name,
+                                                 variant.name,
+                                                 channel.name,
+                                                 region.name,
+                                                 group.kind,
+                                                 {},
+                                                 {},
+                                                 {},
+                                                 {},
+                                                 {},
+                                                 false});
+                    }
+        std::map<std::string, BiasCandidate> candidates;
+        for (const Group& group : groups) {
+            if (was_not_asked(group, channel)) continue;
+            const std::vector<PixelArray> images = read_group(group, channel, reference.mean);
+            offer(candidates, group, images);
+            // An image without light costs nothing and has no noise: it would beat whoever finds some.
+            if (is_dark(images)) {
+                study_.omissions.push_back({"channel " + channel.name + " of " + group.variant->name + " on " +
+                                                scene.name + ", " + budget_kind_name(group.kind) + " " +
+                                                number_text(group.budget, 6),
+                                            "no light at all, where the reference has some: it is not compared"});
+                continue;
+            }
+            for (const RegionPixels& region : regions) {
+                std::optional<BudgetPoint> point = measure_group(group, images, channel, region, reference);
+                if (point)
+                    study_.curves[curves[{region.name, group.variant->name}]].points.push_back(std::move(*point));
+            }
+        }
+        BiasSide truth{{block_means(reference.mean)}, {}};
+        if (reference.variance) truth.variance = block_variances(*reference.variance);
+        BiasSide even = truth;
+        if (const auto same = candidates.find(scene.reference_method);
+            !reference.variance && same != candidates.end()) {
+            truth.variance = variance_by_samples(same->second, static_cast<double>(scene.reference_samples));
+            PixelArray common = reference.mean;
+            for (int place = 0; place < rare_places; ++place) common = without_rarest(common, same->second.mean);
+            even = {{block_means(common)}, truth.variance};
+        }
+        for (const MethodVariant& variant : study_.variants)
+            if (const auto found = candidates.find(variant.name); found != candidates.end())
+                test_channel(scene, channel, variant, found->second, truth, even);
+    }
+
+    /// A method without beauty renders neither it nor what only fills up its sum, the layer `rest`.
+    [[nodiscard]] static bool was_not_asked(const Group& group, const ChannelInfo& channel) {
+        return std::all_of(group.cells.begin(), group.cells.end(), [&](const Cell* cell) {
+            const auto has = [&](const std::string& name) {
+                return std::any_of(cell->files.begin(), cell->files.end(),
+                                   [&](const FileRecord& file) { return file.name == name + ".mean.npy"; });
+            };
+            return !cell->files.empty() && !has("beauty") && !has(channel.name);
+        });
+    }
+
+    /// All that could be read is black; false when there is nothing.
+    static bool is_dark(const std::vector<PixelArray>& images) {
+        bool any = false;
+        for (const PixelArray& image : images) {
+            if (!image.values.empty() && !is_black(image)) return false;
+            any = any || !image.values.empty();
+        }
+        return any;
+    }
+
+    static bool is_black_everywhere(const ChannelInfo& channel, const std::vector<Group>& groups) {
+        for (const Group& group : groups)
+            for (const Cell* cell : group.cells)
+                if (const auto image = read_mean(cell->directory, channel.name); image && !is_black(*image))
+                    return false;
+        return true;
+    }
+
+    /// Images in the order of `group.cells`; an unreadable or misshapen one is empty, and an omission.
+    std::vector<PixelArray> read_group(const Group& group, const ChannelInfo& channel, const PixelArray& shape) {
+        std::vector<PixelArray> images;
+        std::vector<Omission> omissions;
+        for (const Cell* cell : group.cells) {
+            Result<PixelArray> image = read_mean(cell->directory, channel.name);
+            std::string reason;
+            if (!image) reason = image.error().message;
+            else if (image->values.size() != shape.values.size())
+                reason = "channel " + channel.name + " has " + std::to_string(image->width) + " x " +
+                         std::to_string(image->height) + " pixels; the reference has " + std::to_string(shape.width) +
+                         " x " + std::to_string(shape.height);
+            if (!reason.empty()) omissions.push_back({"channel " + channel.name + " of cell " + cell->id, reason});
+            images.push_back(reason.empty() ? std::move(*image) : PixelArray{});
+        }
+        // A renderer that does not write a channel writes it in no replicate: said once.
+        if (omissions.size() == group.cells.size() && omissions.size() > 1)
+            omissions = {{omissions.front().what + " and its other replicates", omissions.front().reason}};
+        study_.omissions.insert(study_.omissions.end(), omissions.begin(), omissions.end());
+        return images;
+    }
+
+    std::optional<BudgetPoint> measure_group(const Group& group, const std::vector<PixelArray>& images,
+                                             const ChannelInfo& channel, const RegionPixels& region,
+                                             const Reference& reference) {
+        const std::vector<double> expected = selected(reference.mean, region.pixels);
+        BudgetPoint point;
+        point.budget = point.group.budget = group.budget;
+        double mse_excess = 0;
+        if (reference.variance) {
+            const std::vector<double> variance = selected(*reference.variance, region.pixels);
+            point.excess = display::reference_excess(display::ErrorMetric::relmse_mean, expected, variance);
+            mse_excess = display::reference_excess(display::ErrorMetric::mse, expected, variance);
+            if (!std::isfinite(point.excess)) point.excess = mse_excess = 0;
+        }
+        TailMonitor tail;
+        std::vector<double> measured;
+        double count = 0;
+        for (std::size_t i = 0; i < images.size(); ++i) {
+            if (images[i].values.empty()) continue;
+            const Cell& cell = *group.cells[i];
+            const std::vector<double> values = selected(images[i], region.pixels);
+            CellErrors errors{
+                &cell,        group.variant->name, channel.name, region.name, display::measure_errors(values, expected),
+                point.excess, mse_excess};
+            const double squared = errors.measures[display::ErrorMetric::relmse_mean];
+            tail.add(display::relative_squares(values, expected));
+            measured.push_back(squared);
+            point.group.errors.push_back(squared - point.excess);
+            point.group.seconds.push_back(cell.seconds(experiment_.cpu_clock));
+            if (cell.samples_per_pixel > 0) point.group.samples.push_back(static_cast<double>(cell.samples_per_pixel));
+            point.group.setup_seconds += setup_of(cell, experiment_.cpu_clock);
+            point.seconds += cell.seconds(experiment_.cpu_clock);
+            point.wall_seconds += cell.wall_seconds;
+            point.cpu_seconds += cell.cpu_seconds;
+            point.samples += static_cast<double>(cell.samples_per_pixel);
+            count += 1;
+            study_.cells.push_back(std::move(errors));
+        }
+        if (count == 0) return std::nullopt;
+        for (double* each :
+             {&point.group.setup_seconds, &point.seconds, &point.wall_seconds, &point.cpu_seconds, &point.samples})
+            *each /= count;
+        if (point.group.samples.size() != measured.size()) point.group.samples.clear();
+        IntervalOptions options;
+        options.confidence = study_.options.confidence;
+        point.squared = error_interval(measured, point.excess, options);
+        point.tail_index = tail.index();
+        point.group.heavy_tail = tail.heavy();
+        point.group.at_floor = point.excess > 0 && point.squared.value < point.excess;
+        if (point.group.heavy_tail && point.squared.valid()) point.squared.note = heavy_tail_note;
+        point.relative = point.squared;
+        for (double* each : {&point.relative.value, &point.relative.low, &point.relative.high})
+            if (!std::isnan(*each)) *each = relative_error(*each);
+        point.efficiency = efficiency_interval(point.group.errors, point.group.seconds, options);
+        if (!point.squared.valid() && point.efficiency.valid()) point.efficiency.note = point.squared.note;
+        return point;
+    }
+
+    /// The images that a variant's bias is tested on: of the budget with most samples in all, two replicates at least.
+    struct BiasCandidate {
+        double weight = -1, budget = 0, samples = 0;  ///< samples per pixel of a replicate; 0: not known
+        BiasSide side;
+        std::vector<double> mean;  ///< of all replicates, pixel by pixel
+    };
+
+    static void offer(std::map<std::string, BiasCandidate>& candidates, const Group& group,
+                      const std::vector<PixelArray>& images) {
+        BiasCandidate offered;
+        offered.budget = group.budget;
+        double cost = 0;
+        for (std::size_t i = 0; i < images.size(); ++i) {
+            if (images[i].values.empty()) continue;
+            offered.side.replicates.push_back(block_means(images[i]));
+            offered.mean.resize(images[i].values.size(), 0);
+            for (std::size_t k = 0; k < offered.mean.size(); ++k) offered.mean[k] += images[i].values[k];
+            cost += group.cells[i]->samples_per_pixel > 0 ? static_cast<double>(group.cells[i]->samples_per_pixel)
+                                                          : group.cells[i]->wall_seconds;
+        }
+        if (offered.side.replicates.empty()) return;
+        for (double& value : offered.mean) value /= static_cast<double>(offered.side.replicates.size());
+        offered.weight = offered.side.replicates.size() < 2 ? 0 : cost;
+        for (const Cell* cell : group.cells)
+            offered.samples += static_cast<double>(cell->samples_per_pixel) / static_cast<double>(group.cells.size());
+        BiasCandidate& best = candidates[group.variant->name];
+        if (offered.weight > best.weight) best = std::move(offered);
+    }
+
+    /// Methods whose light lands anywhere keep no moments. Of a reference made by one, the variance is that of its own
+    /// replicates, less by as many times as it has more samples; empty when that is not known.
+    static std::vector<double> variance_by_samples(const BiasCandidate& same, double reference_samples) {
+        if (same.side.replicates.size() < 2 || !(same.samples > 0) || !(reference_samples > 0)) return {};
+        std::vector<double> variance(same.side.replicates.front().size());
+        for (std::size_t block = 0; block < variance.size(); ++block)
+            variance[block] = block_moments(same.side.replicates, block).variance * same.samples / reference_samples;
+        return variance;
+    }
+
+    /// The reference with the place in each block that differs most from its method's own replicates taken from these:
+    /// a pixel and those that its splats reach. The replicates' variance tells nothing of rare samples that only the
+    /// reference has met.
+    static constexpr int rare_places = 3;  // of 25 pixels each, of 256: most of a block is left
+    static PixelArray without_rarest(PixelArray reference, const std::vector<double>& mean) {
+        if (reference.values.size() != mean.size()) return reference;
+        const std::size_t n = reference.components, across = (reference.width + bias_block - 1) / bias_block;
+        std::vector<std::pair<double, std::size_t>> rarest(block_count(reference.width, reference.height));
+        for (std::size_t pixel = 0; pixel < reference.width * reference.height; ++pixel) {
+            double difference = 0;
+            for (std::size_t c = 0; c < n; ++c)
+                difference += std::abs(reference.values[n * pixel + c] - mean[n * pixel + c]);
+            const std::size_t x = pixel % reference.width, y = pixel / reference.width;
+            auto& most = rarest[y / bias_block * across + x / bias_block];
+            most = std::max(most, std::pair(difference, pixel));
+        }
+        constexpr std::size_t reach = 2;  // of a splat, by the pixel filters there are
+        for (const auto& [difference, pixel] : rarest) {
+            const std::size_t x = pixel % reference.width, y = pixel / reference.width;
+            for (std::size_t row = y - std::min(y, reach); row < std::min(y + reach + 1, reference.height); ++row)
+                for (std::size_t column = x - std::min(x, reach); column < std::min(x + reach + 1, reference.width);
+                     ++column)
+                    for (std::size_t c = 0; c < n; ++c) {
+                        const std::size_t at = n * (row * reference.width + column) + c;
+                        reference.values[at] = mean[at];
+                    }
+        }
+        return reference;
+    }
+
+    void test_channel(const SceneInfo& scene, const ChannelInfo& channel, const MethodVariant& variant,
+                      const BiasCandidate& candidate, const BiasSide& truth, const BiasSide& even) {
+        BiasOptions options;
+        options.level = study_.options.bias_level;
+        options.channels = static_cast<double>(scene.channels.size());
+        const BiasVerdict verdict = test_bias(candidate.side, truth, options);
+        const bool rare = verdict.differs && !test_bias(candidate.side, even, options).differs;
+        study_.bias.push_back({scene.name, variant.name, channel.name, candidate.budget,
+                               candidate.side.replicates.size(), verdict, rare,
+                               omitted_in(experiment_, scene.name, variant.name, channel)});
+    }
+
+    const Experiment& experiment_;
+    Study& study_;
+};
+
+}  // namespace
+
+std::string omitted_in(const Experiment& experiment, const std::string& scene, const std::string& variant,
+                       const ChannelInfo& channel) {
+    const auto source = [](const std::string& name, const std::string& expression, const std::string& dialect) {
+        lpe::ChannelSource result;
+        result.name = name;
+        result.expression = expression;
+        result.dialect = dialect == "osl" ? lpe::Dialect::osl : lpe::Dialect::renderman;
+        result.origin = "channel '" + name + "'";
+        return result;
+    };
+    for (const Cell& cell : experiment.cells) {
+        if (cell.failed || cell.scene != scene || variant_name(cell) != variant) continue;
+        for (const OmittedPathsInfo& each : cell.omits) {
+            const std::vector<lpe::ChannelSource> both{source(channel.name, channel.expression, channel.dialect),
+                                                       source("omitted", each.expression, each.dialect)};
+            lpe::PathSetOptions options;
+            options.samples = 1;
+            options.longest_counted = 0;
+            const auto shared = lpe::look_at_paths(lpe::Operation::intersection, both, {}, options);
+            if (!shared || !shared->empty()) return each.expression;
+        }
+        return {};  // all cells of a variant say the same
+    }
+    return {};
+}
+
+std::string variant_name(const Cell& cell) {
+    std::string name = cell.method;
+    for (const auto& [key, value] : cell.settings) name += " " + key + "=" + value;
+    return name;
+}
+
+Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& options) {
+    Study study;
+    study.experiment = &experiment;
+    study.options = options;
+    std::set<std::string> warned;
+    for (const Cell& cell : experiment.cells) {
+        for (const std::string& warning : cell.warnings) {
+            const std::string who = "warning of " + variant_name(cell) + " on " + cell.scene;
+            if (warned.insert(who + "\n" + warning).second) study.omissions.push_back({who, warning});
+        }
+        if (cell.failed) {
+            study.omissions.push_back({"cell " + cell.id, "failed: " + cell.failure});
+            continue;
+        }
+        const std::string name = variant_name(cell);
+        if (std::any_of(study.variants.begin(), study.variants.end(),
+                        [&](const MethodVariant& each) { return each.name == name; }))
+            continue;
+        MethodVariant variant{name, cell.method, cell.settings, cell.settings, true};
+        for (const MethodInfo& method : experiment.methods) {
+            if (method.name != cell.method) continue;
+            variant.unbiased = method.unbiased;
+            if (!method.command.empty()) variant.all_settings.emplace_back("command", method.command);
+            for (const auto& [key, value] : method.settings)
+                if (std::none_of(cell.settings.begin(), cell.settings.end(),
+                                 [&, &own = key](const auto& swept) { return swept.first == own; }))
+                    variant.all_settings.emplace_back(key, value);
+        }
+        study.variants.push_back(std::move(variant));
+    }
+    // In the order of the config's methods, not of the interleaved plan.
+    std::stable_sort(study.variants.begin(), study.variants.end(), [&](const MethodVariant& a, const MethodVariant& b) {
+        const auto rank = [&](const MethodVariant& variant) {
+            return std::find_if(experiment.methods.begin(), experiment.methods.end(),
+                                [&](const MethodInfo& method) { return method.name == variant.method; }) -
+                   experiment.methods.begin();
+        };
+        return rank(a) < rank(b);
+    });
+    for (const std::string& id : experiment.missing) {
+        const auto parts = std::count_if(experiment.parts.begin(), experiment.parts.end(),
+                                         [&](const Cell& each) { return each.part_of == id; });
+        study.omissions.push_back(
+            {"cell " + id, parts > 0 ? "in parts, of which " + std::to_string(parts) +
+                                           " are here; 'raylex experiment merge' makes a cell of them all"
+                                     : "not run yet"});
+    }
+    Status measured = Measurer(experiment, study).measure();
+    if (!measured) return std::move(measured).error();
+    measure_as_seen(study);
+    judge_curves(study);
+    return study;
+}
+
+const Curve* Study::curve(const std::string& scene, const std::string& variant, const std::string& channel,
+                          const std::string& region) const {
+    for (const Curve& each : curves)
+        if (each.scene == scene && each.variant == variant && each.channel == channel && each.region == region)
+            return &each;
+    return nullptr;
+}
+
+}  // namespace raylex::experiments

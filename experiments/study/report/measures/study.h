@@ -1,0 +1,130 @@
+// An experiment measured and judged: what every table and plot of its report shows.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "display/output/metrics/image_metrics.h"
+#include "experiments/study/analysis/bias.h"
+#include "experiments/study/analysis/convergence.h"
+#include "experiments/study/analysis/intervals.h"
+#include "experiments/study/metrics.h"
+#include "experiments/study/report/study_report.h"
+
+namespace raylex::experiments {
+
+/// A method with one choice of the swept settings.
+struct MethodVariant {
+    std::string name;  ///< "path max_depth=8"
+    std::string method;
+    NamedValues settings;      ///< that its method sweeps
+    NamedValues all_settings;  ///< these and the method's own; what neither says is at its default
+    bool unbiased = true;
+};
+
+/// Metrics of whole images that a study measures. hdr_flip is left to `raylex compare`: it costs a flip for each
+/// exposure.
+inline constexpr std::array<display::ImageMetric, 2> seen_metrics{display::ImageMetric::ssim,
+                                                                  display::ImageMetric::flip};
+
+/// One channel of one cell on one region.
+struct CellErrors {
+    const Cell* cell = nullptr;
+    std::string variant, channel, region;  ///< region "": the whole image
+    display::ErrorMeasures measures;
+    double relmse_excess = 0, mse_excess = 0;  ///< what the reference's noise adds in expectation; 0 where not known
+    /// By seen_metrics; NaN but for the beauty on the whole image, and where a value is not finite.
+    std::array<double, seen_metrics.size()> seen{std::numeric_limits<double>::quiet_NaN(),
+                                                 std::numeric_limits<double>::quiet_NaN()};
+};
+
+/// All replicates of one budget on a curve.
+struct BudgetPoint {
+    double budget = 0;
+    BudgetGroup group;                                      ///< for fits: errors with the reference's noise subtracted
+    Interval squared, relative;                             ///< relmse-mean, noise subtracted; and its root
+    double excess = 0;                                      ///< of the reference in relmse-mean
+    Interval efficiency;                                    ///< 1 / (relmse-mean x seconds)
+    double seconds = 0;                                     ///< mean, by the study's clock: what it is compared by
+    double wall_seconds = 0, cpu_seconds = 0, samples = 0;  ///< means
+    double tail_index = 0;                                  ///< of TailMonitor
+};
+
+/// A variant's error on a channel and region of a scene over its budgets.
+struct Curve {
+    std::string scene, variant, channel, region;
+    BudgetKind budget_kind = BudgetKind::samples;
+    std::vector<BudgetPoint> points;  ///< by seconds
+    SlopeVerdict slope;
+    std::vector<TimeToError> times;
+    std::optional<PredictionCheck> prediction;
+    Interval speed_up;   ///< against the scene's first variant, each at its largest budget
+    bool first = false;  ///< is that one
+};
+
+struct BiasEntry {
+    std::string scene, variant, channel;
+    double budget = 0;
+    std::size_t replicates = 0;
+    BiasVerdict verdict;
+    /// A few rare samples decide, of the cells or of a reference whose own variance is not known: what the test assumes
+    /// does not hold, and it convicts nobody.
+    bool heavy_tail = false;
+    std::string omitted;  ///< paths of this channel that the method says it does not find: then it is not judged by it
+    [[nodiscard]] bool convicts() const { return verdict.differs && !heavy_tail && omitted.empty(); }
+};
+
+struct WordsEntry {
+    std::string scene, variant;
+    FirstWords first;
+};
+
+/// Two variants that differ in one setting, of one method or of two.
+struct SettingEffect {
+    std::string scene, channel, key, from, to,
+        others;             ///< others: the method that `from` is of, and what it sweeps beside
+    Interval speed_up;      ///< of `to` against `from`
+    double by_medians = 0;  ///< the same ratio of the medians over replicates of relmse-mean x seconds; NaN: not known
+    std::string variant, against;  ///< the two by name
+};
+
+/// The expression of paths that a variant says it does not find in a scene and that a channel has, too; empty: none.
+std::string omitted_in(const Experiment& experiment, const std::string& scene, const std::string& variant,
+                       const ChannelInfo& channel);
+
+struct Omission {
+    std::string what, reason;
+};
+
+struct Study {
+    const Experiment* experiment = nullptr;
+    StudyReportOptions options;
+    std::vector<MethodVariant> variants;
+    std::vector<CellErrors> cells;
+    std::vector<Curve> curves;  ///< scenes, then channels, regions and variants in the order of the config
+    std::vector<BiasEntry> bias;
+    std::vector<WordsEntry> words;
+    std::vector<SettingEffect> effects;
+    std::vector<Omission> omissions;
+
+    [[nodiscard]] const Curve* curve(const std::string& scene, const std::string& variant, const std::string& channel,
+                                     const std::string& region = {}) const;
+};
+
+inline constexpr std::array<double, 5> target_errors{0.1, 0.05, 0.02, 0.01, 0.005};
+
+std::string variant_name(const Cell& cell);
+
+/// Reads every image once. What cannot be read or has no reference becomes an omission; errors are of regions that do
+/// not fit their scene.
+Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& options);
+
+/// The second half: curves and verdicts from what was measured.
+void judge_curves(Study& study);
+/// Sets CellErrors::seen, on all cores.
+void measure_as_seen(Study& study);
+
+}  // namespace raylex::experiments

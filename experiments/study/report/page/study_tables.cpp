@@ -1,0 +1,335 @@
+#include "experiments/study/report/page/study_tables.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "experiments/program/console.h"
+#include "experiments/report/html.h"
+#include "experiments/study/report/measures/study_files.h"
+
+namespace raylex::experiments {
+std::string text_cell(const std::string& text) {
+    return "<td>" + escape_html(text) + "</td>";
+}
+
+std::string table(const std::string& head, const std::string& rows) {
+    return "<div class=\"wide\"><table>\n<thead><tr>" + head + "</tr></thead>\n<tbody>\n" + rows +
+           "</tbody></table></div>\n";
+}
+
+namespace {
+
+std::string cell(const std::string& html, const char* type = "number") {
+    return "<td class=\"" + std::string(type) + "\">" + html + "</td>";
+}
+
+std::string formula_header(const std::string& name, const std::string& formula) {
+    return "<th class=\"formula\">" + escape_html(name) + "<code>" + escape_html(formula) + "</code></th>";
+}
+
+std::string row(const std::string& cells) {
+    return "<tr>" + cells + "</tr>\n";
+}
+
+/// As people write it: without an exponent, or with one that is raised.
+std::string figure(double value, int digits = 3) {
+    if (std::isnan(value)) return "&ndash;";
+    if (!std::isfinite(value)) return value > 0 ? "&infin;" : "&minus;&infin;";
+    if (value == 0 || (std::abs(value) >= 1e-4 && std::abs(value) < 1e6)) return plain_number(value, digits);
+    const auto power = static_cast<int>(std::floor(std::log10(std::abs(value))));
+    return plain_number(value / std::pow(10.0, power), digits) + " &times; 10<sup>" + std::to_string(power) + "</sup>";
+}
+
+/// The reasons that a table gives, each once below it: its cells carry a letter.
+class Footnotes {
+  public:
+    std::string sign(const std::string& note) {
+        if (note.empty()) return {};
+        const auto known = std::find(notes_.begin(), notes_.end(), note);
+        const auto place = static_cast<std::size_t>(known - notes_.begin());
+        if (known == notes_.end()) notes_.push_back(note);
+        return "<sup class=\"sign\" title=\"" + escape_html(note) + "\">" + letter(place) + "</sup>";
+    }
+    [[nodiscard]] std::string legend(const std::string& first = {}) const {
+        std::string text = first;
+        for (std::size_t i = 0; i < notes_.size(); ++i)
+            text += (text.empty() ? "" : " &nbsp; ") + ("<sup>" + letter(i) + "</sup> " + escape_html(notes_[i])) + ".";
+        return text.empty() ? text : "<p class=\"note\">" + text + "</p>\n";
+    }
+
+  private:
+    static std::string letter(std::size_t place) {
+        const std::string last(1, static_cast<char>('a' + place % 26));
+        return place < 26 ? last : letter(place / 26 - 1) + last;
+    }
+    std::vector<std::string> notes_;
+};
+
+/// "12.3 s <range>[11.9, 12.7]</range>"; a dash where there is no value. Notes become signs.
+std::string interval_cell(const Interval& interval, Footnotes& notes, double scale = 1, const std::string& unit = {}) {
+    if (!std::isfinite(interval.value)) return "&ndash;" + notes.sign(interval.note);
+    std::string html = figure(interval.value * scale) + unit + notes.sign(interval.note);
+    if (std::isfinite(interval.low) && std::isfinite(interval.high))
+        html += " <span class=\"range\">[" + figure(interval.low * scale) + ", " + figure(interval.high * scale) +
+                "]</span>";
+    return html;
+}
+
+bool shown(const Curve& curve, const std::string& scene, const std::string& channel, const std::string& region) {
+    return curve.scene == scene && curve.channel == channel && curve.region == region;
+}
+
+/// Seconds as people say them.
+std::string time_text(double seconds) {
+    return seconds < 60 ? number_text(seconds) + " s" : duration_text(seconds);
+}
+
+std::string seconds_cell(const TimeToError& time, Footnotes& notes) {
+    const Interval& s = time.seconds;
+    if (!std::isfinite(s.value)) return cell("&ndash;" + notes.sign(s.note));
+    std::string html = time_text(s.value) + (time.extrapolated ? " &dagger;" : "") + notes.sign(s.note);
+    if (std::isfinite(s.low) && std::isfinite(s.high))
+        html += " <span class=\"range\">[" + (s.high < 60 ? number_text(s.low) : time_text(s.low)) + ", " +
+                (s.high < 60 ? number_text(s.high) : time_text(s.high)) + "]</span>";
+    return cell(html, time.extrapolated ? "number extrapolated" : "number");
+}
+
+std::string slope_cell(const std::optional<Line>& line) {
+    if (!line) return cell("&ndash;");
+    return cell(figure(line->slope) + " <span class=\"range\">[" + figure(line->slope_low) + ", " +
+                figure(line->slope_high) + "]</span>");
+}
+
+std::string speed_up_cell(const Curve& curve, Footnotes& notes) {
+    return curve.first ? cell("1" + notes.sign("what others are compared with"))
+                       : cell(interval_cell(curve.speed_up, notes));
+}
+
+}  // namespace
+
+std::string times_table(const Study& study, const std::string& scene, const std::string& channel,
+                        const std::string& region) {
+    Footnotes notes;
+    bool extrapolated = false;
+    std::string head = "<th>Time to a relative error of</th>", rows;
+    for (const double target : target_errors) head += "<th>" + percent_text(target) + "</th>";
+    head +=
+        formula_header("Speed-up", "efficiency / efficiency of the first; efficiency = 1 / (relmse-mean x seconds)");
+    for (const Curve& curve : study.curves) {
+        if (!shown(curve, scene, channel, region)) continue;
+        std::string cells = text_cell(curve.variant);
+        for (const TimeToError& time : curve.times) {
+            cells += seconds_cell(time, notes);
+            extrapolated = extrapolated || time.extrapolated;
+        }
+        rows += row(cells + speed_up_cell(curve, notes));
+    }
+    return table(head, rows) + notes.legend(extrapolated ? "&dagger; extrapolated beyond the measured times." : "");
+}
+
+std::string errors_table(const Study& study, const std::string& scene, const std::string& channel,
+                         const std::string& region) {
+    Footnotes notes;
+    std::string head = "<th>Variant</th><th>Largest budget</th><th>Seconds</th>" +
+                       formula_header("relative error", "sqrt(relmse-mean), the reference's noise subtracted");
+    for (const display::ErrorMetricInfo& each : display::error_metrics())
+        head += formula_header(each.name, each.formula);
+    for (const display::ImageMetric each : seen_metrics)
+        head += formula_header(display::info_of(each).name, display::info_of(each).formula);
+    head += formula_header("trimmed away", "share of the sum in relmse-mean") +
+            formula_header("of that the reference's", "mean(Var(b) / (b^2 + (0.1 m)^2))");
+    std::string rows;
+    for (const Curve& curve : study.curves) {
+        if (!shown(curve, scene, channel, region) || curve.points.empty()) continue;
+        const BudgetPoint& point = curve.points.back();
+        std::string cells = text_cell(curve.variant) + cell(spoken_budget(curve.budget_kind, point.budget)) +
+                            cell(figure(point.seconds)) + cell(interval_cell(point.relative, notes, 100, " %"));
+        std::array<double, display::error_metric_count + seen_metrics.size()> sums{};
+        double trimmed = 0, count = 0;
+        for (const CellErrors& each : study.cells) {
+            if (each.cell->scene != scene || each.variant != curve.variant || each.channel != channel ||
+                each.region != region || each.cell->budget != point.budget)
+                continue;
+            for (std::size_t i = 0; i < display::error_metric_count; ++i) sums[i] += each.measures.values[i];
+            for (std::size_t i = 0; i < seen_metrics.size(); ++i) sums[display::error_metric_count + i] += each.seen[i];
+            trimmed += each.measures.trimmed_share;
+            count += 1;
+        }
+        for (const double sum : sums) cells += cell(figure(sum / count));
+        rows += row(cells + cell(percent_text(trimmed / count)) + cell(figure(point.excess)));
+    }
+    return table(head, rows) + notes.legend();
+}
+
+std::string slopes_table(const Study& study, const std::string& scene, const std::string& channel,
+                         const std::string& region) {
+    std::string rows;
+    Footnotes notes;
+    const std::string heavy = std::string("; ") + heavy_tail_note;
+    for (const Curve& curve : study.curves) {
+        if (!shown(curve, scene, channel, region)) continue;
+        std::string text = curve.slope.text;
+        const bool tail = text.ends_with(heavy);
+        if (tail) text.resize(text.size() - heavy.size());
+        rows += row(text_cell(curve.variant) + slope_cell(curve.slope.samples) + slope_cell(curve.slope.seconds) +
+                    "<td class=\"" + (curve.slope.too_shallow ? "fails" : "note") + "\">" + escape_html(text) +
+                    notes.sign(tail ? heavy_tail_note : "") + "</td>");
+    }
+    return table("<th>Slope over the last 4 octaves</th>" +
+                     formula_header("against samples", "d log relmse-mean / d log samples") +
+                     formula_header("against seconds", "d log relmse-mean / d log (seconds - setup)") +
+                     "<th>Verdict</th>",
+                 rows) +
+           notes.legend();
+}
+
+std::string front_table(const Study& study, const std::string& scene, const std::string& channel) {
+    std::string rows;
+    Footnotes notes;
+    int place = 0;
+    for (const FrontPoint& each : front_of(study, scene, channel))
+        rows +=
+            row(cell(std::to_string(++place)) + text_cell(each.curve->variant) +
+                cell(spoken_budget(each.curve->budget_kind, each.point->budget)) +
+                cell(duration_text(each.point->seconds)) + cell(interval_cell(each.point->relative, notes, 100, " %")));
+    return table("<th></th><th>Variant</th><th>Budget</th><th>Time</th><th>Relative error</th>", rows) + notes.legend();
+}
+
+std::string effects_table(const Study& study, const SceneInfo& scene) {
+    // A row per change, a column per channel.
+    std::vector<std::array<std::string, 4>> changes;
+    std::map<std::pair<std::size_t, std::string>, const SettingEffect*> found;
+    for (const SettingEffect& effect : study.effects) {
+        if (effect.scene != scene.name) continue;
+        const std::array<std::string, 4> change{effect.key, effect.from, effect.to, effect.others};
+        const auto known = std::find(changes.begin(), changes.end(), change);
+        found[{static_cast<std::size_t>(known - changes.begin()), effect.channel}] = &effect;
+        if (known == changes.end()) changes.push_back(change);
+    }
+    if (changes.empty()) return {};
+    Footnotes notes;
+    std::string head = "<th>Setting</th><th>Change</th><th>With</th>", rows;
+    for (const ChannelInfo& channel : scene.channels) head += "<th>" + escape_html(channel.name) + "</th>";
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+        const auto& [key, from, to, others] = changes[i];
+        std::string cells =
+            "<td><code>" + escape_html(key) + "</code></td>" + text_cell(from + " to " + to) + text_cell(others);
+        for (const ChannelInfo& channel : scene.channels) {
+            const auto effect = found.find({i, channel.name});
+            if (effect == found.end()) {
+                cells += cell("&ndash;");
+                continue;
+            }
+            const Interval& ratio = effect->second->speed_up;
+            const bool better = ratio.valid() && ratio.low > 1, worse = ratio.valid() && ratio.high < 1;
+            cells += cell((better  ? "<span class=\"holds\">pays</span> "
+                           : worse ? "<span class=\"fails\">costs</span> "
+                                   : std::string()) +
+                          interval_cell(ratio, notes) + "<br><span class=\"range\">medians " +
+                          figure(effect->second->by_medians) + "</span>");
+        }
+        rows += row(cells);
+    }
+    return "<p class=\"note\">Speed-up: the ratio of 1 / (relmse-mean x seconds) at the largest budgets, for every "
+           "channel. Pays or costs: its interval lies above or below 1. Medians: the same ratio of medians over "
+           "replicates, which a few fireflies do not move.</p>\n" +
+           table(head, rows) + notes.legend();
+}
+
+std::string predictions_text(const Study& study) {
+    std::vector<double> off;
+    for (const Curve& curve : study.curves) {
+        const auto variant = std::find_if(study.variants.begin(), study.variants.end(),
+                                          [&](const MethodVariant& each) { return each.name == curve.variant; });
+        if (curve.prediction && curve.region.empty() && variant->unbiased)
+            off.push_back(std::abs(curve.prediction->relative_difference()));
+    }
+    if (off.empty())
+        return "<p class=\"faint\">No curve of a method declared unbiased has the three budgets that a prediction can "
+               "be tried on.</p>\n";
+    std::sort(off.begin(), off.end());
+    const double median = off[off.size() / 2];
+    return "<p>From every curve's earlier budgets the time to the error of its last one was predicted: off by " +
+           percent_text(median) + " in the median and " + percent_text(off.back()) + " at worst, over " +
+           std::to_string(off.size()) + " curves of methods declared unbiased.</p>\n";
+}
+
+std::string words_list(const Study& study, const SceneInfo& scene) {
+    std::string html;
+    for (const WordsEntry& entry : study.words) {
+        if (entry.scene != scene.name) continue;
+        html += "<p><b>" + escape_html(entry.variant) + "</b> ";
+        if (!entry.first.words.empty()) {
+            const FirstWords::Word& first = entry.first.words.front();
+            html += "is first wrong at the path <code>" + escape_html(first.text) + "</code> (" +
+                    escape_html(first.sentence) + "), the shortest one in channel <code>" + escape_html(first.channel) +
+                    "</code>, or at a longer one of that channel";
+            if (entry.first.words.size() > 1) {
+                html += "; further ";
+                for (std::size_t i = 1; i < entry.first.words.size(); ++i)
+                    html += (i > 1 ? ", <code>" : "<code>") + escape_html(entry.first.words[i].text) + "</code> in " +
+                            escape_html(entry.first.words[i].channel);
+            }
+            html += ".";
+        }
+        for (const std::string& note : entry.first.notes)
+            html += " <span class=\"note\">" + escape_html(note) + ".</span>";
+        html += "</p>\n";
+    }
+    return html;
+}
+
+namespace {
+
+/// The budget that a verdict on bias is from, in its unit.
+std::string bias_budget(const Study& study, const BiasEntry& entry) {
+    const Curve* curve = study.curve(entry.scene, entry.variant, entry.channel);
+    return curve != nullptr ? spoken_budget(curve->budget_kind, entry.budget) : number_text(entry.budget, 6);
+}
+
+}  // namespace
+
+std::string bias_table(const Study& study, const SceneInfo& scene) {
+    std::string rows;
+    const std::size_t across = (static_cast<std::size_t>(scene.width) + bias_block - 1) / bias_block;
+    for (const BiasEntry& entry : study.bias) {
+        if (entry.scene != scene.name) continue;
+        const BiasVerdict& v = entry.verdict;
+        bool unbiased = true;
+        for (const MethodVariant& variant : study.variants)
+            if (variant.name == entry.variant) unbiased = variant.unbiased;
+        std::string cells = text_cell(entry.variant) + text_cell(entry.channel) +
+                            cell(std::to_string(entry.replicates)) + cell(bias_budget(study, entry));
+        if (!v.tested) {
+            rows += row(cells + "<td class=\"note\">not tested</td><td></td><td></td><td></td><td></td><td></td>" +
+                        text_cell(v.note));
+            continue;
+        }
+        cells += !entry.omitted.empty() ? "<td class=\"note\">not judged: it says that it does not find <code>" +
+                                              escape_html(entry.omitted) + "</code></td>"
+                 : entry.convicts()
+                     ? std::string("<td class=\"fails\">differs") + (unbiased ? "" : ", as declared") + "</td>"
+                 : v.differs ? "<td class=\"warn\">differs, but a few rare samples decide</td>"
+                             : "<td class=\"holds\">no bias found</td>";
+        cells += cell(figure(v.adjusted_p, 2)) +
+                 cell(std::isfinite(v.mean_difference) ? percent_text(v.mean_difference) : "&ndash;");
+        std::string where = v.worst_is_whole ? "whole image"
+                                             : "block at (" + std::to_string(v.worst % across * bias_block) + ", " +
+                                                   std::to_string(v.worst / across * bias_block) + ")";
+        cells += cell(where + ", " +
+                      (std::isfinite(v.worst_difference) ? percent_text(v.worst_difference) : "from nothing"));
+        cells += cell(percent_text(v.detectable_whole)) + cell(percent_text(v.detectable_block));
+        rows += row(cells + text_cell(v.note));
+    }
+    if (rows.empty()) return "<p class=\"faint\">Nothing could be tested.</p>\n";
+    return table("<th>Variant</th><th>Channel</th><th>Replicates</th><th>Budget of each</th><th>Verdict</th>" +
+                     formula_header("p, corrected", "2 (1 - (1 - p)^tests), whole images and blocks apart") +
+                     formula_header("Difference of the mean", "mean(a) / mean(b) - 1") + "<th>Most significant</th>" +
+                     formula_header("Found with 90 %, whole", "(t_(a'/2) + t_90%) s / sqrt(n) / mean(b)") +
+                     formula_header("in a median block", "the same for blocks of 16 x 16 pixels") + "<th></th>",
+                 rows);
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,82 @@
+#include "experiments/study/run/cells/cell_closer.h"
+
+#include <pthread.h>
+#include <exception>
+#include <filesystem>
+#include <utility>
+
+#include "display/output/atomic_file.h"
+#include "display/services/parameters.h"
+#include "experiments/study/file_records.h"
+#include "experiments/study/results_file.h"
+#include "transport/render/clock.h"
+
+namespace raylex::experiments {
+
+namespace fs = std::filesystem;
+
+Status close_cell_directory(const WrittenCell& cell) {
+    auto files = file_records(cell.partial);
+    if (!files) return files.error();
+    Cell whole = cell.cell;
+    whole.files = *std::move(files);
+    if (Status s = write_cell_file(cell.partial + "/cell.json", whole, display::FileSync::later); !s) return s;
+    if (Status s = display::sync_files_in(cell.partial); !s) return s;
+    std::error_code ignored, failed;
+    for (const std::string& each : cell.obsolete) fs::remove(each, ignored);
+    fs::rename(cell.partial, cell.final_name, failed);
+    if (!failed) return success();
+    return error_at({cell.final_name, 0, 0}, "cannot rename the finished directory to this: " + failed.message());
+}
+
+CellCloser::CellCloser() : thread_([this] { work(); }) {
+    if (pthread_getcpuclockid(thread_.native_handle(), &clock_) != 0) clock_ = -1;
+}
+
+CellCloser::~CellCloser() {
+    {
+        const std::lock_guard lock(mutex_);
+        ending_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+}
+
+void CellCloser::work() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+        changed_.wait(lock, [&] { return cell_ || ending_; });
+        if (!cell_) return;
+        lock.unlock();
+        Status status = success();
+        try {
+            status = close_cell_directory(*cell_);
+        } catch (const std::exception& error) {
+            status = error_at({cell_->partial, 0, 0}, std::string("cannot finish this directory: ") + error.what());
+        }
+        lock.lock();
+        status_ = std::move(status);
+        cell_.reset();
+        changed_.notify_all();
+    }
+}
+
+Status CellCloser::close(WrittenCell cell) {
+    if (Status s = wait(); !s) return s;
+    const std::lock_guard lock(mutex_);
+    cell_ = std::move(cell);
+    changed_.notify_all();
+    return success();
+}
+
+Status CellCloser::wait() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return !cell_; });
+    return std::exchange(status_, success());
+}
+
+double CellCloser::cpu_seconds() const {
+    return clock_ == -1 ? 0 : transport::cpu_seconds(clock_);
+}
+
+}  // namespace raylex::experiments

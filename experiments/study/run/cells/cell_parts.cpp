@@ -1,0 +1,208 @@
+#include "experiments/study/run/cells/cell_parts.h"
+
+#include <algorithm>
+#include <set>
+
+#include "display/checkpoint/banded_record.h"
+#include "display/services/parameters.h"
+#include "experiments/job/text/json.h"
+#include "experiments/shards/recorded_image.h"
+#include "experiments/study/run/cells/cell_files.h"
+#include "transport/integrators/integrator.h"
+#include "transport/render/tiles.h"
+
+namespace raylex::experiments {
+namespace {
+
+constexpr auto block = static_cast<std::uint64_t>(transport::TileGrid::block_size);
+
+/// Why all cells of a method with budgets of this kind are kept whole; empty when they can be split.
+std::string reason_of_plan(const ExperimentConfig& config, const PlannedCell& planned) {
+    const Variant& variant = config.variants[planned.variant];
+    if (!config.methods[variant.method].command.empty()) return "an external command gets whole cells";
+    if (planned.cell.budget_kind != BudgetKind::samples)
+        return "how many samples a budget of " + budget_kind_name(planned.cell.budget_kind) +
+               " comes to is found while rendering";
+    if (!config.base.settings.cryptomatte.empty()) return "cryptomattes are of whole renders";
+    return {};
+}
+
+std::string range_text(const Cell& part) {
+    return "samples " + std::to_string(part.first_sample) + " to " + std::to_string(part.end_sample - 1);
+}
+
+Error part_error(const Cell& part, std::string message, std::string hint = {}) {
+    return error_at({part.directory, 0, 0}, std::move(message), std::move(hint));
+}
+
+}  // namespace
+
+std::string reason_of_scene(const ExperimentConfig& config, std::size_t scene_index, std::size_t variant,
+                            SceneStore& scenes) {
+    auto scene = scenes.scene(scene_index, config.variants[variant].effects);
+    if (!scene) return {};  // its cells will say so
+    const transport::RenderSettings& render = config.variants[variant].render;
+    auto chosen = transport::choose_integrator(
+        render.integrator ? *render.integrator : (*scene)->loaded->scene.integrator, render.max_depth);
+    if (chosen && chosen->integrator->starts_up())
+        return "the Markov chains of integrator '" + chosen->name + "' would begin alike in every part";
+    return {};
+}
+
+WorkList split_cells(const ExperimentConfig& config, const Plan& plan, const ReasonToKeep& reason_to_keep,
+                     unsigned split) {
+    WorkList work;
+    std::set<std::string> said;
+    std::map<std::pair<std::size_t, std::size_t>, std::string> reasons;
+    for (const PlannedCell& planned : plan.cells) {
+        std::string reason;
+        if (split > 1) {
+            const std::pair key(planned.scene, planned.variant);
+            reason = reason_of_plan(config, planned);
+            if (reason.empty()) {
+                if (!reasons.contains(key)) reasons[key] = reason_to_keep(planned.scene, planned.variant);
+                reason = reasons[key];
+            }
+        }
+        const auto samples = static_cast<std::uint64_t>(planned.cell.budget);
+        const std::uint64_t blocks = (samples + block - 1) / block, parts = std::min<std::uint64_t>(split, blocks);
+        if (split > 1 && reason.empty() && parts < 2)
+            reason = "a part has at least " + std::to_string(block) + " samples per pixel";
+        if (split < 2 || !reason.empty()) {
+            const std::string who = "cells of method '" + planned.cell.method + "' with a budget of " +
+                                    budget_text(planned.cell.budget_kind, planned.cell.budget);
+            if (!reason.empty() && said.insert(who).second) work.notes.push_back(who + " are kept whole: " + reason);
+            work.items.push_back(planned);
+            continue;
+        }
+        for (std::uint64_t part = 0; part < parts; ++part) {
+            PlannedCell item = planned;
+            item.cell.part_of = planned.cell.id;
+            item.cell.id += ".p" + std::to_string(part + 1) + "of" + std::to_string(parts);
+            item.cell.first_sample = blocks * part / parts * block;
+            item.cell.end_sample = std::min(samples, blocks * (part + 1) / parts * block);
+            work.items.push_back(std::move(item));
+        }
+    }
+    return work;
+}
+
+Status write_part_record(const std::string& directory, const Rendered& rendered, const JobScene& scene,
+                         const std::map<std::string, std::string>& attributes) {
+    RecordedImage image;
+    image.description = image_description(rendered.job, scene, rendered.output, rendered.partitions, attributes);
+    image.beauty = rendered.output.beauty;
+    return write_sums(directory + "/record.bin", record_identity(rendered), rendered.output.frame_buffer,
+                      json_text(image_json(image)));
+}
+
+Status check_parts(const Cell& cell, std::vector<const Cell*>& parts) {
+    std::sort(parts.begin(), parts.end(), [](const Cell* a, const Cell* b) {
+        return a->first_sample != b->first_sample ? a->first_sample < b->first_sample
+               : a->end_sample != b->end_sample   ? a->end_sample < b->end_sample
+                                                  : a->directory < b->directory;
+    });
+    const auto total = static_cast<std::uint64_t>(cell.budget);
+    const auto gap = [&](std::uint64_t from, std::uint64_t to) {
+        return part_error(*parts.front(),
+                          "cell '" + cell.id + "' is not whole: samples " + std::to_string(from) + " to " +
+                              std::to_string(to - 1) + " are in none of the directories",
+                          "run the shard that has them, with the same --split-cells");
+    };
+    std::uint64_t reached = 0;
+    const Cell* rendered = nullptr;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        const Cell& part = *parts[i];
+        if (part.seed != cell.seed)
+            return part_error(part, "this part has seed " + std::to_string(part.seed) + "; its cell '" + cell.id +
+                                        "' has " + std::to_string(cell.seed));
+        if (!part.failed && rendered == nullptr) rendered = &part;
+        if (!part.failed && part.isa != rendered->isa)
+            return part_error(part,
+                              "this part was rendered with " + part.isa + ", the one in '" + rendered->directory +
+                                  "' with " + rendered->isa + ", so they are not parts of one render",
+                              "isa = \"sse4.2\" or another in the config makes all machines use the same");
+        if (i > 0 && part.first_sample < reached)
+            return part_error(part,
+                              "this part of cell '" + cell.id + "' has " + range_text(part) + ", and '" +
+                                  parts[i - 1]->directory + "' has " + range_text(*parts[i - 1]) + ": they overlap",
+                              "merge takes every sample once: leave out one of the two");
+        if (part.first_sample > reached) return gap(reached, part.first_sample);
+        reached = part.end_sample;
+    }
+    if (reached < total) return gap(reached, total);
+    return success();
+}
+
+Cell merged_cell(const Cell& planned, const std::vector<const Cell*>& parts) {
+    Cell cell = planned;
+    cell.parts = static_cast<unsigned>(parts.size());
+    for (const Cell* part : parts) {
+        if (!part->failed) cell.isa = part->isa;
+        cell.samples_per_pixel += part->samples_per_pixel;
+        cell.wall_seconds += part->wall_seconds;
+        cell.cpu_seconds += part->cpu_seconds;
+        cell.rays += part->rays;
+        cell.invalid_samples += part->invalid_samples;
+        cell.peak_memory_bytes = std::max(cell.peak_memory_bytes, part->peak_memory_bytes);
+        cell.threads = std::max(cell.threads, part->threads);
+        if (("\n" + cell.machine + "\n").find("\n" + part->machine + "\n") == std::string::npos)
+            cell.machine += (cell.machine.empty() ? "" : "\n") + part->machine;
+        for (const Phase& phase : part->phases) {
+            auto same = std::find_if(cell.phases.begin(), cell.phases.end(),
+                                     [&](const Phase& each) { return each.name == phase.name; });
+            if (same == cell.phases.end()) same = cell.phases.insert(cell.phases.end(), {phase.name, 0, 0});
+            same->wall_seconds += phase.wall_seconds;
+            same->cpu_seconds += phase.cpu_seconds;
+        }
+        if (cell.omits.empty()) cell.omits = part->omits;
+        for (const std::string& warning : part->warnings)
+            if (std::find(cell.warnings.begin(), cell.warnings.end(), warning) == cell.warnings.end())
+                cell.warnings.push_back(warning);
+        if (part->failed && !cell.failed) {
+            cell.failed = true;
+            cell.failure = "part '" + part->id + "' failed: " + part->failure;
+        }
+    }
+    return cell;
+}
+
+Result<std::vector<PartitionVerdict>> write_merged_files(const std::string& directory, const Cell& cell,
+                                                         const std::vector<const Cell*>& parts) {
+    std::vector<display::BandedRecord> records;
+    RecordedImage whole_image;
+    std::uint64_t camera_samples = 0;
+    for (const Cell* part : parts) {
+        const std::string path = part->directory + "/record.bin";
+        auto file = display::RecordFileReader::open(path);
+        if (!file) return file.error();
+        if (!file->has("image")) return error_at({path, 0, 0}, "this record is not of a part of a cell");
+        const auto image = file->read("image");
+        if (!image) return image.error();
+        try {
+            const Json json = parse_json(*image);
+            if (records.empty()) whole_image = image_of(json);
+            camera_samples += std::stoull(json.at("attributes").at("raylex/camera_samples").get<std::string>());
+        } catch (const std::exception& error) {
+            return error_at({path, 0, 0}, std::string("the record's image is damaged: ") + error.what());
+        }
+        auto record = display::BandedRecord::open(*std::move(file));
+        if (!record) return record.error();
+        records.push_back(*std::move(record));
+    }
+    const auto sum = display::sum_of_records(records);
+    if (!sum) return sum.error();
+    display::RecordIdentity identity = records.front().file().identity();
+    const std::string samples = std::to_string(cell.samples_per_pixel);
+    for (auto& [name, value] : identity)
+        if (name == "samples per pixel") value = samples;
+    display::ImageDescription& description = whole_image.description;
+    description.attributes["raylex/samples_per_pixel"] = samples;
+    description.attributes["raylex/camera_samples"] = std::to_string(camera_samples);
+    description.attributes["raylex/parts"] = std::to_string(parts.size());
+    if (const std::uint64_t paths = sum->light_path_count(); paths > 0)
+        description.attributes["raylex/light_paths"] = std::to_string(paths);
+    return write_buffer_files(directory, *sum, whole_image.beauty, std::move(description), std::move(identity));
+}
+
+}  // namespace raylex::experiments

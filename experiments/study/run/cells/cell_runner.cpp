@@ -1,0 +1,275 @@
+#include "experiments/study/run/cells/cell_runner.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <thread>
+#include <utility>
+
+#include "display/output/atomic_file.h"
+#include "display/services/parameters.h"
+#include "experiments/job/rendering/provenance.h"
+#include "experiments/program/console.h"
+#include "experiments/study/results_file.h"
+#include "experiments/study/run/cells/cell_files.h"
+#include "experiments/study/run/cells/cell_parts.h"
+#include "experiments/study/run/processes/external.h"
+#include "transport/render/clock.h"
+
+namespace raylex::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+Status file_error(const std::string& path, const std::error_code& failed, const char* what) {
+    return error_at({path, 0, 0}, std::string("cannot ") + what + ": " + failed.message());
+}
+
+/// A directory for the cell's files. Of what an interrupted session left in it the checkpoint alone is of use.
+Status open_partial(const std::string& path) {
+    std::error_code failed;
+    fs::create_directories(path, failed);
+    if (failed) return file_error(path, failed, "make this directory");
+    std::vector<fs::path> left;
+    for (const fs::directory_entry& each : fs::directory_iterator(path, failed))
+        if (each.path() != fs::path(checkpoint_file(path))) left.push_back(each.path());
+    for (const fs::path& each : left) fs::remove_all(each, failed);
+    return success();
+}
+
+std::optional<transport::CheckpointSettings> checkpoints(const ExperimentConfig& config, const std::string& partial,
+                                                         bool possible) {
+    if (config.checkpoint_seconds <= 0 || !possible) return std::nullopt;
+    transport::CheckpointSettings settings;
+    settings.file = checkpoint_file(partial);
+    settings.seconds = config.checkpoint_seconds;
+    std::error_code failed;
+    settings.resume = fs::exists(settings.file, failed);
+    return settings;
+}
+
+std::function<void(const transport::RenderProgress&)> forward(const WorkContext& context) {
+    return [&context](const transport::RenderProgress& now) {
+        if (!context.progress) return;
+        const auto total = static_cast<double>(std::max<std::uint64_t>(now.samples_total, 1));
+        const bool known = now.adaptive != nullptr && !now.adaptive->channel.empty();
+        context.progress({std::min(1.0, static_cast<double>(now.samples_done) / total), now.seconds,
+                          known ? now.adaptive->error : -1});
+    };
+}
+
+/// What a budget is to the renderer.
+void apply_budget(const Cell& cell, double seconds_per_sample, RenderOrder& order) {
+    order.seed = cell.seed;
+    switch (cell.budget_kind) {
+        case BudgetKind::samples:
+            order.samples = cell.part_of.empty() ? static_cast<std::uint64_t>(cell.budget) : cell.end_sample;
+            order.first_sample = cell.first_sample;
+            break;
+        case BudgetKind::seconds:
+            order.limit = transport::SampleLimit{cell.budget, seconds_per_sample, 0};
+            break;
+        case BudgetKind::error:
+            order.limit = transport::SampleLimit{0, seconds_per_sample, cell.budget};
+            break;
+    }
+}
+
+/// Not every integrator can be saved, and none in filter mode splat: then a cell is the unit that is lost.
+Result<Rendered> render_saved(const WorkContext& context, RenderOrder order, const std::string& partial) {
+    const transport::RenderSettings& settings = context.config.variants[order.variant].render;
+    order.checkpoint = checkpoints(context.config, partial, !settings.splat);
+    auto rendered = context.scenes.render(order, forward(context), context.stop);
+    if (rendered || !order.checkpoint || order.checkpoint->resume) return rendered;
+    if (rendered.error().message.find("checkpoint") == std::string::npos) return rendered;
+    order.checkpoint.reset();
+    return context.scenes.render(order, forward(context), context.stop);
+}
+
+std::map<std::string, std::string> attributes_of(const WorkContext& context, const Rendered& rendered,
+                                                 const std::string& id) {
+    const std::vector<std::string> command{"raylex", "experiment", "replay",         context.config.file,
+                                           id,       "-o",         context.directory};
+    std::map<std::string, std::string> attributes = header_attributes(rendered.job, rendered.output, command, "");
+    attributes.erase("raylex/color_config");
+    attributes["raylex/experiment"] = context.config.name + " " + context.config.hash;
+    attributes["raylex/cell"] = id;
+    return attributes;
+}
+
+void take_results(const Rendered& rendered, Cell& cell) {
+    const transport::RenderOutput& output = rendered.output;
+    const transport::RenderStatistics& statistics = output.statistics;
+    cell.samples_per_pixel = output.samples_per_pixel - cell.first_sample;
+    cell.phases = rendered.phases;
+    cell.wall_seconds = rendered.seconds;
+    cell.cpu_seconds = rendered.cpu_seconds;
+    cell.rays = statistics.camera_rays + statistics.scattering_rays + statistics.shadow_rays;
+    cell.invalid_samples = statistics.invalid_samples;
+    cell.peak_memory_bytes = rendered.peak_memory_bytes;
+    cell.isa = output.isa;
+    cell.threads = static_cast<unsigned>(output.threads);
+    cell.warnings = rendered.warnings;
+    cell.omits = rendered.omits;
+    if (cell.invalid_samples > 0)
+        cell.warnings.push_back(
+            std::to_string(cell.invalid_samples) +
+            " contributions or values were not finite and were left out of beauty and layers alike");
+}
+
+Result<CellOutcome> fail_cell(const WorkContext& context, CellOutcome outcome, const Error& error) {
+    return record_failure(context.directory, std::move(outcome), error, false);
+}
+
+Result<CellOutcome> close_cell(const WorkContext& context, CellOutcome outcome, const std::string& partial) {
+    Cell& cell = outcome.cell;
+    cell.directory = cell_directory(context.directory, cell.id);
+    if (Status s = context.closer->close(
+            {cell, partial, cell.directory, {checkpoint_file(partial), failed_file(context.directory, cell.id)}});
+        !s)
+        return s.error();
+    return outcome;
+}
+
+/// What the command of a cell may ask for.
+NamedValues places_of(const WorkContext& context, const PlannedCell& planned, const Cell& cell, const StudyScene& scene,
+                      const std::string& image) {
+    const int threads = context.config.base.settings.threads;
+    NamedValues places{
+        {"scene", fs::absolute(context.config.scenes[planned.scene].job.scene_file).string()},
+        {"seed", std::to_string(short_seed(cell.seed))},
+        {"spp", number_text(cell.budget, 10)},
+        {"seconds", number_text(cell.budget, 10)},
+        {"out", image},
+        {"width", std::to_string(scene.width)},
+        {"height", std::to_string(scene.height)},
+        {"threads", std::to_string(threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()))}};
+    places.insert(places.end(), cell.settings.begin(), cell.settings.end());
+    return places;
+}
+
+Result<CellOutcome> run_external(const WorkContext& context, const PlannedCell& planned, CellOutcome outcome,
+                                 const std::string& partial) {
+    const MethodRequest& method = context.config.methods[context.config.variants[planned.variant].method];
+    Cell& cell = outcome.cell;
+    auto scene = context.scenes.scene(planned.scene);
+    if (!scene) return fail_cell(context, std::move(outcome), scene.error());
+    const std::string image = fs::absolute(partial).string() + "/image.exr";
+    std::error_code ignored;
+    fs::remove(image, ignored);
+    auto filled = fill_command(method.command, places_of(context, planned, cell, **scene, image), method.location);
+    if (!filled) return fail_cell(context, std::move(outcome), filled.error());
+    const std::string& command = filled->text;
+    auto process = run_process(
+        *filled, fs::absolute(fs::path(context.config.file)).parent_path().string(),
+        fs::absolute(partial).string() + "/log.txt", method.timeout, context.stop, [&](double seconds, int group) {
+            if (context.progress)
+                context.progress({cell.budget_kind == BudgetKind::seconds ? std::min(1.0, seconds / cell.budget) : 0,
+                                  seconds, -1, group});
+        });
+    if (!process) return fail_cell(context, std::move(outcome), process.error());
+    outcome.outside_seconds = process->wall_seconds;
+    if (process->stopped) {
+        outcome.stopped = true;
+        return outcome;
+    }
+    cell.phases = {{"process", process->wall_seconds, process->cpu_seconds}};
+    cell.wall_seconds = process->wall_seconds;
+    cell.cpu_seconds = process->cpu_seconds;
+    cell.peak_memory_bytes = process->peak_memory_bytes;
+    if (cell.budget_kind == BudgetKind::samples) cell.samples_per_pixel = static_cast<std::uint64_t>(cell.budget);
+    const std::string said = process->last_words.empty() ? "; it said nothing" : "; it said: " + process->last_words;
+    if (process->timed_out)
+        return fail_cell(context, std::move(outcome),
+                         error_at(method.location,
+                                  "method '" + method.name + "' was ended after its timeout of " +
+                                      duration_text(method.timeout) + said,
+                                  command));
+    if (process->exit_code != 0)
+        return fail_cell(context, std::move(outcome),
+                         error_at(method.location,
+                                  "the command of method '" + method.name + "' ended with exit code " +
+                                      std::to_string(process->exit_code) + said,
+                                  command));
+    if (!fs::exists(image, ignored))
+        return fail_cell(
+            context, std::move(outcome),
+            error_at(method.location, "the command of method '" + method.name + "' wrote no image to {out}" + said,
+                     command));
+    auto channels = context.scenes.channels(planned.scene, planned.variant);
+    if (!channels) return fail_cell(context, std::move(outcome), channels.error());
+    if (Status s = write_image_files(partial, image, (*scene)->width, (*scene)->height, channel_infos(**channels)); !s)
+        return fail_cell(context, std::move(outcome), s.error());
+    return close_cell(context, std::move(outcome), partial);
+}
+
+}  // namespace
+
+std::string checkpoint_file(const std::string& partial) {
+    return partial + "/render.checkpoint";
+}
+
+Result<CellOutcome> record_failure(const std::string& results, CellOutcome outcome, const Error& reason,
+                                   bool keep_checkpoint) {
+    outcome.cell.failed = true;
+    outcome.cell.failure = reason.to_string();
+    std::error_code ignored;
+    const std::string partial = partial_directory(results, outcome.cell.id);
+    fs::create_directories(results + "/failed", ignored);
+    if (keep_checkpoint && fs::exists(checkpoint_file(partial), ignored)) static_cast<void>(open_partial(partial));
+    else fs::remove_all(partial, ignored);
+    if (Status s = write_cell_file(failed_file(results, outcome.cell.id), outcome.cell); !s) return s.error();
+    return outcome;
+}
+
+Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& planned, double seconds_per_sample) {
+    CellOutcome outcome{planned.cell};
+    outcome.cell.machine = host_description();
+    const std::string partial = partial_directory(context.directory, planned.cell.id);
+    if (Status s = open_partial(partial); !s) return s.error();
+    const Variant& variant = context.config.variants[planned.variant];
+    if (!context.config.methods[variant.method].command.empty())
+        return run_external(context, planned, std::move(outcome), partial);
+    RenderOrder order{.scene = planned.scene, .variant = planned.variant, .beside = context.closer};
+    apply_budget(planned.cell, seconds_per_sample, order);
+    auto rendered = render_saved(context, order, partial);
+    if (!rendered) {
+        // A checkpoint that does not fit is the user's to judge: what it holds is not thrown away.
+        if (rendered.error().file == checkpoint_file(partial)) return rendered.error();
+        return fail_cell(context, std::move(outcome), rendered.error());
+    }
+    if (!rendered->output.complete) {
+        if (context.stop == nullptr || !context.stop->load())
+            return fail_cell(
+                context, std::move(outcome),
+                error_at({},
+                         "the time budget was spent before every pixel had a sample; expected more time, or "
+                         "paths that end: max_depth bounds them"));
+        outcome.stopped = true;
+        return outcome;
+    }
+    take_results(*rendered, outcome.cell);
+    const transport::Stopwatch writing;
+    auto scene = context.scenes.scene(planned.scene, variant.effects);
+    if (!scene) return scene.error();
+    if (const std::string& whole = planned.cell.part_of; !whole.empty()) {
+        const auto attributes = attributes_of(context, *rendered, whole);
+        if (Status s = write_part_record(partial, *rendered, *(*scene)->loaded, attributes); !s) return s.error();
+    } else {
+        auto splits = write_render_files(partial, *rendered, *(*scene)->loaded,
+                                         attributes_of(context, *rendered, planned.cell.id));
+        if (!splits) return splits.error();
+        outcome.cell.splits = std::move(*splits);
+    }
+    outcome.relative_error = relative_error(rendered->output);
+    outcome.cell.phases.push_back({"write", writing.wall(), writing.process_cpu()});
+    return close_cell(context, std::move(outcome), partial);
+}
+
+Result<Rendered> render_again(const WorkContext& context, const PlannedCell& planned, const Cell& done) {
+    RenderOrder order{
+        .scene = planned.scene, .variant = planned.variant, .samples = done.samples_per_pixel, .seed = done.seed};
+    return context.scenes.render(order, forward(context), context.stop);
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,43 @@
+#include "experiments/study/run/cells/method_settings.h"
+
+#include "experiments/program/console.h"
+
+namespace raylex::experiments {
+namespace {
+
+/// NAME.type and NAME.PARAMETER, as a sweep calls them.
+void add_entity(NamedValues& values, const std::string& name, const transport::SceneEntity& entity) {
+    values.emplace_back(name + ".type", entity.type);
+    for (const Parameter& each : entity.parameters.parameters) {
+        std::string text;
+        for (const double number : each.numbers) text += (text.empty() ? "" : " ") + number_text(number, 17);
+        for (const std::string& word : each.strings) text += (text.empty() ? "" : " ") + word;
+        for (const std::uint8_t flag : each.booleans)
+            text += std::string(text.empty() ? "" : " ") + (flag != 0 ? "true" : "false");
+        values.emplace_back(name + "." + each.name, text);
+    }
+}
+
+}  // namespace
+
+NamedValues settings_text(const transport::RenderSettings& settings, const transport::EffectChoices& effects) {
+    NamedValues values;
+    if (settings.integrator) add_entity(values, "integrator", *settings.integrator);
+    if (settings.sampler) add_entity(values, "sampler", *settings.sampler);
+    if (settings.filter) add_entity(values, "filter", *settings.filter);
+    if (!settings.beauty) values.emplace_back("beauty", "off");
+    if (!settings.prune) values.emplace_back("prune", "off");
+    for (const transport::EffectInfo& each : transport::effect_catalogue())
+        if (const std::optional<bool>& forced = effects[each.effect])
+            values.emplace_back("effects." + std::string(each.name), *forced ? "on" : "off");
+    if (settings.max_depth) values.emplace_back("max_depth", std::to_string(*settings.max_depth));
+    values.emplace_back("filter_mode", settings.splat ? "splat" : "importance");
+    values.emplace_back("lobes", settings.picked_lobes ? "picked" : "exact");
+    const auto& filters = settings.sample_filters;
+    for (std::size_t i = 0; i < filters.size(); ++i)
+        add_entity(values, filters.size() == 1 ? "sample_filter" : "sample_filter." + std::to_string(i + 1),
+                   filters[i]);
+    return values;
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,202 @@
+#include "experiments/study/run/cells/scene_store.h"
+
+#include <algorithm>
+#include <fstream>
+#include <new>
+#include <set>
+
+#include "display/buffer/frame_buffer/memory_estimate.h"
+#include "display/services/hash64.h"
+#include "experiments/job/rendering/statistics.h"
+#include "experiments/program/interrupt.h"
+#include "lpe/algebra/proofs/check.h"
+#include "transport/integrators/integrator.h"
+#include "transport/integrators/omitted_paths.h"
+#include "transport/render/clock.h"
+#include "transport/render/film.h"
+#include "transport/scene/scene_hash.h"
+
+namespace raylex::experiments {
+namespace {
+
+Phase phase_of(const char* name, const transport::Stopwatch& watch) {
+    return {name, watch.wall(), watch.process_cpu()};
+}
+
+/// The high-water mark of this process's memory begins anew; where the system does not do that it goes on.
+void reset_peak_memory() {
+    std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+std::uint64_t peak_memory_since_reset() {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmHWM:")) return std::stoull(line.substr(6)) * 1024;  // kilobytes
+    return peak_memory_bytes();
+}
+
+}  // namespace
+
+double relative_error(const transport::RenderOutput& output) {
+    if (output.beauty < 0 || !output.frame_buffer.channels()[static_cast<std::size_t>(output.beauty)].statistics)
+        return -1;
+    display::AdaptiveSettings settings;
+    settings.neighbourhood = 0;
+    display::AdaptiveSampler measure(settings, output.frame_buffer.channels(), output.beauty,
+                                     output.frame_buffer.layout());
+    measure.decide(output.frame_buffer);
+    return measure.progress().error;
+}
+
+Result<Job> SceneStore::job_of(std::size_t scene, std::size_t variant) {
+    Job job = config_.job(scene, config_.variants[variant]);
+    job.measure_refuted = true;
+    return job;
+}
+
+Result<const StudyScene*> SceneStore::scene(std::size_t index, const transport::EffectChoices& effects) {
+    const std::pair key(index, effects.text());
+    if (const auto known = scenes_.find(key); known != scenes_.end()) return &known->second;
+    Job job = config_.base;
+    const Job& from = config_.scenes[index].job;
+    job.scene_file = from.scene_file;
+    job.label_rules = from.label_rules;
+    job.effects = effects;
+    StudyScene made;
+    // Loading watches no flag, and of cells there is nothing under way.
+    const InterruptsAtOnce at_once("raylex: interrupted while a scene was loading; cells that are done stay\n");
+    const transport::Stopwatch loading;
+    auto loaded = load_job_scene(job);
+    if (!loaded) return loaded.error();
+    made.loaded = std::move(*loaded);
+    made.load = phase_of("load", loading);
+    made.hash =
+        hash_text(hash64(job.rendering_space + "\n" + std::to_string(transport::scene_hash(made.loaded->scene))));
+    const transport::Stopwatch building;
+    auto built = transport::BuiltScene::build(made.loaded->scene, {job.settings.isa, job.settings.threads});
+    if (!built) return built.error();
+    made.built = std::move(*built);
+    made.build = phase_of("build", building);
+    std::vector<Error> ignored;
+    auto film = transport::read_film(made.built->film, from.settings.resolution, ignored);
+    if (!film) return film.error();
+    made.width = film->width;
+    made.height = film->height;
+    seconds_ += made.load.wall_seconds + made.build.wall_seconds;
+    return &scenes_.emplace(key, std::move(made)).first->second;
+}
+
+Result<const ChannelPlan*> SceneStore::channels(std::size_t scene_index, std::size_t variant) {
+    const std::pair key(scene_index, variant);
+    if (const auto known = channels_.find(key); known != channels_.end()) return &known->second.first;
+    auto made = scene(scene_index, config_.variants[variant].effects);
+    if (!made) return made.error();
+    auto job = job_of(scene_index, variant);
+    if (!job) return job.error();
+    const transport::Stopwatch planning;
+    auto words = scene_words(*job, (*made)->loaded->scene, (*made)->built.get());
+    if (!words) return words.error();
+    auto plan = plan_channels(*job, *words);
+    if (!plan) return plan.error();
+    omissions_[key] = omissions(*job, **made, *words);
+    std::set<std::string> ruled;
+    for (const display::RuleRequest& each : job->settings.rules) ruled.insert(each.channel);
+    for (display::ChannelDefinition& channel : plan->channels)
+        if (channel.style == display::ChannelStyle::expression && !ruled.contains(channel.name))
+            channel.statistics = !job->settings.splat;
+    return &channels_.emplace(key, std::pair(std::move(*plan), phase_of("plan", planning))).first->second.first;
+}
+
+std::vector<OmittedPathsInfo> SceneStore::omissions(const Job& job, const StudyScene& scene, const SceneWords& words) {
+    const transport::SceneEntity& entity =
+        job.settings.integrator ? *job.settings.integrator : scene.loaded->scene.integrator;
+    auto chosen = transport::choose_integrator(entity, job.settings.max_depth);
+    std::vector<OmittedPathsInfo> found;
+    if (!chosen) return found;
+    for (const transport::OmittedPaths& each : transport::omitted_paths(chosen->name)) {
+        lpe::ChannelSource source;
+        source.name = "omitted";
+        source.expression = each.expression;
+        source.dialect = each.dialect;
+        source.origin = "what integrator '" + chosen->name + "' omits";
+        const auto word = lpe::find_word(source, words.words);
+        // Where it cannot be told, it may be there.
+        if (!word || *word) found.push_back({each.expression, each.dialect == lpe::Dialect::osl ? "osl" : "renderman"});
+    }
+    return found;
+}
+
+Result<std::uint64_t> SceneStore::frame_buffer_bytes(std::size_t scene_index, std::size_t variant) {
+    auto made = scene(scene_index, config_.variants[variant].effects);
+    if (!made) return made.error();
+    auto plan = channels(scene_index, variant);
+    if (!plan) return plan.error();
+    std::vector<display::ChannelDefinition> all = (*plan)->channels;
+    if (const transport::RenderSettings& render = config_.variants[variant].render; render.beauty) {
+        display::ChannelDefinition beauty;
+        beauty.name = "beauty";
+        beauty.style = display::ChannelStyle::expression;
+        beauty.statistics = !render.splat;
+        all.push_back(beauty);
+    }
+    display::FrameBufferLayout layout;
+    layout.width = (*made)->width;
+    layout.height = (*made)->height;
+    return display::total_bytes(display::frame_buffer_memory(layout, all));
+}
+
+Result<Rendered> SceneStore::render(const RenderOrder& order,
+                                    const std::function<void(const transport::RenderProgress&)>& progress,
+                                    const std::atomic<bool>* stop) {
+    auto made = scene(order.scene, config_.variants[order.variant].effects);
+    if (!made) return made.error();
+    auto plan = channels(order.scene, order.variant);
+    if (!plan) return plan.error();
+    auto assembled = job_of(order.scene, order.variant);
+    if (!assembled) return assembled.error();
+    Job& job = *assembled;
+    job.settings.channels = (*plan)->channels;
+    if (order.samples > 0) job.settings.samples_per_pixel = order.samples;
+    job.settings.seed = order.seed;
+    job.settings.limit = order.limit;
+    job.settings.first_sample = order.first_sample;
+    if (order.checkpoint) {
+        job.settings.checkpoint = order.checkpoint;
+        job.settings.checkpoint->identity = checkpoint_identity(job, (*made)->loaded->color);
+        job.settings.checkpoint->identity.emplace_back("scene", (*made)->hash);
+    }
+    reset_peak_memory();
+    const auto cpu_beside = [&] { return order.beside == nullptr ? 0.0 : order.beside->cpu_seconds(); };
+    const double before = cpu_beside();
+    const transport::Stopwatch watch;
+    auto output = [&]() -> Result<transport::RenderOutput> {
+        try {
+            return transport::render(*(*made)->built, job.settings, progress, stop);
+        } catch (const std::bad_alloc&) {
+            return error_at({}, "out of memory; a smaller resolution or fewer channels need less");
+        }
+    }();
+    const double wall = watch.wall(), cpu = watch.process_cpu() - (cpu_beside() - before);
+    seconds_ += wall;
+    if (!output) return output.error();
+    const transport::RenderStatistics& statistics = output->statistics;
+    // What sessions before an interruption rendered is in the statistics and not in the watch.
+    const Phase prepare{"prepare", std::max(0.0, wall - statistics.render_seconds),
+                        std::max(0.0, cpu - statistics.render_cpu_seconds)};
+    const Phase rendering{"render", statistics.render_seconds, statistics.render_cpu_seconds};
+    std::vector<std::string> warnings = (*made)->loaded->warnings;
+    warnings.insert(warnings.end(), (*plan)->notes.begin(), (*plan)->notes.end());
+    for (const Error& each : output->warnings) warnings.push_back(each.to_string());
+    const Phase& planning = channels_.at({order.scene, order.variant}).second;
+    return Rendered{.job = std::move(job),
+                    .output = *std::move(output),
+                    .partitions = (*plan)->partitions,
+                    .phases = {(*made)->load, planning, (*made)->build, prepare, rendering},
+                    .warnings = std::move(warnings),
+                    .omits = omissions_[{order.scene, order.variant}],
+                    .peak_memory_bytes = peak_memory_since_reset(),
+                    .seconds = prepare.wall_seconds + rendering.wall_seconds,
+                    .cpu_seconds = prepare.cpu_seconds + rendering.cpu_seconds};
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,93 @@
+#include "experiments/study/run/workers/estimates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace raylex::experiments {
+namespace {
+
+constexpr double calibration_seconds = 0.2;
+constexpr std::uint64_t calibration_samples = 64;
+
+}  // namespace
+
+Result<Calibration> calibration_of(const ExperimentConfig& config, SceneStore& scenes, std::size_t scene,
+                                   std::size_t variant, const std::atomic<bool>* stop) {
+    RenderOrder order{.scene = scene, .variant = variant, .samples = calibration_samples};
+    order.seed = seed_for(config.seed, "calibration", config.scenes[scene].name);
+    order.limit = transport::SampleLimit{calibration_seconds, 0, 0};
+    auto rendered = scenes.render(order, {}, stop);
+    if (!rendered) return rendered.error();
+    if (!rendered->output.complete) return error_at({}, "interrupted");
+    const auto samples = static_cast<double>(rendered->output.samples_per_pixel);
+    return Calibration{rendered->seconds, samples, samples >= 2 ? relative_error(rendered->output) : -1,
+                       rendered->warnings, rendered->peak_memory_bytes};
+}
+
+std::vector<std::string> Estimates::calibrate(CellWorker& worker, const Plan& plan, const std::set<std::size_t>& skips,
+                                              const std::atomic<bool>* stop) {
+    std::set<std::pair<std::size_t, std::size_t>> wanted;
+    for (const PlannedCell& each : plan.cells) wanted.emplace(each.scene, each.variant);
+    if (!config_.reference.method.empty())
+        for (std::size_t scene = 0; scene < config_.scenes.size(); ++scene)
+            wanted.emplace(scene, config_.reference.variant);
+    std::vector<std::string> warnings;
+    for (const auto& [scene, variant] : wanted) {
+        if (stop != nullptr && stop->load()) break;
+        if (skips.contains(scene) || !config_.methods[config_.variants[variant].method].command.empty()) continue;
+        auto measured = worker.calibrate(scene, variant);
+        if (!measured) continue;
+        peak_memory_bytes_ = std::max(peak_memory_bytes_, measured->peak_memory_bytes);
+        const double error = measured->relative_error;
+        rates_[{scene, variant}] = {measured->seconds, measured->samples,
+                                    error < 0 ? -1 : error * std::sqrt(measured->samples)};
+        for (std::string& each : measured->warnings)
+            if (std::find(warnings.begin(), warnings.end(), each) == warnings.end())
+                warnings.push_back(std::move(each));
+    }
+    return warnings;
+}
+
+void Estimates::learn(const PlannedCell& planned, const Cell& done, double relative_error) {
+    if (done.failed || done.samples_per_pixel == 0) return;
+    Rate& rate = rates_[{planned.scene, planned.variant}];
+    // Newer cells count as much as all before them: a machine changes.
+    rate.seconds = rate.seconds / 2 + done.wall_seconds;
+    rate.samples = rate.samples / 2 + static_cast<double>(done.samples_per_pixel);
+    if (relative_error >= 0) rate.error_root = relative_error * std::sqrt(static_cast<double>(done.samples_per_pixel));
+}
+
+double Estimates::seconds_per_sample(const PlannedCell& planned) const {
+    const auto found = rates_.find({planned.scene, planned.variant});
+    return found == rates_.end() || found->second.samples <= 0 ? 0 : found->second.seconds / found->second.samples;
+}
+
+std::optional<double> Estimates::seconds_of(std::size_t scene, std::size_t variant, double samples,
+                                            double error) const {
+    const auto found = rates_.find({scene, variant});
+    if (found == rates_.end() || found->second.samples <= 0) return std::nullopt;
+    const Rate& rate = found->second;
+    if (error > 0) {
+        if (rate.error_root < 0) return std::nullopt;
+        const double needed = std::max(64.0, std::pow(rate.error_root / error, 2));
+        samples = samples > 0 ? std::min(samples, needed) : needed;
+    }
+    return samples * rate.seconds / rate.samples;
+}
+
+std::optional<double> Estimates::seconds(const PlannedCell& planned) const {
+    const Cell& cell = planned.cell;
+    if (cell.budget_kind == BudgetKind::seconds) return cell.budget;
+    if (cell.budget_kind == BudgetKind::error) return seconds_of(planned.scene, planned.variant, 0, cell.budget);
+    const bool is_part = !cell.part_of.empty();
+    const double samples = is_part ? static_cast<double>(cell.end_sample - cell.first_sample) : cell.budget;
+    return seconds_of(planned.scene, planned.variant, samples, 0);
+}
+
+std::optional<double> Estimates::reference_seconds(std::size_t scene) const {
+    const ReferenceRequest& reference = config_.reference;
+    return seconds_of(scene, reference.variant, static_cast<double>(reference.samples), reference.error);
+}
+
+}  // namespace raylex::experiments

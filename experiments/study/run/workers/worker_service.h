@@ -1,0 +1,19 @@
+// What a cell worker's process does: the operations on scenes, cells and references, as messages.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "experiments/study/plan/plan.h"
+#include "experiments/study/run/processes/child_process.h"
+
+namespace raylex::experiments {
+
+enum class Operation : int { describe, frame_buffer, reason_to_keep, calibrate, reference, cell, close };
+
+/// Answers the messages of CellWorker. The config and the plan outlive it.
+Responder make_worker_service(const ExperimentConfig& config, const Plan& plan, std::string directory,
+                              const std::atomic<bool>* stop);
+
+}  // namespace raylex::experiments

@@ -1,0 +1,237 @@
+#include "lpe/algebra/explanation/explain_study.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "lpe/failure.h"
+#include "lpe/language/names.h"
+#include "lpe/language/parser/parser.h"
+#include "lpe/limits.h"
+#include "lpe/shipped.h"
+
+namespace raylex::lpe {
+
+namespace {
+
+bool has_user_events(const Node& node) {
+    for (const EventPattern& pattern : node.events.any_of) {
+        for (std::size_t core = core_count - user_numbers; core < core_count; ++core) {
+            if (pattern.cores[core]) { return true; }
+        }
+    }
+    return std::any_of(node.children.begin(), node.children.end(),
+                       [](const NodePtr& child) { return has_user_events(*child); });
+}
+
+NodePtr any_number_of(EventSet events) {
+    NodePtr node = make_node(NodeKind::repeat);
+    node->max = Node::unbounded;
+    node->children.push_back(make_event(std::move(events)));
+    return node;
+}
+
+/// W with user events among the scattering. A depth limit is left out: user events do not count, and nothing is proved
+/// here.
+Expression words_with_users(Words words) {
+    words.max_depth.reset();
+    WordSets sets = word_sets(words, false);
+    EventPattern users{{}, {}, Missing::is_empty, Extra::ignored};
+    for (std::size_t core = core_count - user_numbers; core < core_count; ++core) { users.cores.set(core); }
+    sets.scattering.any_of.push_back(std::move(users));
+    Expression expression;
+    expression.dialect = Dialect::osl;
+    expression.root = make_node(NodeKind::sequence);
+    expression.root->children.push_back(make_event(std::move(sets.camera)));
+    expression.root->children.push_back(any_number_of(std::move(sets.scattering)));
+    expression.root->children.push_back(make_event(std::move(sets.terminal)));
+    return expression;
+}
+
+/// The channels' automata and W, in which `users` may stand.
+Languages with_words(std::vector<ChannelSource>& sources, std::vector<Expression>& expressions, const Words& words,
+                     bool users, bool osl) {
+    LanguageOptions options;
+    options.words = &words;
+    options.skip_reserved_labels = osl;
+    if (users) {
+        sources.emplace_back();
+        expressions.push_back(words_with_users(words));
+    }
+    Languages languages = build_languages(sources, expressions, options);
+    if (users) {
+        languages.words = std::move(languages.channels.back());
+        languages.channels.pop_back();
+        expressions.pop_back();
+        sources.pop_back();
+    }
+    return languages;
+}
+
+bool has_word(const Dfa& dfa) {
+    return shortest_word(dfa, is_set).has_value();
+}
+
+struct Known {
+    std::string words;  // "the shipped channel 'volume'"
+    ChannelSource source;
+};
+
+std::vector<Known> known_channels(Dialect dialect) {
+    std::vector<Known> known;
+    for (const NamedExpression& shipped : shipped_partition(dialect)) {
+        known.push_back({"the shipped channel '" + std::string(shipped.name) + "'", {}});
+        known.back().source.expression = std::string(shipped.expression);
+        known.back().source.dialect = dialect;
+    }
+    for (const NamedExpression& name : builtin_names()) {
+        known.push_back({"what RenderMan calls '" + std::string(name.name) + "'", {}});
+        known.back().source.expression = std::string(name.expression);
+    }
+    return known;
+}
+
+std::string without_words(Feature feature) {
+    switch (feature) {
+        case Feature::volume:
+            return "no medium";
+        case Feature::background:
+            return "no background";
+        case Feature::emission:
+            return "no emission";
+        default:
+            return "no cutout";
+    }
+}
+
+/// The fewest things that must be missing for no word of `difference` to remain; nothing when that takes more than
+/// `most`.
+std::optional<std::vector<Feature>> excused_by(const Dfa& difference_words, const Study& study, std::size_t most) {
+    std::optional<std::vector<Feature>> best;
+    for (unsigned chosen = 0; chosen < 16; ++chosen) {
+        std::vector<Feature> features;
+        bool possible = true;
+        for (std::size_t k = 0; k < optional_features.size(); ++k) {
+            if ((chosen >> k & 1U) != 0) {
+                features.push_back(optional_features[k]);
+                possible = possible && study.occurs(features.back());
+            }
+        }
+        if (!possible || features.size() > most || (best && best->size() <= features.size())) { continue; }
+        Dfa left = difference_words;
+        Dfa shared = study.paths;
+        for (const Feature feature : features) {
+            left = difference(left, study.feature(feature));
+            shared = difference(shared, study.feature(feature));
+        }
+        // Where nothing is left of the channel itself, being the same says nothing.
+        if (!has_word(left) && has_word(shared)) { best = std::move(features); }
+    }
+    return best;
+}
+
+std::string where(const std::vector<Feature>& missing) {
+    std::vector<std::string> items;
+    for (const Feature feature : missing) { items.push_back(without_words(feature)); }
+    return items.empty() ? "" : " where there is " + joined_by(items, " and ");
+}
+
+}  // namespace
+
+bool Study::accepts_some(Feature which) const {
+    return has_word(intersection(paths, feature(which)));
+}
+bool Study::occurs(Feature which) const {
+    return has_word(intersection(all, feature(which)));
+}
+
+Study study(const ChannelSource& channel, const Words& words) {
+    Study study;
+    Result<Expansion> expansion = expand_names(channel);
+    if (!expansion) { throw Failure{std::move(expansion).error()}; }
+    study.source = std::move(expansion->source);
+    study.expression = parse(study.source);
+    study.expression.warnings.insert(study.expression.warnings.begin(), expansion->warnings.begin(),
+                                     expansion->warnings.end());
+    study.words = words_for({&channel, 1}, words);
+    study.user_events = has_user_events(*study.expression.root);
+    std::vector<ChannelSource> sources{study.source};
+    std::vector<Expression> expressions;
+    expressions.push_back(std::move(study.expression));
+    for (std::size_t k = 0; k < feature_count; ++k) {
+        sources.emplace_back();
+        expressions.push_back(words_with(static_cast<Feature>(k)));
+    }
+    sources.emplace_back();
+    expressions.push_back(letters());
+    study.languages = with_words(sources, expressions, study.words, study.user_events, channel.dialect == Dialect::osl);
+    study.expression = std::move(expressions.front());
+    study.all = *study.languages.words;
+    study.paths = intersection(study.all, study.languages.channels.front());
+    for (std::size_t k = 0; k < feature_count; ++k) { study.features[k] = std::move(study.languages.channels[k + 1]); }
+    return study;
+}
+
+std::vector<bool> have_paths(const Study& study, std::vector<NodePtr> trees) {
+    std::vector<bool> answers;
+    std::vector<ChannelSource> sources;
+    std::vector<Expression> expressions;
+    for (NodePtr& tree : trees) {
+        sources.push_back(study.source);
+        sources.back().rest_of.clear();
+        expressions.emplace_back();
+        expressions.back().dialect = study.source.dialect;
+        expressions.back().root = tree ? std::move(tree) : make_node(NodeKind::alternatives);
+    }
+    const Languages languages =
+        with_words(sources, expressions, study.words, study.user_events, study.source.dialect == Dialect::osl);
+    for (const Dfa& dfa : languages.channels) { answers.push_back(has_word(intersection(*languages.words, dfa))); }
+    return answers;
+}
+
+std::vector<std::string> known_equals(const Study& study, bool& is_beauty) {
+    std::vector<std::string> sentences;
+    const std::string subject = study.expression.prefixes.empty() ? "It is " : "Prefixes apart, it is ";
+    const auto beauty = excused_by(difference(study.all, study.paths), study, optional_features.size());
+    is_beauty = false;
+    if (beauty && !study.user_events) {
+        is_beauty = beauty->empty() && study.expression.prefixes.empty();
+        sentences.push_back(subject + "the beauty" + where(*beauty) + ".");
+        return sentences;
+    }
+    constexpr std::size_t small = 200;  // states: what ships has fewer than ten, so nothing larger is the same
+    if (study.user_events || study.paths.states() > small) { return sentences; }
+    std::vector<Known> known = known_channels(study.source.dialect);
+    std::vector<ChannelSource> sources{study.source};
+    std::vector<Expression> expressions;
+    expressions.push_back(parse(study.source));
+    for (const Known& each : known) {
+        sources.push_back(each.source);
+        expressions.push_back(parse(each.source));
+    }
+    for (std::size_t k = 0; k < feature_count; ++k) {
+        sources.emplace_back();
+        expressions.push_back(words_with(static_cast<Feature>(k)));
+    }
+    Study beside;
+    beside.languages = with_words(sources, expressions, study.words, false, study.source.dialect == Dialect::osl);
+    beside.all = *beside.languages.words;
+    beside.paths = intersection(beside.all, beside.languages.channels.front());
+    for (std::size_t k = 0; k < feature_count; ++k) {
+        beside.features[k] = beside.languages.channels[known.size() + 1 + k];
+    }
+    for (const std::size_t most : {std::size_t{0}, std::size_t{1}}) {
+        std::vector<std::pair<std::string, std::string>> found;  // where, what
+        for (std::size_t k = 0; k < known.size(); ++k) {
+            const Dfa differing = symmetric_difference(beside.paths, beside.languages.channels[k + 1], beside.all);
+            const auto missing = excused_by(differing, beside, most);
+            if (missing && missing->size() == most) { found.emplace_back(where(*missing), known[k].words); }
+        }
+        for (const auto& [place, what] : found) { sentences.push_back(subject + what + place + "."); }
+        if (!found.empty()) {
+            break;  // exactly equal to something: what holds only elsewhere is noise
+        }
+    }
+    return sentences;
+}
+
+}  // namespace raylex::lpe

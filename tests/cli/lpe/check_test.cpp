@@ -1,0 +1,227 @@
+// raylex lpe check and explain on files of channels as RenderMan users write them.
+#include <catch2/catch.hpp>
+
+#include "experiments/job/text/json.h"
+#include "tests/experiments/support.h"
+
+using namespace raylex::test;
+
+namespace {
+
+/// A display channel as a RIB has it, with what scene exporters put around it.
+std::string channel(const std::string& name, const std::string& expression, const std::string& more = "") {
+    return "DisplayChannel \"color " + name + "\" \"string source\" [\"color lpe:" + expression +
+           "\"] \"string filter\" [\"gaussian\"] \"float[2] filterwidth\" [2 2]" + more + "\n";
+}
+
+/// RenderMan's documented basic set, the beauty and depth beside it.
+std::string basic_set() {
+    return "##RenderMan RIB-Structure 1.1\nversion 3.04\n# beauty\nDisplayChannel \"color Ci\"\nDisplayChannel \"float "
+           "a\"\n"
+           "DisplayChannel \"float z\" \"string source\" [\"z\"]\n" +
+           channel("emissive", "C[<L.>O]") + channel("directDiffuse", "C<RD>[<L.>O]") +
+           channel("indirectDiffuse", "C<RD>[DS]+[<L.>O]") + channel("subsurface", "C<TD>[DS]*[<L.>O]") +
+           channel("directSpecular", "C<RS>[<L.>O]") + channel("indirectSpecular", "C<RS>[DS]+[<L.>O]") +
+           channel("transmissive", "C<TS>[DS]*[<L.>O]");
+}
+
+/// What a denoiser wants besides: spreads of the same expressions, albedo and normal by prefixed recipes.
+std::string denoiser_set() {
+    const std::string mse = " \"string statistics\" [\"mse\"]";
+    return "DisplayChannel \"color mse\" \"string source\" [\"color Ci\"]" + mse + "\n" +
+           channel("diffuse_mse", "C(D[DS]*[LO])|[LO]", mse) + channel("specular_mse", "CS[DS]*[LO]", mse) +
+           channel("albedo", "nothruput;noinfinitecheck;noclamp;unoccluded;overwrite;C<.S'passthru'>*((U2L)|O)") +
+           channel("normal", "nothruput;noinfinitecheck;noclamp;unoccluded;overwrite;CU6L");
+}
+
+}  // namespace
+
+TEST_CASE("a show's RIB file gets the verdict that it deserves by one command") {
+    const Folder folder;
+    folder.write("show.rib", basic_set() + denoiser_set());
+    const Outcome holds = run_raylex(folder, "lpe check show.rib");
+    INFO(holds.out << holds.err);
+    CHECK(holds.code == 0);
+    CHECK(contains(holds.out, "show.rib: 11 channels with expressions, 7 of them layers"));
+    CHECK(contains(holds.out, "no layers (prefix nothruput): 'albedo', 'normal'"));
+    CHECK(contains(holds.out, "no layers (statistics mse): 'diffuse_mse', 'specular_mse'"));
+    CHECK(contains(holds.out, "--volume adds it"));
+    CHECK(contains(holds.out, "7 channels are a partition of the beauty"));
+    const Outcome volume = run_raylex(folder, "lpe check show.rib --volume");
+    CHECK(volume.code == 1);
+    CHECK(contains(volume.out, "C,- V,- L,-"));
+    // The file's own V speaks for media, and --no-volume against them.
+    folder.write("fog.rib", basic_set() + channel("fog", "CV.*"));
+    CHECK(run_raylex(folder, "lpe check fog.rib").code == 1);
+    CHECK(run_raylex(folder, "lpe check fog.rib --no-volume").code == 0);
+    CHECK(run_raylex(folder, "lpe check fog.rib --no-volume --volume").code == 2);
+    // A job of raylex itself has media.
+    CHECK(run_raylex(folder, "lpe check show.rib -o show.toml").code == 0);
+    CHECK(contains(folder.read("show.toml"), "subsurface"));
+    folder.write("job.toml", "[[channel]]\nname = \"a\"\nlpe = \"C[DS]*[<L.>O]\"\n");
+    const Outcome job = run_raylex(folder, "lpe check job.toml");
+    CHECK(job.code == 1);
+    CHECK(contains(job.out, "--no-volume leaves such paths out"));
+    CHECK(run_raylex(folder, "lpe check job.toml --no-volume").code == 0);
+}
+
+TEST_CASE("lpe check shows every overlap and every hole before the verdict") {
+    const Folder folder;
+    folder.write("show.rib", channel("diffuse", "CD[DS]*[<L.>O]") + channel("direct", "C<RD>[<L.>O]") +
+                                 channel("key", "C[DS]+<L.'key'>"));
+    const Outcome outcome = run_raylex(folder, "lpe check show.rib");
+    INFO(outcome.out << outcome.err);
+    CHECK(outcome.code == 1);
+    CHECK(contains(outcome.out,
+                   "3 pairs count the same light; the shortest path of each:\n"
+                   "             1 2 3\n"
+                   "  1 diffuse  \\ a b\n"
+                   "  2 direct   a \\ b\n"
+                   "  3 key      b b \\\n"));
+    CHECK(contains(outcome.out, "a  camera, diffuse reflection, light (C,- R,D L,-)"));
+    CHECK(contains(outcome.out, "b  camera, diffuse reflection, light 'key' (C,- R,D L,-,key)"));
+    CHECK(contains(outcome.out, "seen directly"));
+    CHECK(contains(outcome.out, "first a specular reflection"));
+    CHECK(outcome.out.substr(outcome.out.rfind('\n', outcome.out.size() - 2) + 1) == "C,- L,-\n");
+    const auto json = raylex::experiments::parse_json(run_raylex(folder, "lpe check show.rib --json").out);
+    CHECK(json[0]["verdict"] == "missed");
+    CHECK(json[0]["overlaps"].size() == 3);
+    CHECK(json[0]["volume"] == false);
+}
+
+TEST_CASE("several splits of one beauty in a file are told apart") {
+    const Folder folder;
+    const std::string lights = channel("key", "C[DS]*<L.'key'>") + channel("rest", "C[DS]*[<L.[^'key']>O]");
+    folder.write("show.rib",
+                 basic_set() + lights + channel("diffuse", "C(D[DS]*[LO])|[LO]") + channel("specular", "CS[DS]*[LO]"));
+    const Outcome holds = run_raylex(folder, "lpe check show.rib");
+    INFO(holds.out << holds.err);
+    CHECK(holds.code == 0);
+    CHECK(contains(holds.out, "a partition by themselves: 'key', 'rest'"));
+    CHECK(contains(holds.out, "a partition by themselves: 'diffuse', 'specular'"));
+    CHECK(contains(holds.out, "the layers are 3 partitions of the beauty side by side"));
+    // A layer that is in none of them is counted twice.
+    folder.write("more.rib", folder.read("show.rib") + channel("caustics", "CDS+L"));
+    const Outcome more = run_raylex(folder, "lpe check more.rib");
+    INFO(more.out);
+    CHECK(more.code == 1);
+    CHECK(contains(more.out, "in none: 'caustics'"));
+    // The same channel twice is not two splits.
+    folder.write("twice.rib", channel("a", "CD.*") + channel("b", "CD.*") + channel("rest", "C((S.*[LO])|[LO])"));
+    CHECK(run_raylex(folder, "lpe check twice.rib").code == 1);
+}
+
+TEST_CASE("lpe check names every expression that cannot be read") {
+    const Folder folder;
+    folder.write("show.rib",
+                 channel("a", "C<RX>.*") + channel("good", "CL") + channel("b", "C[DS") + channel("c", "noSuchName"));
+    const Outcome outcome = run_raylex(folder, "lpe check show.rib");
+    INFO(outcome.err);
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, "show.rib:1:57: found 'X'"));
+    CHECK(contains(outcome.err, "show.rib:3:"));
+    CHECK(contains(outcome.err, "show.rib:4:"));
+    CHECK(contains(outcome.err, "3 errors in 4 channels"));
+    folder.write("m.ini", "/prman/lpe/macro/bad C<RX>\n");
+    folder.write("two.rib", channel("a", "bad") + channel("b", "unoccluded;bad"));
+    const Outcome macro = run_raylex(folder, "lpe check two.rib m.ini");
+    CHECK(contains(macro.err, "m.ini:1:25: found 'X'"));
+}
+
+TEST_CASE("what is offered as a rest is readable by the application of the file") {
+    const Folder folder;
+    folder.write("show.rib",
+                 channel("Ci", "C.*[<L.>O]") + channel("diffuse", "C<RD>[DS]*[<L.>O]") + channel("seen", "C[<L.>O]"));
+    const Outcome outcome = run_raylex(folder, "lpe check show.rib");
+    INFO(outcome.out << outcome.err);
+    CHECK(outcome.code == 1);
+    CHECK(contains(outcome.out, "no layers (the beauty): 'Ci'"));
+    const std::size_t begin = outcome.out.find("rest=\"");
+    REQUIRE(begin != std::string::npos);
+    const std::string rest = outcome.out.substr(begin + 6, outcome.out.find('"', begin + 6) - begin - 6);
+    CHECK(rest.find_first_of("?VBG&!{") == std::string::npos);
+    CHECK(run_raylex(folder, "lpe check show.rib rest='" + rest + "'").code == 0);
+    CHECK(run_raylex(folder, "lpe check show.rib --rest others -o whole.rib").code == 0);
+    const Outcome whole = run_raylex(folder, "lpe check whole.rib");
+    INFO(whole.out << whole.err);
+    CHECK(whole.code == 0);
+    // With --of the beauty of the file is no layer either.
+    const Outcome of = run_raylex(folder, "lpe check show.rib --of 'C[DS]*[<L.>O]' --rest others");
+    INFO(of.out << of.err);
+    CHECK(of.code == 0);
+}
+
+TEST_CASE("groups and labels that exist are given to lpe check, and slips are named without a scene") {
+    const Folder folder;
+    folder.write("lights.rib",
+                 channel("key", "C[DS]*<L.'key'>") + channel("fill", "C[DS]*<L.'fill'>") + channel("glow", "C[DS]*O"));
+    const Outcome open = run_raylex(folder, "lpe check lights.rib");
+    CHECK(open.code == 1);
+    CHECK(run_raylex(folder, "lpe check lights.rib --groups key,fill --all-labelled").code == 0);
+    const Outcome rim = run_raylex(folder, "lpe check lights.rib --groups kye,fill,rim --all-labelled");
+    CHECK(rim.code == 1);
+    CHECK(contains(rim.err, "'key' (channel 'key') is no light group of --groups; did you mean 'kye'?"));
+    folder.write("slip.rib", channel("a", "C<RD><L.'key'>") + channel("b", "C<RS><L.'key'>") +
+                                 channel("c", "C<TD><L.'kye'>") + channel("d", "C<TS><L.'key2'>"));
+    const Outcome slip = run_raylex(folder, "lpe check slip.rib");
+    CHECK(contains(slip.err, "'kye' (channel 'c') stands beside 'key' in 2 channels; did you mean 'key'?"));
+    CHECK_FALSE(contains(slip.err, "key2"));
+    CHECK_FALSE(contains(run_raylex(folder, "lpe check lights.rib").err, "did you mean"));
+    const Outcome label = run_raylex(folder, "lpe check a=\"C<RD'flor'>.*\" --labels floor,wall");
+    CHECK(contains(label.err, "'flor' (channel 'a') is no label of --labels; did you mean 'floor'?"));
+    folder.write("scene.pbrt", small_scene());
+    CHECK(run_raylex(folder, "lpe check lights.rib --groups key --scene scene.pbrt").code == 2);
+}
+
+TEST_CASE("a bare file of channels is taken as one") {
+    const Folder folder;
+    folder.write("show.rib", basic_set());
+    folder.write("a=b.rib", basic_set());
+    CHECK(run_raylex(folder, "lpe check ./a=b.rib").code == 0);
+    const Outcome both = run_raylex(folder, "lpe check a=b.rib");
+    CHECK(both.code == 2);
+    CHECK(contains(both.err, "reads as NAME=EXPR too"));
+    CHECK(run_raylex(folder, "lpe check --channels a=b.rib").code == 0);
+    const Outcome missing = run_raylex(folder, "lpe check shwo.rib");
+    CHECK(missing.code == 2);
+    CHECK(contains(missing.err, "shwo.rib: there is no such file of channels"));
+    const Outcome one = run_raylex(folder, "lpe explain show.rib directDiffuse");
+    CHECK(one.code == 0);
+    CHECK(contains(one.out, "From the camera, one diffuse reflection"));
+    const Outcome all = run_raylex(folder, "lpe explain show.rib");
+    CHECK(all.code == 0);
+    CHECK(contains(all.out, "emissive    C[<L.>O]\n    "));
+    CHECK(contains(all.out, "transmissive    C<TS>"));
+    CHECK(run_raylex(folder, "lpe explain show.rib CL CDL").code == 2);
+    CHECK(run_raylex(folder, "lpe explain CL --nothing").code == 2);
+    CHECK(run_raylex(folder, "lpe graph show.rib").code == 0);
+}
+
+TEST_CASE("a file of five hundred channels is checked quickly, and its overlaps are folded", "[release-only]") {
+    const Folder folder;
+    std::string text;
+    for (int group = 0; group < 125; ++group)
+        for (const char* lobe : {"RD", "RS", "TD", "TS"})
+            text += channel("g" + std::to_string(group) + lobe,
+                            "C<" + std::string(lobe) + ">[DS]*<L.'g" + std::to_string(group) + "'>");
+    folder.write("big.rib", text + channel("all", "C<RD>[DS]*[<L.>O]"));
+    const Outcome outcome = run_raylex(folder, "lpe check big.rib");
+    CHECK(outcome.code == 1);
+    CHECK(contains(outcome.out, "125 pairs count the same light"));
+    CHECK(outcome.out.size() < 4000);
+    // Labels too many for a rest as text, and channels too large together for one proof, still get their verdicts.
+    folder.write("lights.rib", text);
+    const Outcome lights = run_raylex(folder, "lpe check lights.rib");
+    CHECK(lights.code == 1);
+    CHECK(contains(lights.out, "no short expression"));
+    std::string large;
+    for (int k = 0; k < 500; ++k)
+        large += channel("o" + std::to_string(k), "C.*<.D'o" + std::to_string(k) + "'>.*[<L.>O]");
+    folder.write("large.rib", large);
+    const Outcome pairs = run_raylex(folder, "lpe check large.rib");
+    INFO(pairs.out << pairs.err);
+    CHECK(pairs.code == 1);
+    CHECK(contains(pairs.out, " pairs count the same light"));
+    CHECK(contains(pairs.err, "holes were not looked for"));
+    CHECK(contains(pairs.out, "'o0' and 'o1' both count "));
+}

@@ -1,0 +1,105 @@
+// Rules and layers of statistics, by flag and by job.
+#include <catch2/catch.hpp>
+
+#include "display/output/reader/exr_reader.h"
+#include "support.h"
+
+using namespace raylex::test;
+using raylex::display::read_exr;
+
+namespace {
+
+std::string refusal(const Folder& folder, const std::string& arguments) {
+    const Outcome outcome = run_raylex(folder, arguments + " -o refused.exr");
+    CAPTURE(arguments, outcome.out);
+    CHECK(outcome.code == 2);
+    CHECK_FALSE(folder.has("refused.exr"));
+    return outcome.err;
+}
+
+}  // namespace
+
+TEST_CASE("statistics become layers that belong together and leave the beauty alone", "[statistics][law2]") {
+    const SceneFolder folder;
+    REQUIRE(run_raylex(folder, "render room.pbrt -o plain.exr --lpe direct=CDL").code == 0);
+    const Outcome outcome = run_raylex(folder,
+                                       "render room.pbrt -o a.exr --lpe direct=CDL --aov Nn --threads 3 "
+                                       "--statistics beauty=variance,mse,even,odd --statistics Nn=mse");
+    CAPTURE(outcome.err, outcome.out);
+    REQUIRE(outcome.code == 0);
+    folder.write("job.toml",
+                 "[scene]\nfile = \"room.pbrt\"\n[render]\nthreads = 1\n[channels]\naovs = [\"Nn\"]\n"
+                 "[channels.statistics]\nbeauty = [\"variance\", \"mse\", \"even\", \"odd\"]\nNn = [\"mse\"]\n"
+                 "[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\nstatistics = [\"odd\"]\n");
+    REQUIRE(run_raylex(folder, "render job.toml -o b.exr").code == 0);
+    auto plain = read_exr(folder.path("plain.exr")), a = read_exr(folder.path("a.exr")),
+         b = read_exr(folder.path("b.exr"));
+    REQUIRE((plain && a && b));
+    CHECK(b->layer("direct_odd") != nullptr);
+    CHECK(a->attributes["statistics/beauty_mse"] == "mse of beauty");
+    CHECK(a->attributes["verdict/auto"].starts_with("holds; "));
+    double light = 0;
+    for (const char* name : {"R", "G", "B"}) {
+        const std::vector<float> beauty = plane(*a, "beauty", name);
+        CHECK(beauty == plane(*plain, "beauty", name));
+        for (const char* layer : {"beauty_variance", "beauty_mse", "beauty_even", "beauty_odd"})
+            CHECK(plane(*a, layer, name) == plane(*b, layer, name));  // 3 threads, 1 thread
+        const std::vector<float> variance = plane(*a, "beauty_variance", name), mse = plane(*a, "beauty_mse", name),
+                                 even = plane(*a, "beauty_even", name), odd = plane(*a, "beauty_odd", name);
+        for (std::size_t i = 0; i < beauty.size(); ++i) {
+            // 4 samples of weight 1: rounding to float and no more.
+            CHECK(mse[i] == Approx(variance[i] / 4).epsilon(1e-6));
+            CHECK((even[i] + odd[i]) / 2 == Approx(beauty[i]).epsilon(1e-6));
+            light += static_cast<double>(even[i]);
+        }
+        CHECK(even != odd);
+    }
+    CHECK(light > 0);
+    CHECK(plane(*a, "Nn_mse", "X") == plane(*b, "Nn_mse", "X"));
+    CHECK(contains(refusal(folder, "render room.pbrt --statistics beauty=vairance"), "did you mean 'variance'"));
+    CHECK(contains(refusal(folder, "render room.pbrt --statistics beaut=mse"), "did you mean 'beauty'"));
+    CHECK(contains(refusal(folder, "render room.pbrt --aov z --statistics z=mse"),
+                   "has the rule 'zmin' and no statistics"));
+    CHECK(contains(refusal(folder, "render room.pbrt --statistics mse"), "expected such as beauty=variance,mse"));
+    CHECK(contains(refusal(folder, "render room.pbrt --deep d.exr --statistics beauty=mse --deep-channels beauty_mse"),
+                   "cannot be deep"));
+    folder.write("bad.toml", "[scene]\nfile = \"room.pbrt\"\n[channels.statistics]\nbeauty = [\"mse\", \"evn\"]\n");
+    CHECK(contains(refusal(folder, "render bad.toml"), "bad.toml:4:19"));
+}
+
+TEST_CASE("a channel may have another rule, and then stands in no partition", "[statistics]") {
+    const SceneFolder folder;
+    const Outcome outcome = run_raylex(folder,
+                                       "render room.pbrt -o a.exr --lpe all='C.*' --lpe brightest='C.*' "
+                                       "--rule brightest=max --aov Nn --rule Nn=zmin");
+    CAPTURE(outcome.err);
+    REQUIRE(outcome.code == 0);
+    folder.write("job.toml",
+                 "[scene]\nfile = \"room.pbrt\"\n[channels]\naovs = [\"Nn\"]\nrules = { Nn = \"zmin\" }\n"
+                 "[[channel]]\nname = \"brightest\"\nlpe = \"C.*\"\nrule = \"max\"\n");
+    REQUIRE(run_raylex(folder, "render job.toml -o b.exr").code == 0);
+    auto a = read_exr(folder.path("a.exr")), b = read_exr(folder.path("b.exr"));
+    REQUIRE((a && b));
+    CHECK(a->attributes["rule/brightest"] == "max");
+    CHECK(plane(*a, "Nn", "Y") == plane(*b, "Nn", "Y"));
+    for (const char* name : {"R", "G", "B"}) {
+        const std::vector<float> mean = plane(*a, "all", name), most = plane(*a, "brightest", name);
+        CHECK(most == plane(*b, "brightest", name));
+        CHECK(most != mean);
+        for (std::size_t i = 0; i < mean.size(); ++i) CHECK(most[i] >= mean[i] * (1 - 1e-6f));
+    }
+    // The nearest sample's normal is of unit length, where a filtered one need not be.
+    const std::vector<float> x = plane(*a, "Nn", "X"), y = plane(*a, "Nn", "Y"), z = plane(*a, "Nn", "Z");
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const float square = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
+        if (square > 0) CHECK(square == Approx(1).epsilon(1e-5));
+    }
+    REQUIRE(a->partitions.size() == 1);
+    CHECK(a->partitions[0].layers == std::vector<std::string>{"all", "rest"});
+    CHECK(contains(refusal(folder, "render room.pbrt --rule beauty=max"), "made by the pixel filter alone"));
+    CHECK(contains(refusal(folder, "render room.pbrt --aov id --rule id=average"), "integers"));
+    CHECK(contains(refusal(folder, "render room.pbrt --lpe direct=CDL --rule rest=max"),
+                   "cannot be part of partition 'auto'"));
+    CHECK(contains(refusal(folder, "render room.pbrt --partition shipped --rule directDiffuse=zmin"),
+                   "cannot be part of partition 'shipped'"));
+}

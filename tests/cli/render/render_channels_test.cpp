@@ -1,0 +1,146 @@
+// render --channels: files of channels as other tools keep them, rendered.
+#include <catch2/catch.hpp>
+
+#include "display/output/reader/exr_reader.h"
+#include "support.h"
+
+using namespace raylex::test;
+using raylex::display::read_exr;
+
+TEST_CASE("channels of RIB, rendermn.ini, USD and TOML files are rendered as if --lpe gave them") {
+    const SceneFolder folder;
+    folder.write("show.rib",
+                 "DisplayChannel \"color beauty\" \"string source\" \"lpe:C[DS]*[<L.>O]\"\n"
+                 "DisplayChannel \"color direct\" \"string source\" \"lpe:C<RD>[<L.>O]\" \"string filter\" \"box\"\n"
+                 "DisplayChannel \"color indirect\" \"string source\" \"lpe:C<RD>[DS]+[<L.>O]\"\n"
+                 "DisplayChannel \"float z\" \"string source\" \"float z\"\n");
+    folder.write("show.ini", "/prman/lpe/macro/direct C<RD>[<L.>O]\n/prman/lpe/macro/indirect C<RD>[DS]+[<L.>O]\n");
+    folder.write("show.usda",
+                 "#usda 1.0\ndef RenderVar \"direct\"\n{\n    uniform string sourceName = \"C<RD>[<L.>O]\"\n"
+                 "    uniform token sourceType = \"lpe\"\n}\n"
+                 "def RenderVar \"indirect\"\n{\n    uniform string sourceName = \"C<RD>[DS]+[<L.>O]\"\n"
+                 "    uniform token sourceType = \"lpe\"\n}\n");
+    folder.write("show.toml",
+                 "[[channel]]\nname = \"direct\"\nlpe = \"C<RD>[<L.>O]\"\n[[channel]]\nname = \"indirect\"\n"
+                 "lpe = \"C<RD>[DS]+[<L.>O]\"\n[[partition]]\nname = \"mine\"\nchannels = [\"direct\", "
+                 "\"indirect\"]\nrest = \"other\"\n");
+    REQUIRE(run_raylex(folder,
+                       "render room.pbrt -o flags.exr --lpe 'direct=C<RD>[<L.>O]' --lpe 'indirect=C<RD>[DS]+[<L.>O]'")
+                .code == 0);
+    auto flags = read_exr(folder.path("flags.exr"));
+    REQUIRE(flags);
+    for (const char* file : {"show.rib", "show.ini", "show.usda", "show.toml"}) {
+        CAPTURE(file);
+        const Outcome outcome = run_raylex(folder, std::string("render room.pbrt -o out.exr --channels ") + file);
+        CAPTURE(outcome.out, outcome.err);
+        REQUIRE(outcome.code == 0);
+        auto image = read_exr(folder.path("out.exr"));
+        REQUIRE(image);
+        for (const char* layer : {"", "direct", "indirect"})
+            CHECK(plane(*image, layer, "G") == plane(*flags, layer, "G"));
+        CHECK(image->attributes["lpe/direct"] == "C<RD>[<L.>O]");
+        const bool toml = std::string(file) == "show.toml";
+        CHECK(image->attributes[toml ? "partition/mine" : "partition/auto"] ==
+              (toml ? "beauty = direct + indirect + other" : "beauty = direct + indirect + rest"));
+        if (std::string(file) != "show.rib") continue;
+        CHECK(outcome.err.find("channel 'beauty' of show.rib is the image itself") != std::string::npos);
+        CHECK(outcome.err.find("1 channel says more than an expression") != std::string::npos);
+        CHECK(
+            outcome.err.find("channels without an expression are left out; --aov asks for those that raylex has: z") !=
+            std::string::npos);
+    }
+    // In the order of the command line, beside flags and other files.
+    const Outcome both =
+        run_raylex(folder, "render room.pbrt -o both.exr --lpe seen=C.*B --channels show.ini --lpe 'glow=CO'");
+    CAPTURE(both.err);
+    REQUIRE(both.code == 0);
+    auto image = read_exr(folder.path("both.exr"));
+    REQUIRE(image);
+    CHECK(image->layer_names() == std::vector<std::string>{"", "seen", "direct", "indirect", "glow", "rest"});
+}
+
+TEST_CASE("what is wrong in a file of channels is told at its place, and nothing is rendered", "[law7]") {
+    const SceneFolder folder;
+    const auto refused = [&](const std::string& name, const std::string& text, const std::vector<std::string>& words) {
+        folder.write(name, text);
+        const Outcome outcome = run_raylex(folder, "render room.pbrt -o x.exr --channels " + name);
+        CAPTURE(name, outcome.err);
+        CHECK(outcome.code == 2);
+        for (const std::string& word : words) {
+            CAPTURE(word);
+            CHECK(outcome.err.find(word) != std::string::npos);
+        }
+        CHECK_FALSE(folder.has("x.exr"));
+    };
+    refused("a.rib",
+            "DisplayChannel \"color good\" \"string source\" \"lpe:C<RD>L\"\n"
+            "DisplayChannel \"color bad\" \"string source\" \"lpe:C<RD]L\"\n",
+            {"a.rib:2:53"});
+    refused("b.rib", "DisplayChannel \"color rgba\" \"string source\" \"lpe:C<RD>L\"\n", {"b.rib:1", "rgba"});
+    refused("c.rib", "DisplayChannel \"float z\"\n", {"c.rib", "no channel with an expression"});
+    refused("d.toml", "[[channel]]\nname = \"a\"\nlpe = \"C(L\"\n", {"d.toml:3"});
+    refused("e.usda",
+            "#usda 1.0\ndef RenderVar \"a\"\n{\n    uniform string sourceName = \"C<\"\n    uniform token sourceType = "
+            "\"lpe\"\n}\n",
+            {"e.usda:4"});
+    refused("f.txt", "neither of them\n", {"f.txt"});
+    refused("g.rib",
+            "DisplayChannel \"color a\" \"string source\" \"lpe:C<RD>L\"\nDisplayChannel \"color a\" \"string source\" "
+            "\"lpe:C<RS>L\"\n",
+            {"g.rib:2", "'a' is used twice"});
+    const Outcome absent = run_raylex(folder, "render room.pbrt -o x.exr --channels absent.rib");
+    CHECK(absent.code == 2);
+    CHECK(absent.err.find("absent.rib") != std::string::npos);
+    // A partition that is none ends the render as one of a job does.
+    folder.write("split.toml",
+                 "[[channel]]\nname = \"a\"\nlpe = \"C<RD>L\"\n[[partition]]\nname = \"mine\"\nchannels = [\"a\"]\n");
+    CHECK(run_raylex(folder, "render room.pbrt -o x.exr --channels split.toml").code == 1);
+}
+
+TEST_CASE("layers by technique are proved to sum, of beauty and of channels, from flags and job files") {
+    const SceneFolder folder;
+    folder.write("job.toml",
+                 "[scene]\nfile = \"room.pbrt\"\n[output]\nfile = \"job.exr\"\n[integrator]\ntype = \"bdpt\"\n"
+                 "maxdepth = 9\n[channels]\ntechniques = \"pyramid:beauty,direct\"\n[[channel]]\nname = \"direct\"\n"
+                 "lpe = \"C<RD>[<L.>O]\"\n");
+    Outcome outcome = run_raylex(folder, "render job.toml");
+    CAPTURE(outcome.out, outcome.err);
+    REQUIRE(outcome.code == 0);
+    auto image = read_exr(folder.path("job.exr"));
+    REQUIRE(image);
+    CHECK(image->attributes["partition/techniques"].find("beauty_s3t1 + ") != std::string::npos);
+    CHECK(image->attributes["partition/techniques"].ends_with(" + beauty_beyond8"));
+    CHECK(image->attributes["partition/techniques_direct"].starts_with("direct = direct_s0t2 + direct_s0t3"));
+    CHECK(image->attributes["lpe/direct_s1t2_unweighted"] == "s1t2;unweighted;C<RD>[<L.>O]");
+    const auto total = [&](const std::string& layer) {
+        double sum = 0;
+        for (const float value : plane(*image, layer, "G")) sum += static_cast<double>(value);
+        return sum;
+    };
+    CHECK(total("beauty_s2t1") > 0);
+    CHECK(total("direct_s1t2_unweighted") > total("direct_s1t2"));
+    outcome = run_raylex(folder, "verify job.exr");
+    CHECK(outcome.code == 0);
+    CHECK(outcome.out.find("'techniques_direct'") != std::string::npos);
+
+    // A method without light subpaths has less of them; a short depth leaves nothing beyond.
+    outcome = run_raylex(folder, "render room.pbrt -o path.exr --max-depth 1 --techniques pyramid");
+    REQUIRE(outcome.code == 0);
+    image = read_exr(folder.path("path.exr"));
+    REQUIRE(image);
+    CHECK(image->attributes["partition/techniques"] ==
+          "beauty = beauty_s0t2 + beauty_s0t3 + beauty_s1t2 + beauty_s2t1");
+    CHECK(total("beauty_s2t1") == 0);
+
+    for (const auto& [flags, expected] :
+         {std::pair{"--techniques tower", "expected pyramid"}, std::pair{"--techniques pyramid:,x", "expected names"},
+          std::pair{"--techniques pyramid:x", "layers of 'x' by technique"},
+          std::pair{"--techniques pyramid:x --dialect osl --lpe x=C.*L", "in the renderman dialect"},
+          std::pair{"--techniques pyramid:x --lpe 'x=unoccluded;C.*'", "without prefixes"}}) {
+        CAPTURE(flags);
+        outcome = run_raylex(folder, std::string("render room.pbrt -o no.exr ") + flags);
+        CAPTURE(outcome.err);
+        CHECK(outcome.code == 2);
+        CHECK(outcome.err.find(expected) != std::string::npos);
+    }
+}

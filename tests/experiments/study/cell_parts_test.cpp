@@ -1,0 +1,183 @@
+// One cell's samples over several runs: parts merge to the bits of the whole, and what is no whole is refused.
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+
+#include "experiments/job/text/json.h"
+#include "experiments/study/results.h"
+#include "tests/experiments/support.h"
+
+using namespace raylex::experiments;
+using raylex::test::Folder;
+using raylex::test::Outcome;
+
+namespace fs = std::filesystem;
+using raylex::experiments::Json;
+using raylex::experiments::parse_json;
+
+namespace {
+
+const std::string scene = R"(replicates = 1
+threads = 2
+[[scene]]
+name = "room"
+file = "room.pbrt"
+)";
+const std::string channels = R"(
+[[channel]]
+name = "direct"
+lpe = "CDL"
+)";
+
+Outcome raylex_run(const Folder& folder, const std::string& arguments, int code = 0) {
+    Outcome outcome = raylex::test::run_raylex(folder, "experiment " + arguments);
+    INFO(arguments << "\n" << outcome.out << outcome.err);
+    REQUIRE(outcome.code == code);
+    return outcome;
+}
+
+std::string bits_of(const Folder& folder, const std::string& cell) {
+    std::string bits;
+    for (const char* file :
+         {"record.bin", "samples.npy", "beauty.mean.npy", "beauty.m2.npy", "direct.mean.npy", "direct.m2.npy"})
+        if (folder.has(cell + "/" + file)) bits += file + folder.read(cell + "/" + file);
+    return bits;
+}
+
+void edit(const Folder& folder, const std::string& file, const std::function<void(Json&)>& change) {
+    Json json = parse_json(folder.read(file));
+    change(json);
+    folder.write(file, json.dump());
+}
+
+}  // namespace
+
+TEST_CASE("parts of cells merge to the bits of the whole, for every method that has parts", "[law3]") {
+    const Folder folder;
+    folder.write("room.pbrt", raylex::test::small_scene());
+    folder.write("c.toml", scene + R"(
+[[method]]
+name = "deep"
+[[method]]
+name = "splat"
+filter_mode = "splat"
+[[method]]
+name = "light"
+integrator = "lighttracer"
+[[method]]
+name = "chains"
+integrator = "pssmlt"
+[budget]
+samples = [16, 56]
+error = ["90%"]
+[[exclude]]
+method = "splat"
+error = true
+[[exclude]]
+method = "light"
+error = true
+[[exclude]]
+method = "chains"
+error = true
+)" + channels);
+    const std::string plan = raylex_run(folder, "plan c.toml --split-cells 3 --no-calibration").out;
+    for (const char* note :
+         {"budget of 16spp are kept whole: a part has at least 16 samples",
+          "budget of e0.9 are kept whole: how many samples a budget of error comes to",
+          "'chains' with a budget of 56spp are kept whole: the Markov chains of integrator 'pssmlt'"}) {
+        CAPTURE(note);
+        CHECK(plan.find(note) != std::string::npos);
+    }
+    raylex_run(folder, "run c.toml -o whole");
+    for (const char* part : {"1", "2"})
+        raylex_run(folder, std::string("run c.toml -o part") + part + " --split-cells 3 --shard " + part + "/2");
+    raylex_run(folder, "merge part1 part2 -o merged");
+    raylex_run(folder, "merge part2 part1 -o again");
+
+    const auto whole = read_experiment(folder.path("whole")), merged = read_experiment(folder.path("merged"));
+    REQUIRE((whole && merged));
+    REQUIRE(merged->cells.size() == whole->cells.size());
+    CHECK(merged->missing.empty());
+    for (std::size_t i = 0; i < whole->cells.size(); ++i) {
+        const Cell &one = whole->cells[i], &sum = merged->cells[i];
+        CAPTURE(one.id);
+        CHECK((bits_of(folder, "whole/cells/" + one.id) == bits_of(folder, "merged/cells/" + one.id)));
+        CHECK((folder.read("merged/cells/" + one.id + "/cell.json") ==
+               folder.read("again/cells/" + one.id + "/cell.json")));
+        CHECK(sum.samples_per_pixel == one.samples_per_pixel);
+        const bool in_parts = one.budget == 56 && one.method != "chains";
+        CHECK(sum.parts == (in_parts ? 3 : 0));
+        if (!in_parts) continue;
+        CHECK(sum.rays == one.rays);
+        REQUIRE(sum.splits.size() == one.splits.size());
+        CHECK(sum.splits.front().holds);
+        CHECK(sum.splits.front().worst_relative_error == one.splits.front().worst_relative_error);
+        double cpu = 0, wall = 0;
+        for (const char* part : {"part1", "part2"})
+            for (const char* name : {".p1of3", ".p2of3", ".p3of3"}) {
+                const std::string file = std::string(part) + "/cells/" + one.id + name + "/cell.json";
+                if (!folder.has(file)) continue;
+                const Json json = parse_json(folder.read(file));
+                cpu += json.at("cpu_seconds").get<double>();
+                wall += json.at("wall_seconds").get<double>();
+            }
+        // Three sums of one double each.
+        CHECK(sum.cpu_seconds == Approx(cpu).epsilon(1e-14));
+        CHECK(sum.wall_seconds == Approx(wall).epsilon(1e-14));
+    }
+    CHECK(raylex_run(folder, "replay c.toml room.deep.56spp.r0 -o merged").out.find("the same bits again") !=
+          std::string::npos);
+}
+
+TEST_CASE("parts that are no whole are refused by name, before anything is written", "[law7]") {
+    const Folder folder;
+    folder.write("room.pbrt", raylex::test::small_scene());
+    folder.write("c.toml", scene + "[[method]]\nname = \"deep\"\n[budget]\nsamples = 56\n" + channels);
+    const std::string split = "run c.toml --split-cells 3 -o ";
+    for (const char* part : {"1", "2", "3"}) raylex_run(folder, split + "part" + part + " --shard " + part + "/3");
+    raylex_run(folder, "run c.toml -o whole");
+    raylex_run(folder, "run c.toml --split-cells 2 -o halves");
+    const std::string cell = "room.deep.56spp.r0", all = "merge part1 part2 part3 ";
+    const auto refused = [&](const std::string& arguments, const std::string& with) {
+        CAPTURE(with);
+        CHECK(raylex_run(folder, arguments + " -o bad", 2).err.find(with) != std::string::npos);
+        CHECK_FALSE(folder.has("bad"));
+    };
+    refused("merge part1 part3", "cell '" + cell + "' is not whole: samples 16 to 31 are in none of the directories");
+    refused("merge part1 part2", "samples 32 to 55 are in none");
+    refused("merge part3 part2", "samples 0 to 15 are in none");
+    refused(all + "part2", "has samples 16 to 31, and");
+    refused(all + "halves", "they overlap");
+    refused(all + "whole", "its cell is finished in 'whole/cells/" + cell + "'");
+    raylex_run(folder, split + "other --set seed=5 --shard 1/3");
+    refused("merge part1 other", "results of another config");
+    CHECK(raylex_run(folder, "resume c.toml -o part1 --split-cells 2", 2).err.find("which is none of this run's") !=
+          std::string::npos);
+    CHECK(raylex_run(folder, split + "part1", 2).err.find("'raylex experiment resume' goes on") != std::string::npos);
+    // A failed part makes a failed cell; done elsewhere, it is done.
+    const std::string second = "part2/cells/" + cell + ".p2of3";
+    const std::string good = folder.read(second + "/cell.json");
+    edit(folder, second + "/cell.json", [](Json& json) { json["isa"] = "sse2"; });
+    refused(all, "so they are not parts of one render");
+    folder.write(second + "/cell.json", good);
+    edit(folder, second + "/cell.json", [](Json& json) { json["seed"] = 7; });
+    refused(all, "this part has seed 7");
+    folder.write(second + "/cell.json", good);
+    const std::string record = folder.read("part2/experiment.json");
+    edit(folder, "part2/experiment.json", [](Json& json) { json["provenance"]["revision"] = "elsewhere"; });
+    refused(all, "rendered by another program (revision elsewhere)");
+    folder.write("part2/experiment.json", record);
+    fs::create_directories(folder.path("part2/failed"));
+    Json failed = parse_json(good);
+    failed["state"] = "failed";
+    failed["reason"] = "out of memory";
+    folder.write("part2/failed/" + cell + ".p2of3.json", failed.dump());
+    raylex_run(folder, all + "-o done");
+    CHECK(bits_of(folder, "done/cells/" + cell) == bits_of(folder, "whole/cells/" + cell));
+    fs::remove_all(folder.path(second));
+    raylex_run(folder, all + "-o failed");
+    const auto results = read_experiment(folder.path("failed"));
+    REQUIRE(results);
+    REQUIRE(results->cells.size() == 1);
+    CHECK(results->cells.front().failure == "part '" + cell + ".p2of3' failed: out of memory");
+}

@@ -1,0 +1,130 @@
+// The experiments that come with raylex: each is planned, and the mistake that one of them plants is found.
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+
+#include "tests/experiments/support.h"
+#include "tests/support/paths.h"
+
+using namespace raylex::test;
+
+namespace {
+
+const std::string studies = source_dir() + "/experiments/studies";
+
+}  // namespace
+
+TEST_CASE("every ready experiment can be planned") {
+    const Folder folder;
+    int count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(studies)) {
+        if (entry.path().extension() != ".toml") continue;  // pictures, the page about them
+        CAPTURE(entry.path().string());
+        const Outcome plan = run_raylex(folder, "experiment plan '" + entry.path().string() + "' --no-calibration");
+        INFO(plan.err);
+        CHECK(plan.code == 0);
+        ++count;
+    }
+    CHECK(count == 12);
+}
+
+TEST_CASE("a planted mistake is found, and the first wrong path named", "[study][release-only]") {
+    const Folder folder;
+    const std::string common = " '" + studies +
+                               "/planted-error.toml' -o out --set replicates=4 --set budget.samples=64 "
+                               "--set scene.*.resolution=32x32 --set reference.spp=1024";
+    const Outcome run = run_raylex(folder, "experiment run" + common);
+    INFO(run.err);
+    REQUIRE(run.code == 0);
+    REQUIRE(run_raylex(folder, "experiment report" + common).code == 0);
+    const std::string page = folder.read("out/report.html");
+    // Seeds are fixed, so this is no game of chance. Survivors of a roulette of 0.75 that are not weighted lose a
+    // quarter of the paths with three scatterings, and of those with fewer nothing.
+    CHECK(page.find("Declared unbiased but differs from the reference:</span> planted-error on cornell-grey.") !=
+          std::string::npos);
+    CHECK(page.find("is first wrong at the path <code>C,- R,D R,D R,D L,-</code>") != std::string::npos);
+}
+
+TEST_CASE("a channel without its beauty is compared with the same channel beside one, by the clock that is asked for",
+          "[study][release-only]") {
+    const Folder folder;
+    const std::string common = " '" + studies +
+                               "/one-light-group.toml' -o out --set replicates=3 --set budget.samples=16 "
+                               "--set scene.*.resolution=24x24 --set reference.spp=256";
+    const Outcome run = run_raylex(folder, "experiment run" + common + " --report");
+    INFO(run.out + run.err);
+    REQUIRE(run.code == 0);
+    // Of the two channels that the full render has beside the beauty, `rest` is none of the other's.
+    CHECK(run.out.find("key on cornell-lamps16, beauty default to off: ") != std::string::npos);
+    CHECK(run.out.find("rest on cornell-lamps16, beauty") == std::string::npos);
+    CHECK(run.err.find("omission") == std::string::npos);
+    CHECK(folder.has("out/cells/cornell-lamps16.full.16spp.r0/beauty.mean.npy"));
+    CHECK(!folder.has("out/cells/cornell-lamps16.alone.16spp.r0/beauty.mean.npy"));
+    CHECK(folder.has("out/cells/cornell-lamps16.alone.16spp.r0/key.mean.npy"));
+    CHECK(folder.read("out/experiment.json").find("\"clock\": \"cpu\"") != std::string::npos);
+    CHECK(folder.read("out/report.html").find("times below are CPU seconds of all threads") != std::string::npos);
+
+    const auto refused = [&](const std::string& setting, const std::string& message) {
+        const Outcome outcome = run_raylex(folder, "experiment plan '" + studies + "/one-light-group.toml' " + setting);
+        CAPTURE(setting, outcome.err);
+        CHECK(outcome.code == 2);
+        CHECK(outcome.err.find(message) != std::string::npos);
+    };
+    refused("--set clock=sun", "'clock' is 'sun'; expected \"wall\" or \"cpu\"");
+    refused("--set reference.method=alone", "references are of all that any method renders");
+    refused("--set budget.error=0.1", "a budget of error is the beauty's");
+}
+
+TEST_CASE("methods that begin at the lights agree with the path tracer in every channel of a partition, fog and all",
+          "[study][release-only]") {
+    const Folder folder;
+    const Outcome run =
+        run_raylex(folder, "experiment run '" + studies +
+                               "/agreement.toml' -o out --report "
+                               "--set replicates=6 --set budget.samples=32 --set scene.*.resolution=24x24 "
+                               "--set reference.spp=512");
+    INFO(run.out + run.err);
+    REQUIRE(run.code == 0);
+    for (const char* scene : {"cornell-color", "cornell-fog"})
+        for (const char* method : {"bdpt", "lighttracer", "metropolis"}) {
+            const std::string who = std::string(method) + " on " + scene + ": ";
+            const std::size_t at = run.out.find(who);
+            CAPTURE(who);
+            REQUIRE(at != std::string::npos);
+            CHECK(run.out.compare(at + who.size(), 13, "no bias found") == 0);
+        }
+    CHECK(run.out.find("BIASED") == std::string::npos);
+}
+
+TEST_CASE("one command passes the README's own integrator, and convicts it once it sees less than all",
+          "[study][release-only]") {
+    const Folder folder;
+    folder.write("own.toml", "plugins = [\"" + binary_dir() + R"(/tests/libambient_occlusion.so"]
+replicates = 4
+[[scene]]
+name = "white-sky"
+file = ")" + source_dir() + R"(/experiments/scenes/white-sky/scene.pbrt"
+resolution = [48, 32]
+[[method]]
+name = "path"
+integrator = "path"
+max_depth = 1
+[[method]]
+name = "mine"
+integrator = "ambientocclusion"
+[[method]]
+name = "short-sighted"
+integrator = { type = "ambientocclusion", maxdistance = 1 }
+[budget]
+samples = [64]
+[reference]
+method = "path"
+spp = 1024
+)");
+    const Outcome run = run_raylex(folder, "experiment run own.toml -o out --report");
+    INFO(run.out << run.err);
+    REQUIRE(run.code == 0);
+    CHECK(run.out.find("\nmine on white-sky: no bias found; one of ") != std::string::npos);
+    CHECK(run.out.find("\nshort-sighted on white-sky: BIASED: it differs from the reference") != std::string::npos);
+    CHECK(folder.has("out/report.html"));
+}

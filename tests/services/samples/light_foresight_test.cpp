@@ -1,0 +1,165 @@
+// What channels can still take of a light subpath, told from its word and from what the scene can bring.
+#include "display/services/foresight/light_foresight.h"
+
+#include <array>
+
+#include <catch2/catch.hpp>
+
+#include "tests/services/lpe_helpers.h"
+
+namespace raylex::display {
+namespace {
+
+using lpe::EventClass;
+using test::build_setup;
+using test::Classes;
+using test::expression_channel;
+
+struct Language {
+    explicit Language(std::vector<ChannelDefinition> asked, const lpe::CompileOptions& options = {})
+        : channels(std::move(asked)),
+          setup(build_setup(channels, invalid_channel, options)),
+          classes(setup),
+          reversed(std::move(*lpe::ReversedProgram::build(setup.program()))),
+          words(&reversed),
+          table(channels, 1, 0),
+          services(setup, table, 1) {
+        table.begin(test::pixel_rows(0, 0, 0, 1));
+    }
+    [[nodiscard]] LightForesight foresight(const Foresight::Alphabet& alphabet) const {
+        return {setup, &reversed, alphabet};
+    }
+    /// Whether a channel takes the camera's events and then the word.
+    [[nodiscard]] bool takes(const std::vector<EventClass>& of_camera, const LightWord& word) {
+        Tracker tracker = services.begin(0);
+        for (const EventClass event : of_camera) services.move(tracker, event);
+        services.join(tracker, words, word);
+        return services.channels_follow(tracker);
+    }
+    std::vector<ChannelDefinition> channels;
+    LpeSetup setup;
+    Classes classes;
+    lpe::ReversedProgram reversed;
+    LightWords words;
+    SampleTable table;
+    LpeServices services;
+};
+
+/// Every sequence of so many of these events.
+std::vector<std::vector<EventClass>> sequences(const std::vector<EventClass>& events, int length) {
+    std::vector<std::vector<EventClass>> all{{}};
+    for (int i = 0; i < length; ++i) {
+        std::vector<std::vector<EventClass>> longer;
+        for (const std::vector<EventClass>& each : all)
+            for (const EventClass event : events) {
+                longer.push_back(each);
+                longer.back().push_back(event);
+            }
+        all = std::move(longer);
+    }
+    return all;
+}
+
+/// All words of at most 3 scatterings behind the join and 4 before it: the expressions' automata have so few states
+/// that what these do not lead to, none do.
+void check_against_all_words(Language& language) {
+    const Classes& c = language.classes;
+    const std::vector<EventClass> events{c.diffuse, c.singular};
+    const LightForesight foresight = language.foresight({events, {}, {c.light, c.background}, {}, 0});
+    const auto check = [&](const LightWord& word) {
+        const LightForesight::Ahead ahead = foresight.of(language.words, word);
+        REQUIRE(ahead.seen == language.takes({}, word));
+        bool scatters = false;
+        for (int more = 1; more <= 4; ++more)
+            for (const std::vector<EventClass>& of_camera : sequences(events, more))
+                scatters = scatters || language.takes(of_camera, word);
+        REQUIRE(ahead.scatters == scatters);
+        for (const std::vector<EventClass>& of_camera : sequences(events, 2)) {
+            Tracker tracker = language.services.begin(0);
+            language.services.move(tracker, of_camera[0]);
+            for (const EventClass there : events)
+                REQUIRE(foresight.joins(tracker, std::array{of_camera[1]}, language.words, word, std::array{there}) ==
+                        language.takes({of_camera[0], of_camera[1], there}, word));
+        }
+    };
+    for (const EventClass terminal : {c.light, c.background})
+        for (int length = 0; length <= 3; ++length)
+            for (const std::vector<EventClass>& scatterings : sequences(events, length)) {
+                LightWord word = language.services.begin(language.words, terminal);
+                for (const EventClass event : scatterings)
+                    word = language.services.prepend(language.words, word, event);
+                check(word);
+            }
+}
+
+}  // namespace
+
+TEST_CASE("what is ahead of a light subpath is read from its word", "[foresight][law4]") {
+    Language language({expression_channel("direct", "C<RD>L"), expression_channel("caustic", "C<RD><RS>+L")});
+    const Classes& c = language.classes;
+    const LightForesight foresight = language.foresight({{c.diffuse, c.singular}, {}, {c.light}, {}, 0});
+    CHECK(foresight.of(c.light).scatters);
+    CHECK_FALSE(foresight.of(c.light).seen);
+    CHECK_FALSE(foresight.of(c.emission).anything());
+    const LightWord light = language.services.begin(language.words, c.light);
+    LightForesight::Ahead ahead = foresight.after(language.words, light, std::array{c.diffuse});
+    CHECK(ahead.seen);  // direct light, which nothing may come before
+    CHECK_FALSE(ahead.scatters);
+    ahead = foresight.after(language.words, light, std::array{c.singular});
+    CHECK_FALSE(ahead.seen);
+    CHECK(ahead.scatters);
+    CHECK_FALSE(foresight.after(language.words, light, std::array{c.diffuse_through}).anything());
+    const LightWord mirrored = language.services.prepend(language.words, light, c.singular);
+    ahead = foresight.after(language.words, mirrored, std::array{c.diffuse, c.singular});
+    CHECK(ahead.seen);
+    CHECK(ahead.scatters);
+    // What the scene does not bring is not waited for.
+    CHECK_FALSE(language.foresight({{c.singular}, {}, {c.light}, {}, 0}).of(c.light).anything());
+    CHECK(LightForesight().of(c.emission).anything());  // it knows nothing
+}
+
+TEST_CASE("foresight of light words is that of all words there are", "[foresight][law4]") {
+    for (const char* expression : {"C<RD>L", "C<RD><RS>+L", "C<.S>*<RD>{2}L", "C[DS]*<RD><RS>L", "C.*<RS>L", "CL",
+                                   "C<RD>(<RS><RD>)*L", "C<RS>.*B"}) {
+        CAPTURE(expression);
+        Language language({expression_channel("asked", expression)});
+        check_against_all_words(language);
+    }
+    const auto three = [](std::size_t state_cap) {
+        lpe::CompileOptions options;
+        options.state_cap = state_cap;
+        return Language({expression_channel("caustic", "C<RD><RS>+L"), expression_channel("second", "C.*<RD><RD>L"),
+                         expression_channel("sky", "C<RS>.*B")},
+                        options);
+    };
+    Language in_groups = three(10);
+    REQUIRE(in_groups.setup.program().word_count() > 1);
+    REQUIRE_FALSE(in_groups.setup.program().view().has_lanes());
+    check_against_all_words(in_groups);
+    // Of channels in lanes it knows nothing.
+    Language in_lanes = three(6);
+    REQUIRE(in_lanes.setup.program().view().has_lanes());
+    const Classes& c = in_lanes.classes;
+    CHECK(in_lanes.foresight({{c.singular}, {}, {c.light}, {}, 0}).of(c.emission).anything());
+}
+
+TEST_CASE("cutouts before the camera and between joined vertices are foreseen", "[foresight][law4]") {
+    ChannelDefinition behind = expression_channel("behind", "C<T[s]><RD>L");
+    behind.dialect = lpe::Dialect::osl;
+    Language language({behind});
+    const Classes& c = language.classes;
+    const EventClass straight =
+        language.setup.classify({lpe::EventType::transmission, lpe::Scatter::straight, 0, {"", ""}});
+    const LightWord light = language.services.begin(language.words, c.light);
+    const auto ahead = [&](const Foresight::Alphabet& alphabet) {
+        return language.foresight(alphabet).after(language.words, light, std::array{c.diffuse});
+    };
+    CHECK(ahead({{c.diffuse}, {straight}, {c.light}, {}, 0}).seen);
+    CHECK_FALSE(ahead({{c.diffuse}, {straight}, {c.light}, {}, 0}).scatters);
+    CHECK_FALSE(ahead({{c.diffuse}, {}, {c.light}, {}, 0}).anything());
+    const Tracker tracker = language.services.begin(0);
+    CHECK(language.foresight({{c.diffuse}, {straight}, {c.light}, {}, 0})
+              .joins(tracker, std::array{c.diffuse}, language.words, light, std::array{c.diffuse}));
+}
+
+}  // namespace raylex::display

@@ -1,0 +1,216 @@
+// Film and integrators as scene files name them: crops, exposure, white balance, pbrt's integrators in our terms, and
+// files that are not there.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "tests/transport/image_file.h"
+#include "transport/color/film_sensor.h"
+#include "transport/import/pbrt/pbrt_importer.h"
+#include "transport/integrators/integrator.h"
+#include "transport/render/film.h"
+#include "transport/render_support.h"
+#include "transport/scene/typed_parameters.h"
+
+using namespace raylex;
+using namespace raylex::transport;
+
+namespace film_tests {
+
+bool contains(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+const std::string world = R"(
+Sampler "sobol" "integer pixelsamples" 4
+Camera "perspective" "float fov" 40 SHUTTER
+WorldBegin
+LightSource "infinite" "rgb L" [0.5 0.25 0.125]
+)";
+
+RenderOutput rendered(const std::string& film, const std::string& shutter = "", const RenderSettings& settings = {}) {
+    std::string text = film + world;
+    text.replace(text.find("SHUTTER"), 7, shutter);
+    return render_test::render_of(render_test::scene_of(text), settings);
+}
+
+TEST_CASE("crops of the film are rendered as the whole image has them", "[film][render]") {
+    const std::string size = "Film \"rgb\" \"integer xresolution\" 10 \"integer yresolution\" 8 ";
+    const auto region = [](const RenderOutput& output) {
+        REQUIRE(output.crop.has_value());
+        return std::array<int, 4>{output.crop->x0, output.crop->y0, output.crop->x1, output.crop->y1};
+    };
+    CHECK_FALSE(rendered(size).crop.has_value());
+    CHECK_FALSE(rendered(size + "\"float cropwindow\" [0 1 0 1]").crop.has_value());
+    // pbrt's order is x, x, y, y; a share of 0.3 of 10 pixels is 3, 0.55 of 8 begins with pixel 5.
+    CHECK(region(rendered(size + "\"float cropwindow\" [0.3 0.6 0.55 1]")) == std::array<int, 4>{3, 5, 6, 8});
+    CHECK(region(rendered(size + "\"integer pixelbounds\" [2 7 1 4]")) == std::array<int, 4>{2, 1, 7, 4});
+    RenderSettings doubled;
+    doubled.resolution = {{20, 16}};
+    CHECK(region(rendered(size + "\"integer pixelbounds\" [2 7 1 4]", "", doubled)) == std::array<int, 4>{4, 2, 14, 8});
+    doubled.crop = {{1, 1, 3, 3}};  // what is asked for counts, and not what the scene says
+    CHECK(region(rendered(size + "\"integer pixelbounds\" [2 7 1 4]", "", doubled)) == std::array<int, 4>{1, 1, 3, 3});
+    const RenderOutput crop = rendered(size + "\"float cropwindow\" [0.3 0.6 0.5 1]"), whole = rendered(size);
+    const std::vector<double> some = crop.frame_buffer.resolve(crop.beauty), all = whole.frame_buffer.resolve(0);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const std::size_t x = i / 3 % 10, y = i / 30;
+        CHECK(some[i] == (x >= 3 && x < 6 && y >= 4 ? all[i] : 0));
+    }
+    std::vector<Error> warnings;
+    for (const auto& [name, values] : {std::pair{"cropwindow", std::vector<double>{0.5, 0.5, 0, 1}},
+                                       {"cropwindow", {0, 1, 0}},
+                                       {"pixelbounds", {2000, 3000, 0, 8}}}) {
+        SceneEntity entity;
+        entity.location = {"test.pbrt", 1, 1};
+        entity.parameters.parameters = {typed::numbers(name, ParameterType::real, values)};
+        entity.parameters.parameters[0].location = {"test.pbrt", 2, 1};
+        const auto refused = read_film(entity, std::nullopt, warnings);
+        REQUIRE_FALSE(refused.ok());
+        CHECK(refused.error().line == 2);
+    }
+}
+
+TEST_CASE("a film records exposure time times iso over 100", "[film][render]") {
+    const auto pixel = [](const RenderOutput& output) {
+        const std::vector<double> image = output.frame_buffer.resolve(output.beauty);
+        return std::array<double, 3>{image[0], image[1], image[2]};
+    };
+    const std::string size = "Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2 ";
+    const auto plain = pixel(rendered(size));
+    // Powers of two, so exact.
+    CHECK(plain == std::array<double, 3>{0.5, 0.25, 0.125});
+    CHECK(pixel(rendered(size + "\"float iso\" 400")) == std::array<double, 3>{2, 1, 0.5});
+    CHECK(pixel(rendered(size + "\"float iso\" 400", "\"float shutteropen\" 1 \"float shutterclose\" 1.125")) ==
+          std::array<double, 3>{0.25, 0.125, 0.0625});
+    CHECK(pixel(rendered(size + "\"float exposuretime\" 4")) == std::array<double, 3>{2, 1, 0.5});
+    // A moment in time, with a warning.
+    CHECK(pixel(rendered(size, "\"float shutteropen\" 1")) == plain);
+    const Error error = import_test::error_of("Film \"rgb\" \"float exposuretime\" 0\nWorldBegin\n");
+    CHECK(error.line == 1);
+    CHECK(contains(error.message, "expected seconds above 0"));
+}
+
+TEST_CASE("white balance makes a film's white of daylight, by name or by sensor", "[film]") {
+    const auto white = [](const std::string& film, const std::string& light) {
+        const auto scene = render_test::scene_of("Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1 " +
+                                                 film + "\nSampler \"sobol\" \"integer pixelsamples\" 1\nWorldBegin\n" +
+                                                 "LightSource \"infinite\" \"spectrum L\" \"" + light + "\"\n");
+        const auto output = render_test::render_of(scene);
+        const std::vector<double> image = output.frame_buffer.resolve(output.beauty);
+        return std::array<double, 3>{image[0], image[1], image[2]};
+    };
+    const auto balanced = white("\"float whitebalance\" 5000", "stdillum-D50");
+    // D50 is daylight of 5003 K: its white's chromaticity is 1e-4 away.
+    CHECK(balanced[0] == Approx(1).epsilon(2e-3));
+    CHECK(balanced[1] == Approx(1).epsilon(2e-3));
+    CHECK(balanced[2] == Approx(1).epsilon(2e-3));
+    const auto warm = white("", "stdillum-D50");
+    CHECK(warm[0] > 1.1);
+    CHECK(warm[2] < 0.8);
+    const auto incandescent = white("\"float whitebalance\" 2856", "stdillum-A");
+    CHECK(incandescent[0] == Approx(1).epsilon(5e-3));  // illuminant A is a blackbody of 2856 K (c2 of 1.435 cm K)
+    CHECK(incandescent[2] == Approx(1).epsilon(5e-3));
+
+    const auto scene = render_test::scene_of("Film \"rgb\"\n\"string sensor\" \"nikon_d850\"\nWorldBegin\n");
+    REQUIRE(scene.warnings.size() == 2);  // the sensor, and that lights are balanced
+    CHECK(contains(scene.warnings[0].message, "taken as cie1931"));
+    CHECK(scene.warnings[0].line == 2);
+    for (std::size_t r = 0; r < 3; ++r)  // 6500 K is nearly sRGB's own white
+        for (std::size_t c = 0; c < 3; ++c) CHECK(scene.color.sensor[r][c] == Approx(r == c ? 1 : 0).margin(0.01));
+    const Error unknown = import_test::error_of("Film \"rgb\"\n\"string sensor\" \"nikon_d80\"\nWorldBegin\n");
+    CHECK(unknown.line == 2);
+    CHECK(contains(unknown.hint, "nikon_d8"));
+    CHECK(contains(import_test::error_of("Film \"rgb\" \"float whitebalance\" 10\nWorldBegin\n").message, "25000 K"));
+    CHECK(contains(import_test::error_of("Film \"rgb\" \"float iso\" 0\nWorldBegin\n").message, "'iso'"));
+}
+
+TEST_CASE("pbrt's integrators are ours, with a word on what differs", "[film]") {
+    const auto chosen = [](const std::string& type, std::vector<Parameter> parameters = {}) {
+        SceneEntity entity;
+        entity.type = type;
+        entity.location = {"test.pbrt", 1, 1};
+        entity.parameters.parameters = std::move(parameters);
+        entity.parameters.parameters.push_back(typed::integer("maxdepth", 7));
+        auto made = choose_integrator(entity, std::nullopt);
+        INFO((made ? std::string() : made.error().to_string()));
+        REQUIRE(made.ok());
+        CHECK(made->integrator->traits().max_depth == 7);
+        return *std::move(made);
+    };
+    struct Case {
+        const char *asked, *used, *says;
+    };
+    for (const Case& each :
+         {Case{"mlt", "pssmlt", "Kelemen"}, Case{"sppm", "bdpt", "bdpt"},
+          Case{"lightpath", "lighttracer", "lighttracer"}, Case{"simplepath", "path", "'light'"},
+          Case{"simplevolpath", "path", "'scattering'"}, Case{"randomwalk", "path", "'scattering'"},
+          Case{"ambientocclusion", "path", "not available"}, Case{"function", "path", "not available"}}) {
+        const ChosenIntegrator made = chosen(each.asked);
+        CHECK(made.name == each.used);
+        REQUIRE(made.warnings.size() == 1);
+        CHECK(contains(made.warnings[0].message, std::string("integrator '") + each.asked + "' "));
+        CHECK(contains(made.warnings[0].message, each.says));
+    }
+    for (const char* own : {"path", "volpath", "bdpt"}) CHECK(chosen(own).warnings.empty());
+    CHECK(chosen("mlt").samples_per_pixel == 100);
+    CHECK(chosen("mlt", {typed::integer("mutationsperpixel", 12), typed::integer("chains", 3)}).samples_per_pixel ==
+          12);
+    CHECK(chosen("simplepath", {typed::boolean("samplelights", false)}).warnings[0].message.find("'scattering'") !=
+          std::string::npos);
+    SceneEntity none;
+    none.type = "mlt";
+    none.parameters.parameters = {typed::integer("mutationsperpixel", 0)};
+    CHECK_FALSE(choose_integrator(none, std::nullopt).ok());
+}
+
+TEST_CASE("files that are not there are errors, or magenta, counted", "[film][import][law7]") {
+    const ImageFile image(1, 1, {Rgb(1)});
+    const std::string text =
+        "WorldBegin\nTexture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"gone.png\"\n"
+        "Texture \"f\" \"float\" \"imagemap\" \"string filename\" \"gone.exr\"\n"
+        "Material \"diffuse\" \"texture reflectance\" \"t\" \"string normalmap\" \"gone2.png\"\n"
+        "Shape \"plymesh\" \"string filename\" \"gone.ply\"\n"
+        "LightSource \"infinite\" \"string filename\" \"sky.exr\"\n"
+        "LightSource \"projection\" \"string filename\" \"slide.png\" \"float fov\" 40\n"
+        "AreaLightSource \"diffuse\"" +
+        image.parameter() + "\nShape \"sphere\"\n";
+    const Error refused = import_test::error_of(text, "/folder/scene.pbrt");
+    CHECK(refused.line == 2);
+    CHECK(contains(refused.message, "gone.png"));
+    CHECK(contains(refused.hint, "/folder"));
+    const auto scene = import_pbrt_text(text, "/folder/scene.pbrt", {MissingFiles::placeholders});
+    INFO((scene ? std::string() : scene.error().to_string()));
+    REQUIRE(scene.ok());
+    REQUIRE(scene->placeholders.size() == 6);
+    CHECK(scene->placeholders[0] == "gone.png");
+    REQUIRE(scene->warnings.size() == 6);
+    CHECK(contains(scene->warnings[3].message, "gone.ply"));
+    CHECK(scene->warnings[3].line == 5);
+    CHECK(scene->textures[0].type == "constant");
+    REQUIRE(scene->shapes.size() == 2);
+    CHECK(scene->shapes[0].positions.size() == 8);
+    CHECK(scene->materials[static_cast<std::size_t>(scene->shapes[0].material)].type == "diffuse");
+    CHECK(scene->lights[1].type == "point");
+    RenderSettings settings;
+    settings.resolution = {{4, 4}};
+    const auto output = render_test::render_of(*scene, settings);
+    const std::vector<double> beauty = output.frame_buffer.resolve(output.beauty);
+    CHECK(beauty[0] > 0);
+    CHECK(beauty[1] == 0);  // magenta sky
+    const auto lens = import_pbrt_text("Camera \"realistic\" \"string lensfile\" \"gone.dat\"\nWorldBegin\n",
+                                       "/folder/scene.pbrt", {MissingFiles::placeholders});
+    REQUIRE_FALSE(lens.ok());  // nothing can stand for a lens
+    CHECK(lens.error().line == 1);
+}
+
+TEST_CASE("a gbuffer film asks for our AOVs by its names", "[film]") {
+    SceneEntity entity;
+    entity.type = "rgb";
+    CHECK(gbuffer_layers(entity).empty());
+    entity.type = "gbuffer";
+    CHECK(gbuffer_layers(entity) == std::vector<std::string>{"albedo", "P", "Ngn", "Nn", "st"});
+    entity.parameters.parameters = {typed::text("coordinatesystem", "world")};
+    CHECK(gbuffer_layers(entity) == std::vector<std::string>{"albedo", "Pw", "__Nworld", "st"});
+}
+
+}  // namespace film_tests

@@ -1,0 +1,87 @@
+// The stages of a render come one from the other, and budgets become schedules.
+#include <array>
+#include <type_traits>
+
+#include "tests/transport/render_support.h"
+#include "transport/render/loop/render_loop.h"
+#include "transport/render/schedules/adaptive_schedule.h"
+#include "transport/render/schedules/limited_schedule.h"
+#include "transport/render/schedules/replay_schedule.h"
+#include "transport/render/schedules/synchronous_schedule.h"
+
+using namespace render_test;
+
+static_assert(!std::is_default_constructible_v<transport::ResolvedJob>);
+static_assert(
+    !std::is_constructible_v<transport::ResolvedJob, const transport::BuiltScene&, const transport::RenderSettings&>);
+static_assert(!std::is_constructible_v<transport::PreparedJob, transport::ResolvedJob>);
+static_assert(!std::is_constructible_v<transport::RenderTarget, display::FrameBuffer>);
+static_assert(!std::is_default_constructible_v<transport::FinishedLoop>);
+
+namespace {
+
+/// Calls look(schedule) with what `settings` make of the room, 24 x 24 pixels: 4 tiles.
+template <class Look>
+void with_schedule(const transport::RenderSettings& settings, const Look& look) {
+    const auto scene = transport::BuiltScene::build(scene_of(room));
+    REQUIRE(scene.ok());
+    auto job = transport::ResolvedJob::resolve(**scene, settings);
+    REQUIRE(job.ok());
+    const auto prepared = transport::PreparedJob::prepare(*std::move(job));
+    REQUIRE(prepared.ok());
+    const auto target = transport::RenderTarget::allocate(*prepared, {});
+    REQUIRE(target.ok());
+    look(*transport::make_schedule(*prepared, *target));
+}
+
+/// Tasks of the phases from `position` on, while ends of phases change nothing but the position.
+std::vector<std::array<std::uint64_t, 2>> phases_of(transport::Schedule& schedule) {
+    std::vector<std::array<std::uint64_t, 2>> phases;
+    transport::RenderPosition position = schedule.beginning();
+    for (; !schedule.finished(position); ++position.phase, position.task = 0) {
+        const std::uint64_t end = schedule.begin_phase(position);
+        phases.push_back({position.task, end});
+    }
+    return phases;
+}
+
+}  // namespace
+
+TEST_CASE("a budget becomes the schedule that it asks for", "[render][schedule]") {
+    using Phases = std::vector<std::array<std::uint64_t, 2>>;
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 40;  // three blocks
+    with_schedule(settings, [](transport::Schedule& plain) {
+        CHECK(phases_of(plain) == Phases{{0, 12}});
+        CHECK(plain.can_save_amid_phase());
+    });
+    settings.first_sample = 16;
+    with_schedule(settings, [](transport::Schedule& shard) { CHECK(phases_of(shard) == Phases{{4, 12}}); });
+    settings.first_sample = 0;
+    settings.integrator = transport::SceneEntity{};
+    settings.integrator->type = "pssmlt";
+    with_schedule(settings, [](transport::Schedule& synchronous) {
+        CHECK(dynamic_cast<transport::SynchronousSchedule*>(&synchronous) != nullptr);
+        CHECK(phases_of(synchronous) == Phases{{0, 4}, {4, 8}, {8, 12}});
+        CHECK_FALSE(synchronous.can_save_amid_phase());
+    });
+    settings.integrator.reset();
+    settings.limit = transport::SampleLimit{.error = 0.1};
+    with_schedule(settings, [](transport::Schedule& limited) {
+        CHECK(dynamic_cast<transport::LimitedSchedule*>(&limited) != nullptr);
+        CHECK(limited.error() != nullptr);
+    });
+    settings.limit.reset();
+    settings.adaptive = display::AdaptiveSettings{};
+    with_schedule(settings, [](transport::Schedule& adaptive) {
+        CHECK(adaptive.section() == "adaptive");
+        transport::RenderPosition position = adaptive.beginning();
+        CHECK(adaptive.begin_phase(position) == 4);  // every tile has open pixels
+    });
+    settings.only = transport::SampleChoice{3, 4, 5};
+    with_schedule(settings, [](transport::Schedule& replay) {
+        CHECK(dynamic_cast<transport::ReplaySchedule*>(&replay) != nullptr);
+        CHECK(phases_of(replay) == Phases{{0, 1}});
+        CHECK(replay.error() == nullptr);
+    });
+}

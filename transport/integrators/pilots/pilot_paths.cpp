@@ -1,0 +1,72 @@
+#include "transport/integrators/pilots/pilot_paths.h"
+
+#include <algorithm>
+
+#include "transport/cameras/camera.h"
+#include "transport/paths/subpaths/camera_subpaths.h"
+
+namespace raylex::transport {
+
+double pilot_cost(const IntegratorCounters& counters) {
+    return camera_ray_cost * static_cast<double>(counters.camera_rays) + static_cast<double>(counters.scattering_rays) +
+           shadow_ray_cost * static_cast<double>(counters.shadow_rays);
+}
+
+PilotPaths::PilotPaths(const IntegratorContext& context)
+    : context_(context),
+      table_(context.channels, context.batch_capacity, 0),
+      display_(table_),
+      lpe_(*context.lpe, table_, context.seed, context.attribution) {
+    for (std::size_t i = 0; i < context.channels.size(); ++i)
+        if (context.channels[i].style == display::ChannelStyle::expression &&
+            display::takes_samples(context.channels[i]))
+            channels_.push_back(static_cast<display::ChannelId>(i));
+}
+
+std::uint32_t PilotPaths::most_rounds(std::uint32_t most) const {
+    constexpr std::uint64_t samples_of_image = 16;  // of each pixel
+    const std::uint64_t pixels = std::uint64_t(context_.width) * static_cast<std::uint64_t>(context_.height);
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(most, samples_of_image * pixels / (grid * grid)));
+}
+
+void PilotPaths::begin(std::uint32_t round) {
+    rows_.clear();
+    camera_samples_.clear();
+    samplers_.clear();
+    for (std::uint32_t y = 0; y < grid; ++y)
+        for (std::uint32_t x = 0; x < grid; ++x) {
+            // Not the image's own numbers: what is chosen must not depend on them.
+            const PixelSampler numbers(SamplerKind::sobol, ~context_.seed, static_cast<std::int32_t>(x),
+                                       static_cast<std::int32_t>(y), round);
+            const Vec2 at = numbers.get_2d(filter_dimension);
+            display::CameraRow& row = rows_.emplace_back();
+            row.screen_x = to_float((static_cast<Real>(x) + at.x) * static_cast<Real>(context_.width) / grid);
+            row.screen_y = to_float((static_cast<Real>(y) + at.y) * static_cast<Real>(context_.height) / grid);
+            row.pixel_x = static_cast<std::int32_t>(row.screen_x);
+            row.pixel_y = static_cast<std::int32_t>(row.screen_y);
+            row.sample = round;
+            const Real time = sample_time(context_.scene, numbers);
+            row.shutter_time = to_float(time);
+            camera_samples_.push_back({row.screen_x, row.screen_y, numbers.get_2d(lens_dimension), time});
+            samplers_.push_back(numbers);
+        }
+    rays_.resize(rows_.size());
+    if (context_.camera->weighs_rays()) {
+        weights_.resize(rows_.size());
+        context_.camera->generate_weighed(camera_samples_, rays_, weights_);
+    } else {
+        context_.camera->generate_in_time(camera_samples_, rays_);
+    }
+}
+
+void PilotPaths::integrate(const Integrator& integrator, IntegratorThread& thread, std::size_t first,
+                           std::size_t count) {
+    const std::span<const display::CameraRow> rows{rows_.data() + first, count};
+    table_.begin(rows);
+    ThreadServices services{display_, lpe_};
+    CameraBatch batch{{rays_.data() + first, count}, {samplers_.data() + first, count}, rows};
+    if (!weights_.empty()) batch.weights = {weights_.data() + first, count};
+    integrator.integrate(batch, thread, services);
+}
+
+}  // namespace raylex::transport

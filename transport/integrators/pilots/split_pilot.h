@@ -1,0 +1,20 @@
+// Into how many rays paths are split.
+#pragma once
+
+#include "transport/integrators/pilots/pilot_paths.h"
+
+namespace raylex::transport {
+
+struct SplitChoice {
+    SplitPlan plan;
+    double noise = 1;  ///< the variance of what the channels receive, over that of paths that are not split
+};
+
+/// The plan with the least product of cost (rays) and variance of the requested channels, each relative to its mean, by
+/// a pilot of some thousand paths that are split in two. With cost c and variance v, before and behind the split, n
+/// rays make (c_before + n c_behind) (v_before + v_behind / n) (Arvo and Kirk 1990; Rath et al. 2022, "EARS", section
+/// 3): v_behind is half of the mean square by which the two rays differ. Every doubling has to save a tenth more. Both
+/// lobes of specular vertices are followed where that costs little.
+SplitChoice choose_splits(const IntegratorContext& context, const PathTrials& trials);
+
+}  // namespace raylex::transport

@@ -1,0 +1,73 @@
+// Closures that are not in the tree: a plugin's own lobes behind the closure table, without a cost to the in-tree ones.
+//
+// A closure is a small trivially copyable struct with the functions of ScatteringClosure, as LambertClosure is. The
+// table keeps its bytes and a pointer to its functions, so a call to it is an indirect one; in-tree closures are known
+// to the compiler and pay nothing. Directions are unit vectors in the shading frame, away from the surface, z along the
+// normal; both may lie on either side.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <memory>
+#include <type_traits>
+
+#include "transport/materials/bsdf/bsdf.h"
+
+namespace raylex::transport {
+
+/// evaluate   f |cos| of each lobe and their sum, and the density of sample(); nothing from delta lobes
+/// sample     a direction wi in the frame, or pdf 0; weight, pdf and lobes as BsdfSample has them. u_lobe, u in [0, 1)
+/// pdf        as evaluate() gives it
+/// albedo     rough directional albedo at this cosine, for the albedo AOV
+/// has_density  false when every lobe is a delta: then light sampling leaves the surface out
+///
+/// What does not fit into 72 bytes belongs to the material, which outlives its closures: keep a pointer to it.
+///
+/// Lobes are ids of lobes.h or of PluginHost::add_lobe. Their values must sum to `value` (Law 5).
+template <class Closure>
+concept ScatteringClosure = std::is_trivially_copyable_v<Closure> &&
+    requires(const Closure& c, const Vec3& v, Real number, const Vec2& u) {
+    { c.evaluate(v, v) } -> std::same_as<BsdfEvaluation>;
+    { c.sample(v, number, u) } -> std::same_as<BsdfSample>;
+    { c.pdf(v, v) } -> std::same_as<Real>;
+    { c.albedo(number) } -> std::same_as<Rgb>;
+    { c.has_density() } -> std::same_as<bool>;
+};
+
+/// What a Bsdf keeps of one.
+struct CustomClosure {
+    static constexpr std::size_t room = 72;  ///< with `calls` as much as the largest in-tree closure takes
+    struct Calls {
+        BsdfEvaluation (*evaluate)(const void*, const Vec3&, const Vec3&);
+        BsdfSample (*sample)(const void*, const Vec3&, Real, const Vec2&);
+        Real (*pdf)(const void*, const Vec3&, const Vec3&);
+        Rgb (*albedo)(const void*, Real);
+    };
+
+    template <ScatteringClosure Closure>
+    explicit CustomClosure(const Closure& closure) : calls(&calls_of<Closure>) {
+        static_assert(sizeof(Closure) <= room && alignof(Closure) <= 8,
+                      "a closure has 72 bytes, aligned to 8: keep a pointer to what is larger, in the material");
+        std::construct_at(reinterpret_cast<Closure*>(data.data()), closure);
+    }
+
+    const Calls* calls;
+    alignas(8) std::array<std::byte, room> data;
+
+  private:
+    template <class Closure>
+    static const Closure& as(const void* data) {
+        return *static_cast<const Closure*>(data);
+    }
+    template <class Closure>
+    static constexpr Calls calls_of{
+        [](const void* data, const Vec3& wo, const Vec3& wi) { return as<Closure>(data).evaluate(wo, wi); },
+        [](const void* data, const Vec3& wo, Real u_lobe, const Vec2& u) {
+            return as<Closure>(data).sample(wo, u_lobe, u);
+        },
+        [](const void* data, const Vec3& wo, const Vec3& wi) { return as<Closure>(data).pdf(wo, wi); },
+        [](const void* data, Real cos_o) { return as<Closure>(data).albedo(cos_o); }};
+};
+
+}  // namespace raylex::transport

@@ -1,0 +1,41 @@
+#include "transport/materials/textures/image_mean.h"
+
+#include <algorithm>
+
+#include "transport/materials/textures/image_sampler.h"
+#include "transport/materials/textures/parameter_reader.h"
+
+namespace raylex::transport {
+
+Result<std::array<double, 3>> mean_of_image(const SceneTexture& source, const ColorContext& color) {
+    ParameterReader reader(source.parameters);
+    const std::string file = reader.string("filename", ""), encoding = reader.string("encoding", "");
+    const Real scale = reader.real("scale", 1);
+    const bool invert = reader.boolean("invert", false);
+    if (reader.error()) return *reader.error();
+    const bool by_file_rules = color.file_color && source.spectrum && encoding.empty();
+    Result<Image> image = read_image(file, by_file_rules ? "linear" : encoding);
+    if (!image) return error_at(source.location, "image texture '" + file + "': " + image.error().message);
+    static_cast<void>(clear_invalid_texels(*image));
+    if (by_file_rules) {
+        auto convert = color.file_color(file);
+        if (!convert) return error_at(source.location, "image texture '" + file + "': " + convert.error().message);
+        convert_colors(*image, *convert);
+    }
+    const ImageSampler sampler{&*image, WrapMode::clamp, true, alpha_varies(*image)};
+    const Real width = static_cast<Real>(image->width), height = static_cast<Real>(image->height);
+    std::array<double, 3> sum{};
+    for (int y = 0; y < image->height; ++y)
+        for (int x = 0; x < image->width; ++x) {
+            const Vec2 st{(static_cast<Real>(x) + 0.5f) / width, (static_cast<Real>(y) + 0.5f) / height};
+            const Rgb texel = (source.spectrum ? sampler.rgb(st) : Rgb(sampler.real(st))) * scale;
+            for (int c = 0; c < 3; ++c)
+                sum[static_cast<std::size_t>(c)] +=
+                    static_cast<double>(std::max(Real(0), invert ? 1 - texel[c] : texel[c]));
+        }
+    const double texels = static_cast<double>(image->width) * static_cast<double>(image->height);
+    for (double& each : sum) each /= texels;
+    return sum;
+}
+
+}  // namespace raylex::transport

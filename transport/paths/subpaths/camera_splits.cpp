@@ -1,0 +1,114 @@
+// Splitting of camera subpaths: which vertices are kept, and how subpaths go on from them again.
+#include "transport/paths/subpaths/camera_subpaths.h"
+
+namespace raylex::transport {
+namespace {
+
+/// Whether it reflects or transmits, each in one direction.
+bool has_two_lobes(const Bsdf& bsdf, const Vec3& wo) {
+    if (bsdf.kind() != Bsdf::Kind::dielectric && bsdf.kind() != Bsdf::Kind::thin_dielectric &&
+        bsdf.kind() != Bsdf::Kind::subsurface)
+        return false;
+    const BsdfSample first = bsdf.sample(wo, lobe_number(0), {}), last = bsdf.sample(wo, lobe_number(1), {});
+    return first.delta && last.delta && first.pdf > 0 && last.pdf > 0 && first.transmitted != last.transmitted;
+}
+
+}  // namespace
+
+void CameraSubpaths::split(std::size_t j) {
+    const VertexBatch& v = vertices();
+    const std::uint32_t row = v.rows[j];
+    Subpath& path = walk_.path(row);
+    if (path.counted_depth() >= options_.walk.max_depth || record_.takes_all(row)) return;
+    if (v.bsdfs[j].has_density()) {
+        if (path.split || !record_.ahead(row, v.sources[j].label, v.points[j].material).scatters) return;
+        path.split = true;
+        path.rays = options_.splits.rays;
+    } else if (path.split && path.followed < options_.splits.both_lobes && has_two_lobes(v.bsdfs[j], v.points[j].wo)) {
+        ++path.followed;
+        path.all_lobes = true;
+    }
+}
+
+void SplitVertices::drop_finished() {
+    std::size_t kept = 0, surfaces = 0;
+    for (std::size_t k = 0; k < vertices.count; ++k) {
+        if (branches(paths[k]) <= next) continue;
+        if (k < vertices.surfaces) ++surfaces;
+        if (kept != k) {
+            vertices.keep(k, kept);
+            vertices.bsdfs[kept] = vertices.bsdfs[k];
+            paths[kept] = paths[k];
+            trackers[kept] = trackers[k];
+            samplers[kept] = samplers[k];
+        }
+        ++kept;
+    }
+    vertices.count = kept;
+    vertices.surfaces = surfaces;
+}
+
+void CameraSubpaths::follow_only(std::uint32_t row) {
+    if (options_.splits.only == SplitPlan::Only::none) walk_.path(row).rays = 0;
+    else
+        branch_samplers_[row] =
+            branch_samplers_[row].branch(options_.splits.only == SplitPlan::Only::first ? 0 : 1, options_.splits.rays);
+}
+
+void CameraSubpaths::keep_split_vertices() {
+    const VertexBatch& v = walk_.vertices();
+    SplitVertices* level = nullptr;
+    for (std::size_t j = 0; j < v.count; ++j) {
+        const std::uint32_t row = v.rows[j];
+        const Subpath& path = walk_.path(row);
+        if (SplitVertices::branches(path) == 1) continue;
+        if (options_.splits.only != SplitPlan::Only::all && !path.all_lobes) {
+            follow_only(row);
+            continue;
+        }
+        if (level == nullptr) {
+            if (levels_in_use_ == levels_.size())
+                levels_.push_back(std::make_unique<SplitVertices>(branch_samplers_.size()));
+            level = levels_[levels_in_use_++].get();
+            level->next = 1;
+            level->vertices.count = level->vertices.surfaces = 0;
+        }
+        const std::size_t k = level->vertices.count++;
+        if (j < v.surfaces) ++level->vertices.surfaces;
+        level->vertices.rows[k] = row;
+        level->vertices.rays[k] = v.rays[j];
+        level->vertices.hits[k] = v.hits[j];
+        level->vertices.points[k] = v.points[j];
+        level->vertices.sources[k] = v.sources[j];
+        level->vertices.bsdfs[k] = v.bsdfs[j];
+        level->paths[k] = path;
+        level->trackers[k] = record_.tracker(row);
+        level->samplers[k] = branch_samplers_[row];
+        if (!path.all_lobes) branch_samplers_[row] = branch_samplers_[row].branch(0, path.rays);
+    }
+}
+
+bool CameraSubpaths::go_back() {
+    while (!walk_.going() && levels_in_use_ > 0) {
+        SplitVertices& level = *levels_[levels_in_use_ - 1];
+        level.drop_finished();
+        if (level.vertices.count == 0) {
+            --levels_in_use_;
+            continue;
+        }
+        const std::uint32_t branch = level.next++;
+        for (std::size_t k = 0; k < level.vertices.count; ++k) {
+            const std::uint32_t row = level.vertices.rows[k];
+            walk_.path(row) = level.paths[k];
+            record_.go_back(row, level.trackers[k]);
+            branch_samplers_[row] = level.samplers[k].branch(branch, SplitVertices::branches(level.paths[k]));
+        }
+        walk_.counters().branches += level.vertices.count;
+        walk_.exchange_vertices(level.vertices);
+        scatter_branch(branch);
+        walk_.exchange_vertices(level.vertices);
+    }
+    return walk_.going();
+}
+
+}  // namespace raylex::transport

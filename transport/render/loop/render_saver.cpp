@@ -1,0 +1,69 @@
+#include "transport/render/loop/render_saver.h"
+
+#include <new>
+
+namespace raylex::transport {
+
+Result<RenderSaver> RenderSaver::make(const RenderState& state) {
+    RenderSaver saver;
+    const ResolvedJob& job = state.prepared.job;
+    if (!job.checkpoint || job.budget.only) return saver;  // one sample has nothing to go on from
+    if (Status s = check_checkpoint(*job.checkpoint, state); !s) return s.error();
+    saver.settings_ = &*job.checkpoint;
+    saver.identity_ = render_identity(job);
+    saver.writer_ = std::make_unique<CheckpointWriter>(saver.settings_->file);
+    return saver;
+}
+
+Status RenderSaver::set_out(RenderState& state, const RenderStatistics& earlier) const {
+    RenderPosition position = state.schedule.beginning();
+    position.statistics = earlier;
+    if (enabled() && settings_->resume) {
+        auto restored = restore_checkpoint(*settings_, identity_, state);
+        if (!restored) return restored.error();
+        position = *std::move(restored);
+    }
+    state.stand_at(std::move(position));
+    return success();
+}
+
+bool RenderSaver::due(const RenderState& state) const {
+    return enabled() && !writer_->busy() && state.session_seconds() - last_ >= settings_->seconds;
+}
+
+void RenderSaver::save(const RenderState& state) {
+    const double begin = state.session_seconds();
+    RenderPosition position = state.current();
+    position.statistics.render_seconds = state.seconds();
+    writer_->wait();
+    try {
+        writer_->start(make_checkpoint(identity_, position, state));
+    } catch (const std::bad_alloc&) {
+        writer_->fail(error_at({}, "not enough memory to copy the record for a checkpoint"));
+    }
+    last_ = state.session_seconds();
+    stall_ += last_ - begin;
+}
+
+Status RenderSaver::keep(const RenderState& state) {
+    save(state);
+    writer_->wait();
+    if (writer_->last_written()) return success();
+    Error error = writer_->failures().back();
+    error.message = "a finished bucket could not be saved: " + error.message;
+    error.hint = "the buckets before it are safe: make room and go on with --resume";
+    return error;
+}
+
+void RenderSaver::finish(RenderStatistics& statistics, std::vector<Error>& warnings) {
+    if (!enabled()) return;
+    writer_->wait();
+    statistics.checkpoints = writer_->written();
+    statistics.checkpoint_stall_seconds = stall_;
+    for (Error error : writer_->failures()) {
+        error.message = "a checkpoint could not be saved: " + error.message;
+        warnings.push_back(std::move(error));
+    }
+}
+
+}  // namespace raylex::transport

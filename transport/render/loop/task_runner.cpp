@@ -1,0 +1,102 @@
+#include "transport/render/loop/task_runner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <thread>
+
+#include "transport/render/clock.h"
+
+namespace raylex::transport {
+namespace {
+
+/// How long threads may go on with their batches after a stop. Threads are looked at every 0.2 s: together that leaves
+/// a render half a second to end in.
+constexpr double stop_grace_seconds = 0.15;
+
+}  // namespace
+
+void TaskRunner::work(const Schedule& schedule, RenderWorker& worker, std::uint64_t end) {
+    flush_denormals();
+    const double begin = thread_cpu_seconds();
+    const std::vector<UnfinishedTask>& unfinished = state_.position.unfinished;
+    try {
+        while (!failed_.load(std::memory_order_relaxed)) {
+            if (ending() || pause_.load(std::memory_order_relaxed)) break;
+            UnfinishedTask part;
+            if (const std::uint64_t k = next_unfinished_.fetch_add(1); k < unfinished.size()) {
+                part = unfinished[k];
+            } else {
+                part.task = next_.fetch_add(1, std::memory_order_relaxed);
+                if (part.task >= end) break;
+            }
+            const std::uint64_t before = worker.samples;
+            worker.begin_task(part.done);
+            schedule.render(part.task, worker);
+            worker.end_task();
+            state_.samples_done.fetch_add(worker.samples - before, std::memory_order_relaxed);
+            if (!worker.left()) continue;
+            const std::lock_guard lock(mutex_);
+            left_tasks_.push_back({part.task, worker.done()});
+            break;
+        }
+    } catch (const std::exception& e) {
+        const std::lock_guard lock(mutex_);
+        if (failure_.empty()) failure_ = e.what();
+        failed_.store(true);
+    }
+    worker.cpu_seconds += thread_cpu_seconds() - begin;
+}
+
+void TaskRunner::watch_threads(const Schedule& schedule) {
+    const double now = state_.seconds();
+    if (stopped() && !stop_seen_) stop_seen_ = now;
+    if ((stop_seen_ && now - *stop_seen_ > stop_grace_seconds) || schedule.overdue(state_))
+        state_.leave.store(true, std::memory_order_relaxed);
+}
+
+/// Tasks are taken in order: those before the next are in the frame buffer but for what threads had to leave, no
+/// others.
+void TaskRunner::take_unfinished(std::uint64_t end) {
+    state_.position.task = std::min(next_.load(), end);
+    std::vector<UnfinishedTask>& unfinished = state_.position.unfinished;
+    const auto taken = std::min<std::uint64_t>(next_unfinished_.load(), unfinished.size());
+    unfinished.erase(unfinished.begin(), unfinished.begin() + static_cast<std::ptrdiff_t>(taken));
+    unfinished.insert(unfinished.end(), left_tasks_.begin(), left_tasks_.end());
+    left_tasks_.clear();
+    std::sort(unfinished.begin(), unfinished.end(), [](const auto& a, const auto& b) { return a.task < b.task; });
+}
+
+Status TaskRunner::run(const Schedule& schedule, std::uint64_t end, double interval,
+                       const std::function<bool()>& meanwhile) {
+    next_.store(state_.position.task);
+    next_unfinished_.store(0);
+    pause_.store(false);
+    std::mutex mutex;
+    std::condition_variable done;
+    std::size_t running = state_.workers.size();
+    std::vector<std::thread> threads;
+    for (auto& worker : state_.workers)
+        threads.emplace_back([&, w = worker.get()] {
+            work(schedule, *w, end);
+            const std::lock_guard lock(mutex);
+            --running;
+            done.notify_one();
+        });
+    {
+        std::unique_lock lock(mutex);
+        while (!done.wait_for(lock, std::chrono::duration<double>(interval), [&] { return running == 0; })) {
+            lock.unlock();
+            watch_threads(schedule);
+            if (meanwhile()) pause_.store(true, std::memory_order_relaxed);
+            lock.lock();
+        }
+    }
+    for (std::thread& thread : threads) thread.join();
+    if (failed_.load()) return error_at({}, "a render thread failed: " + failure_);
+    take_unfinished(end);
+    return success();
+}
+
+}  // namespace raylex::transport

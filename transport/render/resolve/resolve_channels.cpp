@@ -1,0 +1,98 @@
+// Which channels a render has, in the order of the frame buffer.
+#include <set>
+
+#include "transport/render/resolve/resolve_checks.h"
+
+namespace raylex::transport {
+namespace {
+
+/// Beauty first when it is wanted, then the settings' channels, then statistics; names are unique and AOVs known.
+Status list_channels(const RenderSettings& settings, std::span<const display::ChannelDefinition> patterns,
+                     bool splat_anywhere, JobChannels& channels) {
+    std::set<std::string> names;
+    if (settings.beauty) {
+        display::ChannelDefinition beauty;
+        beauty.name = "beauty";
+        beauty.style = display::ChannelStyle::expression;
+        beauty.expression = "C.*";
+        beauty.space = "rendering colour space";
+        beauty.statistics = !settings.splat && !splat_anywhere;
+        channels.beauty = 0;
+        channels.list.push_back(beauty);
+        names.insert(beauty.name);
+    }
+    const std::size_t shift = channels.list.size();
+    for (display::ChannelDefinition channel : settings.channels) {
+        if (!names.insert(channel.name).second)
+            return error_at({}, "the channel name '" + channel.name + "' is used twice; expected every name once");
+        if (channel.style == display::ChannelStyle::name) {
+            auto known = named_channel(channel.name, patterns);
+            if (!known) return known.error();
+            known->statistics = channel.statistics;
+            channel = *std::move(known);
+        }
+        if (splat_anywhere) channel.statistics = false;  // nothing to keep, but for what layers ask of it
+        for (std::size_t& index : channel.rest_of) index += shift;
+        channels.list.push_back(std::move(channel));
+    }
+    if (channels.list.empty())
+        return error_at({}, "nothing to render: no beauty and no channel; expected at least one");
+    return display::apply_rules(settings.rules, channels.beauty, channels.list);
+}
+
+/// Filters may add channels that they fill.
+Status make_sample_filters(const RenderSettings& settings, JobChannels& channels) {
+    for (const SceneEntity& entity : settings.sample_filters) {
+        ParameterSet parameters = entity.parameters;
+        if (parameters.location.file.empty()) parameters.location = entity.location;
+        std::vector<display::ChannelDefinition> added;
+        const auto add = [&](display::ChannelDefinition channel) -> Result<display::ChannelId> {
+            for (const auto* list : {&channels.list, &added})
+                for (const display::ChannelDefinition& known : *list)
+                    if (known.name == channel.name)
+                        return error_at(parameters.location, "sample filter '" + entity.type + "' adds the channel '" +
+                                                                 channel.name +
+                                                                 "', whose name is taken; expected another");
+            added.push_back(std::move(channel));
+            return static_cast<display::ChannelId>(channels.list.size() + added.size() - 1);
+        };
+        auto made = display::make_sample_filter(entity.type, parameters, {channels.list, channels.beauty, add});
+        if (!made) return made.error();
+        channels.filters.add(*std::move(made));
+        channels.list.insert(channels.list.end(), added.begin(), added.end());
+    }
+    return success();
+}
+
+}  // namespace
+
+Result<display::ChannelDefinition> named_channel(const std::string& name,
+                                                 std::span<const display::ChannelDefinition> patterns) {
+    std::vector<std::string> names;
+    for (const display::ChannelDefinition& pattern : patterns) {
+        if (pattern.name == name) return pattern;
+        names.push_back(pattern.name);
+    }
+    auto standard = geoaovs::channel_definition(name);
+    if (standard) return standard;
+    Error error = standard.error();
+    if (const std::string near = nearest_name(name, names); !near.empty())
+        error.hint = "did you mean '" + near + "', which a tee texture of the scene writes to?";
+    return error;
+}
+
+Result<JobChannels> resolve_channels(const RenderSettings& settings,
+                                     std::span<const display::ChannelDefinition> patterns,
+                                     const ChosenIntegrator& chosen) {
+    JobChannels channels;
+    channels.keeps_words = settings.words.has_value();
+    if (settings.picked_lobes) channels.attribution = display::LpeServices::Attribution::picked;
+    if (Status s = list_channels(settings, patterns, ResolvedJob::splats_anywhere(chosen), channels); !s)
+        return s.error();
+    if (Status s = make_sample_filters(settings, channels); !s) return s.error();
+    if (Status s = display::add_layers(settings.layers, channels.list); !s) return s.error();
+    if (Status s = display::add_statistics(settings.statistics, channels.list); !s) return s.error();
+    return channels;
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,94 @@
+// What cannot be rendered is refused by name, before a ray is traced.
+#include "transport/render/resolve/resolve_checks.h"
+
+#include <algorithm>
+
+namespace raylex::transport {
+
+/// Channels that the integrator cannot fill are refused before a ray is traced.
+Status check_traits(const ChosenIntegrator& chosen, const SceneView& scene, const JobChannels& channels) {
+    const IntegratorTraits traits = chosen.integrator->traits();
+    const auto refuse = [&](display::ChannelId id, const std::string& lacks, const std::string& hint) {
+        const display::ChannelDefinition& channel = channels.list[static_cast<std::size_t>(id)];
+        return error_at(display::location_of(channel),
+                        "channel '" + channel.name + "' (" + channel.expression + ") cannot be filled: integrator '" +
+                            chosen.name + "' " + lacks,
+                        hint);
+    };
+    if (channels.lpe->needs_light_samples() >= 0 && !traits.light_samples)
+        return refuse(channels.lpe->needs_light_samples(), "samples no lights, so it does not know what shadows take",
+                      "leave out 'unoccluded;' and 'shadows;', or choose a strategy that samples lights, such as mis");
+    if (channels.lpe->needs_emitter_samples() >= 0 && !traits.emitter_samples)
+        return refuse(channels.lpe->needs_emitter_samples(),
+                      "does not report emitters apart from the path's throughput", "leave out 'nothruput;'");
+    if (channels.keeps_words && !traits.tells_words)
+        return error_at({},
+                        "integrator '" + chosen.name +
+                            "' keeps no path atlas: what it splats is summed up by "
+                            "channels, and comes without its words",
+                        "leave out the atlas, or choose another integrator, such as path or bdpt");
+    if (scene.geometry->has_holdouts() && !traits.holdouts)
+        return error_at({}, "the scene has holdouts, which integrator '" + chosen.name + "' does not know",
+                        "leave them out, or choose another integrator");
+    if (scene.media->any() && !traits.media)
+        return error_at({}, "the scene has participating media, which integrator '" + chosen.name + "' does not know",
+                        "leave them out, or choose another integrator, such as path");
+    return success();
+}
+
+Status check_camera(const ChosenIntegrator& chosen, const SceneEntity& entity, const Camera& camera) {
+    if (!camera.weighs_rays() || chosen.integrator->traits().camera_weights) return success();
+    return error_at(entity.location,
+                    "camera '" + entity.type + "' does not go with integrator '" + chosen.name +
+                        "': where light paths would meet its film cannot be told, nor what its rays count for",
+                    "choose another integrator, such as path, or another camera");
+}
+
+/// What needs samples that belong to a pixel is refused for light that lands anywhere.
+Status check_raster(const RenderSettings& settings, const ChosenIntegrator& chosen, const CameraSampling& sampling,
+                    const JobChannels& channels, std::vector<Error>& warnings) {
+    if (!ResolvedJob::splats_anywhere(chosen)) return success();
+    const std::string who = "integrator '" + chosen.name + "', whose light paths land anywhere on the image, ";
+    const std::string hint = "or choose another integrator, such as path";
+    if (std::max(sampling.filter->radius_x(), sampling.filter->radius_y()) + 1 >
+        static_cast<float>(TileGrid::tile_size))
+        return error_at(sampling.filter_location,
+                        "pixel filter '" + sampling.filter->name() + "' reaches farther than " +
+                            std::to_string(TileGrid::tile_size - 1) + " pixels, too far for " + who + "to splat",
+                        "choose a smaller one, " + hint);
+    const bool some_are_its_own = chosen.integrator->traits().pixel_samples;
+    for (const display::StatisticRequest& request : settings.statistics) {
+        const bool halves =
+            request.statistic == display::Statistic::even || request.statistic == display::Statistic::odd;
+        if (some_are_its_own && !halves)
+            warnings.push_back(error_at(request.location, "the statistics of '" + request.channel +
+                                                              "' are of the light that camera samples "
+                                                              "bring: what integrator '" +
+                                                              chosen.name + "' splats (t = 1) is not in them"));
+        else if (some_are_its_own)
+            return error_at(request.location,
+                            who + "has no halves of '" + request.channel + "': splats belong to no sample of a pixel",
+                            "leave them out, " + hint);
+        else
+            return error_at(request.location,
+                            who + "has no statistics of '" + request.channel +
+                                "': a pixel's samples are not its own and cannot tell its error",
+                            "leave them out, " + hint);
+    }
+    if (!settings.sample_filters.empty())
+        return error_at(settings.sample_filters.front().location,
+                        who + "takes no sample filters ('" + settings.sample_filters.front().type +
+                            "'): they change the samples of camera rays",
+                        "leave them out, " + hint);
+    for (const display::ChannelDefinition& channel : channels.list) {
+        const display::ChannelDefinition& source =
+            display::takes_samples(channel) ? channel : channels.list[static_cast<std::size_t>(channel.source)];
+        if (source.style == display::ChannelStyle::expression && channel.rule != display::FilterRule::filter)
+            return error_at(display::location_of(channel),
+                            who + "knows no rule but the pixel filter; channel '" + channel.name + "' has another",
+                            "leave it out, " + hint);
+    }
+    return success();
+}
+
+}  // namespace raylex::transport

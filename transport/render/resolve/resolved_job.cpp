@@ -1,0 +1,146 @@
+#include "transport/render/resolve/resolved_job.h"
+
+#include <algorithm>
+#include <thread>
+
+#include "transport/render/resolve/channel_scales.h"
+#include "transport/render/resolve/resolve_checks.h"
+
+namespace raylex::transport {
+namespace {
+
+/// What splat mode cannot do is named before anything is rendered.
+Status resolve_splat(const RenderSettings& settings, CameraSampling& sampling) {
+    if (!settings.splat) return success();
+    sampling.splat = true;
+    sampling.padding_x = display::splat_reach(sampling.filter->radius_x());
+    sampling.padding_y = display::splat_reach(sampling.filter->radius_y());
+    const std::string hint = "expected filter mode importance";
+    if (std::max(sampling.padding_x, sampling.padding_y) > TileGrid::tile_size)
+        return error_at(sampling.filter_location, "pixel filter '" + sampling.filter->name() +
+                                                      "' reaches farther than " + std::to_string(TileGrid::tile_size) +
+                                                      " pixels, too far for filter mode splat; " + hint);
+    if (!settings.statistics.empty())
+        return error_at(
+            settings.statistics.front().location,
+            "statistics of '" + settings.statistics.front().channel +
+                "' in filter mode splat: samples are shared by neighbouring pixels, whose errors they cannot tell; " +
+                hint);
+    for (const display::ChannelDefinition& channel : settings.channels)
+        if (channel.statistics)
+            return error_at(
+                display::location_of(channel),
+                "channel '" + channel.name + "' keeps statistics, which filter mode splat has none of; " + hint);
+    if (!settings.cryptomatte.empty())
+        return error_at({},
+                        "cryptomatte in filter mode splat: coverage is of samples that belong to one pixel; " + hint);
+    return success();
+}
+
+Status check_cryptomatte(const RenderSettings& settings, const CameraSampling& sampling) {
+    if (settings.cryptomatte.empty()) return success();
+    if (sampling.filter->has_negative_lobes())
+        return error_at(sampling.filter_location,
+                        "pixel filter '" + sampling.filter->name() +
+                            "' has negative lobes, and coverage in a cryptomatte cannot be negative; expected "
+                            "box, triangle, gaussian or blackman-harris");
+    const int ranks = settings.cryptomatte_ranks;
+    if (ranks < 2 || ranks > geoaovs::Cryptomatte::most_ranks || ranks % 2 != 0)
+        return error_at({}, std::to_string(ranks) + " cryptomatte ranks; expected an even number from 2 to " +
+                                std::to_string(geoaovs::Cryptomatte::most_ranks));
+    return success();
+}
+
+Status resolve_filter(const SceneEntity& entity, CameraSampling& sampling, std::vector<Error>& warnings) {
+    ParameterSet parameters = entity.parameters;
+    if (parameters.location.file.empty()) parameters.location = entity.location;
+    auto filter =
+        display::make_pixel_filter(entity.type.empty() ? "gaussian" : entity.type, parameters);  // pbrt's default
+    if (!filter) return filter.error();
+    for (const Parameter* p : parameters.unused())
+        warnings.push_back(error_at(
+            p->location, "pixel filter '" + entity.type + "' has no parameter '" + p->name + "'; it is ignored"));
+    sampling.filter_location = entity.location;
+    sampling.filter = std::make_unique<display::PixelFilter>(*std::move(filter));
+    return success();
+}
+
+Status resolve_sampler(const SceneEntity& entity, const RenderSettings& settings, CameraSampling& sampling,
+                       std::vector<Error>& warnings) {
+    auto choice = choose_sampler(entity);
+    if (!choice) return choice.error();
+    warnings.insert(warnings.end(), choice->warnings.begin(), choice->warnings.end());
+    for (const Parameter* p : entity.parameters.unused())
+        warnings.push_back(
+            error_at(p->location, "sampler '" + entity.type + "' has no parameter '" + p->name + "'; it is ignored"));
+    sampling.sampler = choice->kind;
+    sampling.arrangement_bits = choice->arrangement_bits;
+    sampling.seed = settings.seed + choice->seed;
+    sampling.samples_per_pixel = settings.samples_per_pixel.value_or(choice->samples_per_pixel);
+    if (sampling.samples_per_pixel == 0) return error_at({}, "0 samples per pixel; expected at least 1");
+    sampling.sampler_name = choice->name;
+    return success();
+}
+
+Result<CameraSampling> resolve_sampling(const BuiltScene& scene, const RenderSettings& settings,
+                                        std::vector<Error>& warnings) {
+    CameraSampling sampling;
+    auto film = read_film(scene.film, settings.resolution, warnings);
+    if (!film) return film.error();
+    sampling.film = *film;
+    if (settings.crop) sampling.film.crop = settings.crop;
+    const bool lens_code = scene.view().general_code.contains(Effect::depth_of_field);
+    auto camera = make_camera(scene.camera,
+                              {scene.space().placed(scene.camera_to_world), film->width, film->height, lens_code,
+                               scene.camera_motion, film->diagonal},
+                              warnings);
+    if (!camera) return camera.error();
+    sampling.camera = *std::move(camera);
+    sampling.times = scene.view().asks_for_times();
+    sampling.cones = scene.view().materials->filters_images();
+    const SceneEntity& filter = settings.filter ? *settings.filter : scene.filter;
+    if (Status s = resolve_filter(filter, sampling, warnings); !s) return s.error();
+    if (Status s = resolve_splat(settings, sampling); !s) return s.error();
+    if (Status s = check_cryptomatte(settings, sampling); !s) return s.error();
+    const SceneEntity& sampler = settings.sampler ? *settings.sampler : scene.sampler;
+    if (Status s = resolve_sampler(sampler, settings, sampling, warnings); !s) return s.error();
+    return sampling;
+}
+
+}  // namespace
+
+Result<ResolvedJob> ResolvedJob::resolve(const BuiltScene& scene, const RenderSettings& settings) {
+    ResolvedJob job(scene, settings);
+    auto sampling = resolve_sampling(scene, settings, job.warnings);
+    if (!sampling) return sampling.error();
+    auto chosen = choose_integrator(integrator_for(settings.integrator, scene.integrator), settings.max_depth);
+    if (!chosen) return chosen.error();
+    if (chosen->samples_per_pixel && !settings.samples_per_pixel)
+        sampling->samples_per_pixel = *chosen->samples_per_pixel;
+    job.warnings.insert(job.warnings.end(), chosen->warnings.begin(), chosen->warnings.end());
+    auto channels = resolve_channels(settings, scene.pattern_channels(), *chosen);
+    if (!channels) return channels.error();
+    set_scales(scene, channels->list);
+    if (Status s = check_raster(settings, *chosen, *sampling, *channels, job.warnings); !s) return s.error();
+    auto budget = resolve_budget(settings, *sampling, *chosen, *channels, job.warnings);
+    if (!budget) return budget.error();
+    auto grid = resolve_grid(settings, *sampling, *chosen);
+    if (!grid) return grid.error();
+    auto lpe = display::LpeSetup::build(channels->list, channels->beauty);
+    if (!lpe) return lpe.error();
+    channels->lpe = std::make_unique<display::LpeSetup>(*std::move(lpe));
+    if (Status s = check_traits(*chosen, scene.view(), *channels); !s) return s.error();
+    if (Status s = check_camera(*chosen, scene.camera, *sampling->camera); !s) return s.error();
+
+    job.sampling = *std::move(sampling);
+    job.chosen = *std::move(chosen);
+    job.channels = *std::move(channels);
+    job.budget = *std::move(budget);
+    job.grid = *grid;
+    job.threads =
+        settings.threads > 0 ? settings.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    job.has_extra_rows = scene.view().geometry->has_alpha() || scene.view().media->any();
+    return job;
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,25 @@
+// The second stage: the integrator has seen the scene, and the job does not change any more. Private to
+// transport/render.
+#pragma once
+
+#include <memory>
+
+#include "transport/render/resolve/resolved_job.h"
+
+namespace raylex::transport {
+
+class PreparedJob {
+  public:
+    /// Events, geometric AOVs, Integrator::prepare() with all of them; an Error is the integrator's.
+    static Result<PreparedJob> prepare(ResolvedJob resolved);
+
+    ResolvedJob job;
+    std::unique_ptr<const EventTable> events;
+    std::unique_ptr<const geoaovs::GeometricAovs> aovs;
+    double seconds = 0, cpu_seconds = 0;  ///< that it took
+
+  private:
+    explicit PreparedJob(ResolvedJob resolved) : job(std::move(resolved)) {}
+};
+
+}  // namespace raylex::transport

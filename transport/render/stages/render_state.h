@@ -1,0 +1,57 @@
+// A render while it goes on: where it stands, and the threads' workers. Schedules look at it between phases, when
+// nothing is in flight. Private to transport/render.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include "display/checkpoint/record_file.h"
+#include "transport/render/clock.h"
+#include "transport/render/render_position.h"
+#include "transport/render/schedule.h"
+#include "transport/render/stages/render_worker.h"
+
+namespace raylex::transport {
+
+class RenderState {
+  public:
+    /// All of them outlive the state, which stands nowhere before stand_at(). `since_call` began when the render was
+    /// asked for.
+    RenderState(const PreparedJob& prepared, RenderTarget& target, Schedule& schedule, const Stopwatch& since_call);
+    RenderState(const RenderState&) = delete;
+    RenderState& operator=(const RenderState&) = delete;
+
+    /// Wall time, earlier sessions' included: of the loop, and since the render was asked for.
+    [[nodiscard]] double seconds() const { return position.statistics.render_seconds + watch_.wall(); }
+    [[nodiscard]] double seconds_since_call() const { return position.statistics.render_seconds + since_call_.wall(); }
+    /// Wall time of this session's loop.
+    [[nodiscard]] double session_seconds() const { return watch_.wall(); }
+
+    /// Goes on from `from`, with the target as it was then: with new workers, which have done nothing yet.
+    void stand_at(RenderPosition from);
+    /// Position and statistics as a record needs them.
+    [[nodiscard]] RenderPosition current() const;
+    /// All that go_back_to() needs; throws std::bad_alloc. Not with sinks that others brought.
+    [[nodiscard]] display::RecordFile snapshot() const;
+    Status go_back_to(const display::RecordFile& snapshot);
+    /// Adds what all threads did, and what earlier sessions did.
+    void collect(RenderStatistics& statistics) const;
+    /// After a stop: whether splats of light paths that were not finished are in the image.
+    [[nodiscard]] bool splats_left_behind() const;
+    [[nodiscard]] std::vector<IntegratorThread*> thread_states() const;
+
+    const PreparedJob& prepared;
+    RenderTarget& target;
+    Schedule& schedule;
+    RenderPosition position;
+    mutable TileLocks locks;
+    std::vector<std::unique_ptr<RenderWorker>> workers;  ///< one a thread
+    std::atomic<std::uint64_t> samples_done{0};          ///< camera samples in the frame buffer
+    std::atomic<bool> leave{false};                      ///< threads must not finish their batches
+
+  private:
+    Stopwatch since_call_, watch_;
+};
+
+}  // namespace raylex::transport
