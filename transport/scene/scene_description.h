@@ -114,6 +114,8 @@ struct ColorContext {
     /// From light in the scene to what the film records of it, in scene_space: exposure and white balance, which stand
     /// in the colours of all lights (color/film_sensor.h). Before rendering_from_scene.
     std::array<std::array<double, 3>, 3> sensor{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    /// From that to what the film's "maxcomponentvalue" bounds the largest component of.
+    std::array<std::array<double, 3>, 3> measured{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     /// How the colours of an image texture's file are read, unless its texture has an "encoding" of its own. Empty: as
     /// pbrt does, sRGB for 8-bit files and the values themselves for float files. Called once per file.
     std::function<Result<FileColorConversion>(const std::string& path)> file_color;

@@ -1,6 +1,7 @@
 #include "display/services/samples/sample_filter.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -18,9 +19,10 @@ class NoFilter final : public SampleFilter {
 
 class ClampFilter final : public SampleFilter {
   public:
-    /// `by_component`: the limit is of the largest component, else of the luminance.
-    ClampFilter(double limit, bool by_component, ChannelId beauty, std::vector<ChannelId> scaled)
-        : limit_(limit), by_component_(by_component), beauty_(beauty), scaled_(std::move(scaled)) {}
+    /// `by_component`: the limit is of the largest component of `measure` times the colour, else of the luminance.
+    ClampFilter(double limit, bool by_component, const std::array<RgbD, 3>& measure, ChannelId beauty,
+                std::vector<ChannelId> scaled)
+        : limit_(limit), by_component_(by_component), measure_(measure), beauty_(beauty), scaled_(std::move(scaled)) {}
 
     void apply(SampleTable& table) const override {
         if (!table.touched(beauty_)) return;
@@ -42,8 +44,10 @@ class ClampFilter final : public SampleFilter {
         return {v[0], v[1], v[2]};
     }
     [[nodiscard]] double factor(const RgbD& beauty) const {
-        const double brightness =
-            by_component_ ? std::max({beauty.r, beauty.g, beauty.b}) : static_cast<double>(luminance(beauty));
+        const auto measured = [&](const RgbD& row) { return row.r * beauty.r + row.g * beauty.g + row.b * beauty.b; };
+        const double brightness = by_component_
+                                      ? std::max({measured(measure_[0]), measured(measure_[1]), measured(measure_[2])})
+                                      : static_cast<double>(luminance(beauty));
         return brightness > limit_ ? limit_ / brightness : 1.0;
     }
     void scale(SampleTable& table, int row, double factor) const {
@@ -58,12 +62,28 @@ class ClampFilter final : public SampleFilter {
 
     double limit_;
     bool by_component_;
+    std::array<RgbD, 3> measure_;  // rows
     ChannelId beauty_;
     std::vector<ChannelId> scaled_;  // beauty and the expression channels
 };
 
 Result<std::unique_ptr<SampleFilter>> build_none(const ParameterSet&, const SampleFilterContext&) {
     return std::unique_ptr<SampleFilter>(std::make_unique<NoFilter>());
+}
+
+/// The rows of the clamp's matrix; the unit matrix unless it is given.
+Result<std::array<RgbD, 3>> read_measure(const ParameterSet& parameters) {
+    std::array<RgbD, 3> rows{RgbD{1, 0, 0}, RgbD{0, 1, 0}, RgbD{0, 0, 1}};
+    const Parameter* given = parameters.find("measure");
+    if (given == nullptr) return rows;
+    given->used = true;
+    if (given->type != ParameterType::real || given->numbers.size() != 9 || parameters.find("component") == nullptr)
+        return error_at(given->location,
+                        "'measure' of sample filter 'clamp' is a matrix beside a 'component'; expected nine numbers, "
+                        "row by row");
+    for (std::size_t r = 0; r < 3; ++r)
+        rows[r] = {given->numbers[3 * r], given->numbers[3 * r + 1], given->numbers[3 * r + 2]};
+    return rows;
 }
 
 Result<std::unique_ptr<SampleFilter>> build_clamp(const ParameterSet& parameters, const SampleFilterContext& context) {
@@ -77,6 +97,8 @@ Result<std::unique_ptr<SampleFilter>> build_clamp(const ParameterSet& parameters
     if (by_component && parameters.find("luminance") != nullptr)
         return error_at(parameters.location,
                         "sample filter 'clamp' has both a luminance and a component; expected one of them");
+    const auto rows = read_measure(parameters);
+    if (!rows) return rows.error();
     if (context.beauty < 0)
         return error_at(parameters.location,
                         "sample filter 'clamp' derives its factor from beauty, which this render leaves out; expected "
@@ -92,7 +114,7 @@ Result<std::unique_ptr<SampleFilter>> build_clamp(const ParameterSet& parameters
         scaled.push_back(id);
     }
     return std::unique_ptr<SampleFilter>(
-        std::make_unique<ClampFilter>(*limit, by_component, context.beauty, std::move(scaled)));
+        std::make_unique<ClampFilter>(*limit, by_component, *rows, context.beauty, std::move(scaled)));
 }
 
 Registry<SampleFilterFactory> in_tree_filters() {
@@ -102,7 +124,9 @@ Registry<SampleFilterFactory> in_tree_filters() {
                   "scales samples brighter than a luminance down to it, all light channels by one factor",
                   {{"luminance", ParameterType::real, "10", "largest luminance a sample keeps, > 0"},
                    {"component", ParameterType::real, "",
-                    "instead: largest component a sample keeps, > 0, as the \"maxcomponentvalue\" of pbrt's films"}},
+                    "instead: largest component a sample keeps, > 0, as the \"maxcomponentvalue\" of pbrt's films"},
+                   {"measure", ParameterType::real, "",
+                    "nine numbers, row by row: the component is measured of this matrix times the colour"}},
                   build_clamp});
     registry.add(grade_filter_entry());
     registry.add(shadow_filter_entry());

@@ -9,6 +9,7 @@
 #include "display/services/hash64.h"
 #include "experiments/job/parameter_check.h"
 #include "experiments/job/rendering/provenance.h"
+#include "transport/color/color_space.h"
 #include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/integrators/integrator.h"
 #include "transport/plugins/plugin_loader.h"
@@ -85,6 +86,14 @@ std::optional<std::string> ask_for_film_clamp(const transport::SceneDescription&
     clamp.location = clamp.parameters.location = limit->location;
     clamp.parameters.parameters.push_back(*limit);
     clamp.parameters.parameters.back().name = "component";
+    const transport::Matrix3 to_measured =
+        transport::multiply(scene.color.measured, transport::inverse(scene.color.rendering_from_scene));
+    Parameter measure;
+    measure.name = "measure";
+    measure.type = ParameterType::real;
+    measure.location = limit->location;
+    for (const auto& row : to_measured) measure.numbers.insert(measure.numbers.end(), row.begin(), row.end());
+    clamp.parameters.parameters.push_back(std::move(measure));
     job.settings.sample_filters.push_back(std::move(clamp));
     return std::nullopt;
 }

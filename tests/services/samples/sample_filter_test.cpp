@@ -71,6 +71,31 @@ TEST_CASE("clamp by the largest component, as pbrt's films clamp", "[sample_filt
     CHECK_FALSE(make_sample_filter("clamp", both, {channels, 0, {}}));
 }
 
+TEST_CASE("clamp measures by a matrix where it is given one", "[sample_filter]") {
+    const std::vector<ChannelDefinition> channels = split_channels();
+    ParameterSet by_matrix = limit(2, "component");
+    Parameter measure;
+    measure.name = "measure";
+    measure.type = ParameterType::real;
+    measure.numbers = {0, 0, 1, 0.25, 0.25, 0.25, 0, 0, 0.5};
+    by_matrix.parameters.push_back(measure);
+    const auto filter = make_sample_filter("clamp", by_matrix, {channels, 0, {}});
+    REQUIRE(filter);
+    SampleTable table(channels, 4, 1);
+    table.begin(test::pixel_rows(0, 0, 0, 2));
+    table.touch(0);
+    const double values[] = {1, 8, 4, 6, 1, 1};  // measured: 4, 3.25, 2 and 1, 2, 0.5
+    std::copy(std::begin(values), std::end(values), table.values(0));
+    (*filter)->apply(table);
+    for (int c = 0; c < 3; ++c) CHECK(table.values(0)[c] == values[c] / 2);
+    for (int c = 3; c < 6; ++c) CHECK(table.values(0)[c] == values[c]);
+    by_matrix.parameters.back().numbers.pop_back();
+    CHECK_FALSE(make_sample_filter("clamp", by_matrix, {channels, 0, {}}));
+    ParameterSet alone = limit(2);
+    alone.parameters.push_back(measure);
+    CHECK_FALSE(make_sample_filter("clamp", alone, {channels, 0, {}}));
+}
+
 TEST_CASE("splits sum to beauty with the clamp on", "[sample_filter][law1]") {
     const std::vector<ChannelDefinition> channels{
         test::plain_channel("beauty", ChannelType::rgb), test::expression_channel("a", "CDL"),

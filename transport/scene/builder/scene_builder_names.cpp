@@ -34,7 +34,8 @@ Result<SceneDescription> SceneBuilder::finish() {
     if (Status status = check_textures(); !status) return status.error();
     const auto sensor = read_sensor(scene_.film, scene_.camera, scene_.color.scene_space, scene_.warnings);
     if (!sensor) return sensor.error();
-    scene_.color.sensor = *sensor;
+    scene_.color.sensor = sensor->recorded;
+    scene_.color.measured = sensor->measured;
     if (unfiltered_) read_images_unfiltered(scene_);
     return std::move(scene_);
 }
