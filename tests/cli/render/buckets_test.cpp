@@ -117,6 +117,8 @@ TEST_CASE("finished buckets are not rendered again after a kill, whatever the si
     REQUIRE(killed.code == 0);
     const std::size_t saved = buckets_in(folder).size();
     REQUIRE(saved >= 2);
+    // What a kill amid writing leaves: of a process that is no more, and of rows that no bucket will have again.
+    folder.write("out.exr.checkpoint/rows-00012-00016.bucket.2147483647-3.partial", "half a bucket");
     check_refused(folder, what + " -o out.exr --bucket-rows 4", {"--resume goes on with it"});
     check_refused(folder, what + " -o out.exr --resume", {"these are the buckets of a render with --memory"});
     check_refused(folder, what + " -o out.exr --bucket-rows 4 --resume --seed 9", {"seed: 0 there, 9 here"});

@@ -297,8 +297,14 @@ Result<RenderOutput> render_buckets(PreparedJob& prepared, const BucketPlan& pla
 Status remove_buckets(const std::string& folder) {
     std::error_code failed;
     std::vector<fs::path> files;
-    for (const fs::directory_entry& each : fs::directory_iterator(folder, failed))
+    std::vector<std::string> begun;  // by a process that died: of buckets that this render may have cut otherwise
+    for (const fs::directory_entry& each : fs::directory_iterator(folder, failed)) {
+        const std::string path = each.path().string(), ending = ".bucket";
         if (rows_named(each.path())) files.push_back(each.path());
+        else if (const auto end = path.rfind(ending + "."); end != std::string::npos)
+            begun.push_back(path.substr(0, end + ending.size()));
+    }
+    for (const std::string& each : begun) display::remove_abandoned(each);
     for (const fs::path& file : files)
         if (Status removed = display::remove_file(file.string()); !removed) return removed;
     fs::remove(folder, failed);
