@@ -132,6 +132,8 @@ struct IntegratorTraits {
     /// Beside its splats it finds light by camera samples: layers of variance and adaptive sampling may be asked for,
     /// and are of that part. (Moments are kept for these alone.)
     bool pixel_samples = false;
+    /// Closures are regularized: what is specular by its material may scatter by the glossy lobe of the same name.
+    bool regularizes = false;
     /// Takes CameraBatch::weights: cameras whose rays count differently (Camera::weighs_rays) are refused otherwise.
     bool camera_weights = false;
 };

@@ -1,5 +1,7 @@
 #include "transport/paths/event_table.h"
 
+#include "transport/materials/bsdf/lobes.h"
+
 namespace raylex::transport {
 
 lpe::Event scattering_event(const std::string& object_label, const LobeKind& lobe, const lpe::LobeSlots& slots) {
@@ -70,7 +72,8 @@ std::vector<lpe::Event> scene_events(const SceneView& scene, const lpe::LobeSlot
     return events;
 }
 
-EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots, bool prunes)
+EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots, bool prunes,
+                       bool regularizes)
     : prunes_(prunes) {
     any_ = setup.reads_words();
     const std::span<const LobeKind> kinds = lobe_kinds();
@@ -93,7 +96,7 @@ EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene, c
             terminal_event(light.is_environment(), scene.lights->groups()[static_cast<std::size_t>(light.group)])));
     if (!prunes_) return;
     passes_cutouts_ = scene.geometry->has_alpha();
-    find_scatterings(*scene.materials, scene.media->names().size());
+    find_scatterings(*scene.materials, scene.media->names().size(), regularizes);
     foresight_ = display::Foresight(setup, alphabet());
 }
 
@@ -108,13 +111,15 @@ display::Foresight::Alphabet EventTable::alphabet() const {
     return alphabet;
 }
 
-void EventTable::find_scatterings(const MaterialTable& materials, std::size_t media) {
+void EventTable::find_scatterings(const MaterialTable& materials, std::size_t media, bool regularizes) {
     materials_ = materials.size();
-    std::vector<std::vector<LobeId>> lobes(materials_);
+    std::vector<std::vector<LobeId>> found(materials_);
     for (std::size_t m = 0; m < materials_; ++m) {
-        materials.material(m)->append_lobes(lobes[m]);
-        std::sort(lobes[m].begin(), lobes[m].end());
-        lobes[m].erase(std::unique(lobes[m].begin(), lobes[m].end()), lobes[m].end());
+        materials.material(m)->append_lobes(found[m]);
+        for (std::size_t i = 0, own = found[m].size(); regularizes && i < own; ++i)
+            found[m].push_back(lobes::regularized(found[m][i]));
+        std::sort(found[m].begin(), found[m].end());
+        found[m].erase(std::unique(found[m].begin(), found[m].end()), found[m].end());
     }
     const std::size_t labels = static_cast<std::size_t>(first_medium_label_) + media;
     for (std::size_t label = 0; label < labels; ++label)
@@ -125,7 +130,7 @@ void EventTable::find_scatterings(const MaterialTable& materials, std::size_t me
             const auto at = static_cast<std::int32_t>(label);
             if (in_medium) by_material_.push_back(scatter(at, 0));
             else
-                for (const LobeId lobe : lobes[material - 1]) by_material_.push_back(scatter(at, lobe));
+                for (const LobeId lobe : found[material - 1]) by_material_.push_back(scatter(at, lobe));
         }
     begin_.push_back(static_cast<std::uint32_t>(by_material_.size()));
 }

@@ -48,7 +48,9 @@ class EventTable {
   public:
     EventTable() = default;
     /// Without `prunes` everything a scene can bring is simulated, whoever asks (to see what pruning saves).
-    EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots, bool prunes = true);
+    /// `regularizes`: the integrator's trait.
+    EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots, bool prunes = true,
+               bool regularizes = false);
 
     /// A scattering by `lobe` at an object of this label, or inside a medium by medium_label(); there whatever the
     /// lobe.
@@ -90,7 +92,7 @@ class EventTable {
     [[nodiscard]] display::Foresight::Alphabet alphabet() const;
 
   private:
-    void find_scatterings(const MaterialTable& materials, std::size_t media);
+    void find_scatterings(const MaterialTable& materials, std::size_t media, bool regularizes);
     std::vector<lpe::EventClass> scatter_, straight_, terminal_, user_;
     lpe::EventClass emission_ = 0, user_terminal_ = 0;
     std::array<bool, user_lobes.size()> wants_user_{};

@@ -31,6 +31,7 @@ inline void leave_vertex(Subpath& path, const SurfacePoint& point, const BsdfSam
     ++path.segment;
     if (mode == TransportMode::radiance && s.transmitted) path.roulette_scale *= s.eta * s.eta;
     path.specular = s.delta;
+    path.any_non_specular |= !s.delta;
     path.pdf = s.pdf;
     path.from = point.position;
     path.from_normal = point.shading_normal;

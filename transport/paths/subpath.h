@@ -43,6 +43,7 @@ struct Subpath {
     Real light_share = 1;       ///< with which probability there was one at all,
     Real ray_share = 1;         ///< and the next ray, where that is not specular
     bool specular = true;       ///< the last direction could not have been found in another way (camera, delta lobes)
+    bool any_non_specular = false;  ///< of its scatterings
     bool from_infinity = false;
     bool one_wavelength = false;  ///< has met an interface whose index depends on it (path_wavelengths.h)
 

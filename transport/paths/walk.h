@@ -37,6 +37,7 @@ struct WalkOptions {
     std::uint32_t max_depth = 5;  ///< scattering events of a whole path; of a light subpath its connection's among them
     Real roulette_below = default_roulette_below;  ///< 0: paths do not end at random
     bool densities = false;                        ///< keep sums()
+    bool regularize = false;                       ///< closures are, behind a scattering that is not specular
 };
 
 template <TransportMode mode>
@@ -359,6 +360,9 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
     if (kept > 0)
         scene_.materials->shade(*scene_.textures, {v.points.data(), kept}, {v.bsdfs.data(), kept}, &display,
                                 {needs_closure_.data(), skips_closures ? kept : 0});
+    if (options_.regularize)
+        for (std::size_t j = 0; j < kept; ++j)
+            if (paths_[v.rows[j]].any_non_specular) v.bsdfs[j].regularize();
     if (wavelengths_.any()) wavelengths_.meet(v, paths_);
     if (in_media_) append_collisions(visitor);
 }

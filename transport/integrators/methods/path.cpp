@@ -33,6 +33,7 @@ class PathIntegrator final : public Integrator, private PathTrials {
         traits.emitter_samples = traits.holdouts = traits.user_events = traits.media = traits.camera_weights = true;
         traits.light_samples = parameters_.strategy != PathStrategy::scattering;
         traits.max_depth = parameters_.max_depth;
+        traits.regularizes = parameters_.regularize;
         traits.saved_state = SavedState::none;
         return traits;
     }
@@ -93,8 +94,8 @@ std::unique_ptr<Integrator> PathIntegrator::trial(const SplitPlan& plan, std::ui
 }
 
 std::unique_ptr<IntegratorThread> PathIntegrator::make_thread_state() const {
-    CameraSubpathOptions options =
-        camera_subpath_options(context_, {parameters_.max_depth, parameters_.roulette_below, false});
+    CameraSubpathOptions options = camera_subpath_options(
+        context_, {parameters_.max_depth, parameters_.roulette_below, false, parameters_.regularize});
     options.live_lobes = may_prune();
     options.splits = splits_;
     if (!roulette_.empty()) options.roulette = &roulette_;
@@ -223,6 +224,9 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
     auto channel_roulette = entity.parameters.boolean_or("channelroulette", true);
     if (!channel_roulette) return channel_roulette.error();
     p.channel_roulette = *channel_roulette;
+    auto regularize = entity.parameters.boolean_or("regularize", false);
+    if (!regularize) return regularize.error();
+    p.regularize = *regularize;
     auto selection = entity.parameters.string_or("lightsampler", "bvh");
     if (!selection) return selection.error();
     // pbrt's "exhaustive" is its bvh without the tree, for reference.
@@ -258,6 +262,9 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
          {"channelroulette", T::boolean, "true",
           "without beauty: end paths at random by what the channels may still receive of them, where a pilot says that "
           "it pays"},
+         {"regularize", T::boolean, "false",
+          "blur glossy and specular lobes behind a scattering that is not specular, as pbrt does: biased, and caustics "
+          "become easier to find"},
          {"lightsampler", T::string, "bvh",
           "which light a sample goes to: bvh, by what each can send to the point where more than 32 stand somewhere "
           "and by power else; power; uniform; exhaustive of pbrt is bvh here"}},

@@ -33,6 +33,7 @@ struct PathParameters {
     Real roulette_below = default_roulette_below;  ///< throughput below which paths end at random; 0: none does
     bool splits = true;                            ///< paths that beauty does not take, where that pays (strategy mis)
     bool channel_roulette = true;                  ///< where beauty is not asked for and it pays (strategy mis)
+    bool regularize = false;                       ///< as pbrt-v4: biased, where it blurs
     std::uint32_t first_depth =
         0;  ///< light found before so many scattering events is left to others (not a parameter)
 };
@@ -40,7 +41,8 @@ struct PathParameters {
 /// The integrator itself, for others that are made of it.
 std::unique_ptr<Integrator> make_path_integrator(const PathParameters& parameters);
 
-/// The registry's entry: parameters maxdepth, strategy, roulette, rrthreshold, splits, channelroulette, lightsampler.
+/// The registry's entry: parameters maxdepth, strategy, roulette, rrthreshold, splits, channelroulette,
+/// regularize, lightsampler.
 Registry<IntegratorFactory>::Entry path_integrator_entry();
 
 }  // namespace raylex::transport

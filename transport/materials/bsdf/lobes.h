@@ -56,4 +56,22 @@ inline constexpr std::array<LobeKind, count> kinds{{
     {lpe::EventType::reflection, lpe::Scatter::glossy, "measured"},
 }};
 
+/// What Bsdf::regularize() makes of a lobe.
+constexpr LobeId regularized(LobeId lobe) {
+    switch (lobe) {
+        case conductor_singular:
+            return conductor_glossy;
+        case glass_reflect_singular:
+            return glass_reflect_glossy;
+        case glass_transmit_singular:
+            return glass_transmit_glossy;
+        case coat_singular:
+            return coat_glossy;
+        case specular_singular:
+            return specular_glossy;
+        default:
+            return lobe;
+    }
+}
+
 }  // namespace raylex::transport::lobes

@@ -31,6 +31,11 @@ struct Ggx {
     static Real alpha_from_roughness(Real roughness) { return safe_sqrt(roughness); }
 
     [[nodiscard]] constexpr bool smooth() const { return alpha_x == 0; }
+    /// Blurred as pbrt-v4's "regularize" has it: alphas below 0.3 become twice as large, from 0.1 to 0.3.
+    [[nodiscard]] constexpr Ggx regularized() const {
+        const auto wider = [](Real a) { return a < Real(0.3) ? std::clamp(2 * a, Real(0.1), Real(0.3)) : a; };
+        return {wider(alpha_x), wider(alpha_y)};
+    }
 
     /// Density of normals per steradian: integral of D cos = 1. In a form without cancellation around the pole.
     [[nodiscard]] Real d(const Vec3& m) const {

@@ -371,6 +371,32 @@ BsdfSample Bsdf::draw(const Vec3& wo_world, Real u_lobe, const Vec2& u) const {
     return {};
 }
 
+void Bsdf::regularize() {
+    const auto blur = [](auto& closure) {
+        closure.facets = closure.facets.regularized();
+        return !closure.is_delta();
+    };
+    switch (kind_) {
+        case Kind::conductor:
+            has_density_ = blur(conductor_);
+            break;
+        case Kind::dielectric:
+        case Kind::subsurface:
+            has_density_ = blur(dielectric_);
+            break;
+        case Kind::coated_diffuse:
+            blur(coated_diffuse_.coat.interface);
+            break;
+        case Kind::coated_conductor:
+            blur(coated_conductor_.coat.interface);
+            blur(coated_conductor_.base);
+            has_density_ = !coated_conductor_.is_delta();
+            break;
+        default:
+            break;
+    }
+}
+
 Rgb Bsdf::albedo(const Vec3& wo) const {
     const Real cos_o = std::abs(dot(wo, frame_.n));
     switch (kind_) {

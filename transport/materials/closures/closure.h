@@ -96,6 +96,10 @@ class Bsdf {
     /// What such an interface reflects at an index for each colour, over what it does at its own.
     [[nodiscard]] Rgb reflected_colours(const Rgb& inside, const Vec3& wo) const;
 
+    /// Blurs microfacets (Ggx::regularized), smooth ones too: paths that begin to be hard to find become easier, and
+    /// caustics softer. pbrt-v4's closures alone: those of raylex: materials have known answers and keep them.
+    void regularize();
+
     // Filling in, by materials. Each replaces what was there. Values that break their closure's invariants (negative or
     // NaN colours) are the caller's to prevent; materials clamp what textures give.
     void set_black() { set_kind(Kind::black, false); }

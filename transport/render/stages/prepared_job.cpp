@@ -54,7 +54,7 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
         if (Status s = job.channels.lpe->keep_words(*std::move(alphabet)); !s) return s.error();
     }
     prepared.events = std::make_unique<const EventTable>(*job.channels.lpe, job.scene.view(), job.settings.lobe_slots,
-                                                         job.settings.prune);
+                                                         job.settings.prune, job.integrator().traits().regularizes);
     prepared.aovs = std::make_unique<const geoaovs::GeometricAovs>(job.channels.list);
     if (Status s = job.integrator().prepare(context_of(prepared)); !s) return s.error();
     for (std::string& omission : job.integrator().omissions())
