@@ -15,10 +15,10 @@ struct Lit {
     std::vector<raylex::Error> warnings;
 };
 
-/// What stands behind WorldBegin, which is line 1.
-inline raylex::Result<Lit> try_lit(const std::string& world) {
+/// What stands behind WorldBegin, which is in line 1 behind `options`.
+inline raylex::Result<Lit> try_lit(const std::string& world, const std::string& options = {}) {
     namespace transport = raylex::transport;
-    auto scene = transport::import_pbrt_text("WorldBegin\n" + world, "test.pbrt");
+    auto scene = transport::import_pbrt_text(options + "WorldBegin\n" + world, "test.pbrt");
     if (!scene) return scene.error();
     transport::TextureTable textures;
     auto geometry = transport::EmbreeScene::build(*scene, textures, {});
@@ -29,8 +29,8 @@ inline raylex::Result<Lit> try_lit(const std::string& world) {
     return Lit{*std::move(geometry), *std::move(lights), std::move(warnings)};
 }
 
-inline Lit lit(const std::string& world) {
-    auto made = try_lit(world);
+inline Lit lit(const std::string& world, const std::string& options = {}) {
+    auto made = try_lit(world, options);
     INFO((made ? std::string() : made.error().to_string()));
     REQUIRE(made.ok());
     return *std::move(made);

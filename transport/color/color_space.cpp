@@ -1,5 +1,7 @@
 #include "transport/color/color_space.h"
 
+#include <cmath>
+
 #include "transport/color/spectral_data.h"
 
 namespace raylex::transport {
@@ -8,7 +10,7 @@ namespace {
 
 constexpr std::size_t space_count = 4;
 
-Triple xyz_of(const std::array<double, 2>& xy) {
+Triple xyz_of(const Chromaticity& xy) {
     return {xy[0] / xy[1], 1, (1 - xy[0] - xy[1]) / xy[1]};
 }
 
@@ -101,6 +103,7 @@ const Matrix3& rgb_from_xyz(ColorSpace space) {
 // An rgb reflectance is relative to its own space's white: in pbrt, (1, 1, 1) is the constant spectrum 1 in every
 // space. An rgb light is a multiple of its space's white as a spectrum, and keeps that colour on any film.
 Matrix3 rgb_from_rgb(ColorSpace to, ColorSpace from, bool white_to_white) {
+    if (to == from) return {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     Matrix3 xyz = xyz_from_rgb(from);
     const Triple white_to = white_xyz(to), white_from = white_xyz(from);
     if (white_to_white)
@@ -111,7 +114,7 @@ Matrix3 rgb_from_rgb(ColorSpace to, ColorSpace from, bool white_to_white) {
 
 // sRGB: IEC 61966-2-1; DCI-P3 primaries with D65: SMPTE EG 432-1; Rec. 2020: ITU-R BT.2020; ACES2065-1: SMPTE ST
 // 2065-1.
-std::array<std::array<double, 2>, 3> primaries(ColorSpace space) {
+std::array<Chromaticity, 3> primaries(ColorSpace space) {
     switch (space) {
         case ColorSpace::srgb:
             break;
@@ -123,6 +126,22 @@ std::array<std::array<double, 2>, 3> primaries(ColorSpace space) {
             return {{{0.7347, 0.2653}, {0.0, 1.0}, {0.0001, -0.0770}}};
     }
     return {{{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}}};
+}
+
+std::optional<ColorSpace> color_space_of(const std::array<Chromaticity, 3>& rgb, const Chromaticity& white) {
+    const auto near = [](const Chromaticity& a, const Chromaticity& b) {
+        return std::abs(a[0] - b[0]) <= 1e-3 * std::abs(b[0]) && std::abs(a[1] - b[1]) <= 1e-3 * std::abs(b[1]);
+    };
+    for (std::size_t i = 0; i < space_count; ++i) {
+        const auto space = static_cast<ColorSpace>(i);
+        const auto own = primaries(space);
+        // As files name them: D65, and ACES's own white (SMPTE ST 2065-1).
+        const Chromaticity own_white =
+            space == ColorSpace::aces2065_1 ? Chromaticity{0.32168, 0.33767} : Chromaticity{0.3127, 0.3290};
+        if (near(rgb[0], own[0]) && near(rgb[1], own[1]) && near(rgb[2], own[2]) && near(white, own_white))
+            return space;
+    }
+    return std::nullopt;
 }
 
 }  // namespace raylex::transport

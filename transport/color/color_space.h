@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string_view>
 
 #include "transport/scene/scene_description.h"
@@ -29,8 +30,12 @@ using Triple = std::array<double, 3>;
 /// another.
 [[nodiscard]] Matrix3 rgb_from_rgb(ColorSpace to, ColorSpace from, bool white_to_white);
 
-/// xy chromaticities of red, green and blue.
-[[nodiscard]] std::array<std::array<double, 2>, 3> primaries(ColorSpace space);
+using Chromaticity = std::array<double, 2>;  ///< x, y
+/// Of red, green and blue.
+[[nodiscard]] std::array<Chromaticity, 3> primaries(ColorSpace space);
+/// The space of these primaries and this white, each coordinate to a thousandth of itself as in pbrt-v4; else nothing.
+[[nodiscard]] std::optional<ColorSpace> color_space_of(const std::array<Chromaticity, 3>& rgb,
+                                                       const Chromaticity& white);
 
 /// XYZ of `spectrum` under no illuminant: sums over the visible samples, unscaled.
 [[nodiscard]] Triple integrate_xyz(const std::array<double, 401>& spectrum);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "transport/color/color_space.h"
 #include "transport/color/spectrum.h"
 #include "transport/import/images/image.h"
 #include "transport/lights/light_factories.h"
@@ -103,7 +104,8 @@ Result<Sky> read_sky(const SceneLight& source, const std::string& file, double i
 
 }  // namespace
 
-Result<RgbImage> read_light_image(const SceneEntity& source, const std::string& file, LightContext& context) {
+Result<RgbImage> read_light_image(const SceneEntity& source, const std::string& file, LightContext& context,
+                                  ImageValues values) {
     auto image =
         read_image(resolve_path(file, source.location.file.empty() ? context.scene.file : source.location.file), "");
     if (!image) {
@@ -116,11 +118,20 @@ Result<RgbImage> read_light_image(const SceneEntity& source, const std::string& 
         context.warnings.push_back(
             error_at(source.location, "image '" + file + "' of a " + source.type + " light: " + *invalid));
     const auto count = static_cast<std::size_t>(image->width) * static_cast<std::size_t>(image->height);
+    if (!image->warning.empty())
+        context.warnings.push_back(
+            error_at(source.location, "image '" + file + "' of a " + source.type + " light: " + image->warning));
     const bool grey = image->channels < 3;
+    const ColorSpace space = context.scene.color.scene_space;
+    const Matrix3 to_scene = rgb_from_rgb(space, image->space, false);
     RgbImage result{image->width, image->height, std::vector<Rgb>(count)};
     for (std::size_t i = 0; i < count; ++i) {
         const float* p = image->pixels.data() + i * static_cast<std::size_t>(image->channels);
         result.pixels[i] = grey ? Rgb(p[0]) : Rgb(p[0], p[1], p[2]);
+        if (image->space == space || values == ImageValues::plain) continue;
+        const Rgb& stored = result.pixels[i];
+        const Triple c = multiply(to_scene, Triple{double{stored.r}, double{stored.g}, double{stored.b}});
+        result.pixels[i] = Rgb(static_cast<Real>(c[0]), static_cast<Real>(c[1]), static_cast<Real>(c[2]));
     }
     return result;
 }
@@ -171,7 +182,7 @@ Result<Light> make_goniometric(const SceneLight& source, LightContext& context) 
     if (!intensity) return intensity.error();
     auto power = source.parameters.real_or("power", -1);
     if (!power) return power.error();
-    auto image = read_light_image(source, *file, context);
+    auto image = read_light_image(source, *file, context, ImageValues::plain);
     if (!image) return image.error();
     if (Status s = require_square(*image, source, *file); !s) return s.error();
     for (Rgb& pixel : image->pixels) pixel = Rgb(pixel.average());

@@ -11,9 +11,13 @@ namespace raylex::transport {
 /// The colour parameter `name` times "scale".
 Result<Rgb> scaled_emission(const SceneEntity& light, std::string_view name, const LightContext& context);
 
-/// The image of the light's "filename", which must be given, as it is stored: linear, in the scene's space. Values that
-/// are negative or not finite are taken as 0, with a warning.
-Result<RgbImage> read_light_image(const SceneEntity& light, const std::string& file, LightContext& context);
+/// What the values of an image mean: colours are taken to the scene's space, as the light that they are (no white is
+/// adapted); plain ones, which are averaged, stay as they are stored.
+enum class ImageValues : std::uint8_t { colours, plain };
+/// The image of the light's "filename", which must be given: linear. Values that are negative or not finite are taken
+/// as 0, with a warning; in the scene's space there may be negative ones, of colours that it cannot show.
+Result<RgbImage> read_light_image(const SceneEntity& light, const std::string& file, LightContext& context,
+                                  ImageValues values = ImageValues::colours);
 
 /// Turns such an image into light as it is recorded, in the rendering space (recorded_light()).
 void record_image(RgbImage& image, const LightContext& context);

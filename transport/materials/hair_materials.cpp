@@ -76,9 +76,10 @@ Result<std::unique_ptr<Material>> make_hair(const SceneEntity& entity, const Mat
     input.beta_n = reader.real_texture("beta_n", Real(0.3));
     input.alpha = reader.real_texture("alpha", 2);
     for (const RealInput* each : {&input.beta_m, &input.beta_n})
-        if (each->texture < 0 && !(each->value >= 0 && each->value <= 1))
-            reader.fail(error_at(entity.location, "hair's roughness beta_m or beta_n is " +
-                                                      std::to_string(each->value) + "; expected 0 to 1"));
+        if (!each->varies && !(each->value >= 0 && each->value <= 1))  // the closure clamps it, as pbrt-v4 does
+            context.textures.warn(error_at(entity.location, "hair's roughness beta_m or beta_n is " +
+                                                                std::to_string(each->value) +
+                                                                "; expected 0 to 1, and the nearer of them is taken"));
     if (input.eta.texture < 0 && !(input.eta.value > 1))
         reader.fail(error_at(entity.location, "hair's index \"eta\" is " + std::to_string(input.eta.value) +
                                                   "; expected more than 1 (hair: 1.55)"));

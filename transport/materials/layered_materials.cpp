@@ -24,7 +24,8 @@ struct CoatInput {
         coat.eta = reader.index_of_refraction(p + "eta", 1.5f);
         coat.g = reader.real_texture("g", 0);
         coat.albedo = reader.rgb("albedo", Rgb(0));
-        coat.max_depth = static_cast<std::uint16_t>(reader.integer("maxdepth", 10, 1, 10000));
+        // Walks of no layers never meet the base: as in pbrt-v4, what the coat reflects is all there is.
+        coat.max_depth = static_cast<std::uint16_t>(reader.integer("maxdepth", 10, 0, 10000));
         coat.sample_count = static_cast<std::uint16_t>(reader.integer("nsamples", 1, 1, 10000));
         coat.as_pbrt = !reader.boolean("raylex:unbiased", false);
         return coat;

@@ -1,6 +1,8 @@
 #include "transport/materials/material_inputs.h"
 
+#include <cmath>
 #include <string>
+#include <utility>
 
 namespace raylex::transport {
 
@@ -79,10 +81,20 @@ RoughnessInput MaterialReader::roughness(std::string_view prefix, Real fallback)
     result.u = set().find(p + "uroughness") != nullptr ? real_texture(p + "uroughness", fallback) : both;
     result.v = set().find(p + "vroughness") != nullptr ? real_texture(p + "vroughness", fallback) : both;
     result.remap = boolean("remaproughness", true);
-    for (const RealInput& each : {result.u, result.v})
-        if (!each.varies && !(each.value >= 0))
-            fail(error_at(entity_.location,
-                          quoted(p, "roughness") + " is " + std::to_string(each.value) + "; expected 0 or more"));
+    bool said = false;
+    for (RealInput* each : {&result.u, &result.v}) {
+        if (each->varies || each->value >= 0) continue;
+        Error negative = error_at(
+            entity_.location, quoted(p, "roughness") + " is " + std::to_string(each->value) + "; expected 0 or more");
+        if (result.remap || std::isnan(each->value)) {  // a root that pbrt-v4 takes, too, and that is no number
+            fail(std::move(negative));
+            continue;
+        }
+        negative.message += ", and it is taken as 0";
+        if (!said) context_.textures.warn(std::move(negative));
+        said = true;
+        each->value = 0;
+    }
     return result;
 }
 

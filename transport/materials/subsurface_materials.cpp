@@ -4,9 +4,10 @@
 // the shape, as with a dielectric and a MediumInterface under volpath. Coefficients are pbrt's, whichever way they are
 // given.
 #include <string>
+#include <utility>
 
 #include "transport/materials/material_inputs.h"
-#include "transport/media/medium.h"
+#include "transport/media/medium_parameters.h"
 #include "transport/media/subsurface.h"
 
 namespace raylex::transport {
@@ -93,6 +94,10 @@ Result<Medium> make_interior(const SceneEntity& entity, const MaterialContext& c
     const bool coefficients = set.find("sigma_a") != nullptr || set.find("sigma_s") != nullptr;
     static_cast<void>(set.find("mfp"));
     if (name != nullptr) {
+        // Unlike a medium's preset, pbrt-v4 refuses a name that it does not know.
+        const std::string called = reader.string("name", "");
+        if (!called.empty())
+            if (auto known = measured_coefficients(called, reader.where(*name)); !known) return known.error();
         parameters.push_back(*name);
         parameters.back().name = "preset";
     } else if (reflectance != nullptr && !coefficients) {
@@ -120,8 +125,9 @@ Result<Medium> make_interior(const SceneEntity& entity, const MaterialContext& c
     if (g != nullptr && name == nullptr) parameters.push_back(*g);  // named media are of reduced scattering
     auto entry = medium_registry().require(medium.type, medium.location);
     if (!entry) return entry.error();
-    std::vector<Error> warnings;  // of grids: a homogeneous one has none
+    std::vector<Error> warnings;
     auto made = (*entry)->factory(medium, {context.scene, nullptr, warnings});
+    for (Error& warning : warnings) context.textures.warn(std::move(warning));
     if (made) made->counts_depth = false;
     return made;
 }

@@ -159,7 +159,7 @@ Result<Medium> make_uniform_grid(const SceneMedium& entity, const MediumContext&
     if (*density == nullptr)
         return error_at(entity.location, "medium '" + entity.name + "' (uniformgrid) has no 'density'; expected " +
                                              shape->text() + " values");
-    auto coefficients = read_coefficients(entity, context.scene.color);
+    auto coefficients = read_coefficients(entity, context);
     if (!coefficients) return coefficients.error();
     auto emission = read_emission(entity, context, *shape);
     if (!emission) return emission.error();
@@ -220,7 +220,7 @@ Result<Medium> make_rgb_grid(const SceneMedium& entity, const MediumContext& con
 Result<Medium> make_cloud(const SceneMedium& entity, const MediumContext& context) {
     DVec3 p0, p1;
     if (Status s = read_box(entity, p0, p1); !s) return s.error();
-    auto coefficients = read_coefficients(entity, context.scene.color);
+    auto coefficients = read_coefficients(entity, context);
     if (!coefficients) return coefficients.error();
     CloudDensity cloud;
     for (const auto& [name, value] :
@@ -300,7 +300,7 @@ Result<Real> read_majorant_factor(const ParameterSet& set) {
 
 Result<Medium> finish_grid_medium(const SceneMedium& entity, const MediumContext& context, GridMediumParts parts,
                                   bool scatters, bool emits) {
-    auto g = read_asymmetry(entity);
+    auto g = read_asymmetry(entity, context);
     if (!g) return g.error();
     auto factor = read_majorant_factor(entity.parameters);
     if (!factor) return factor.error();

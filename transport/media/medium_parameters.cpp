@@ -62,12 +62,13 @@ const MeasuredMedium narasimhan[] = {
     {"Pacific Ocean Surface Water", {0.0001764, 0.00032095, 0.00019617}, {0.031845, 0.031324, 0.030147}},
 };
 
-/// The measured medium of that name, or an Error that says what there is.
-Result<const MeasuredMedium*> find_preset(const std::string& name, const SourceLocation& where) {
+}  // namespace
+
+Result<MediumCoefficients> measured_coefficients(const std::string& name, const SourceLocation& where) {
     std::vector<std::string> known;
     for (const auto& table : {std::span<const MeasuredMedium>(jensen), std::span<const MeasuredMedium>(narasimhan)})
         for (const MeasuredMedium& each : table) {
-            if (name == each.name) return &each;
+            if (name == each.name) return MediumCoefficients{Rgb(each.sigma_a), Rgb(each.sigma_s)};
             known.emplace_back(each.name);
         }
     std::string list;
@@ -77,8 +78,6 @@ Result<const MeasuredMedium*> find_preset(const std::string& name, const SourceL
                     near.empty() ? "" : "did you mean '" + near + "'?");
 }
 
-}  // namespace
-
 Status check_coefficients(const Rgb& value, const char* name, const SceneEntity& entity) {
     for (int c = 0; c < 3; ++c)
         if (!(value[c] >= 0) || !std::isfinite(value[c]))
@@ -87,19 +86,27 @@ Status check_coefficients(const Rgb& value, const char* name, const SceneEntity&
     return success();
 }
 
-Result<MediumCoefficients> read_coefficients(const SceneEntity& entity, const ColorContext& color) {
+Result<MediumCoefficients> read_coefficients(const SceneEntity& entity, const MediumContext& context) {
     const ParameterSet& set = entity.parameters;
     MediumCoefficients read;
     auto preset = set.string_or("preset", "");
     if (!preset) return preset.error();
+    bool known = false;
     if (!preset->empty()) {
-        auto measured = find_preset(*preset, set.find("preset")->location);
-        if (!measured) return measured.error();
-        read = {Rgb((*measured)->sigma_a), Rgb((*measured)->sigma_s)};
-    } else {
-        auto sigma_a = spectrum_or(set, "sigma_a", Rgb(1), SpectrumRole::unbounded, color);
+        auto measured = measured_coefficients(*preset, set.find("preset")->location);
+        known = measured.ok();
+        if (known) {
+            read = *measured;
+        } else {
+            Error unknown = measured.error();
+            unknown.message += "; 'sigma_a' and 'sigma_s' count instead, as in pbrt-v4";
+            context.warnings.push_back(std::move(unknown));
+        }
+    }
+    if (!known) {
+        auto sigma_a = spectrum_or(set, "sigma_a", Rgb(1), SpectrumRole::unbounded, context.scene.color);
         if (!sigma_a) return sigma_a.error();
-        auto sigma_s = spectrum_or(set, "sigma_s", Rgb(1), SpectrumRole::unbounded, color);
+        auto sigma_s = spectrum_or(set, "sigma_s", Rgb(1), SpectrumRole::unbounded, context.scene.color);
         if (!sigma_s) return sigma_s.error();
         read = {*sigma_a, *sigma_s};
     }
@@ -112,13 +119,17 @@ Result<MediumCoefficients> read_coefficients(const SceneEntity& entity, const Co
     return read;
 }
 
-Result<Real> read_asymmetry(const SceneEntity& entity) {
+Result<Real> read_asymmetry(const SceneEntity& entity, const MediumContext& context) {
     auto g = entity.parameters.real_or("g", 0);
     if (!g) return g.error();
-    if (!(std::abs(static_cast<Real>(*g)) < 1))
-        return error_at(entity.parameters.find("g")->location,
-                        "'g' is " + std::to_string(*g) + "; expected an asymmetry above -1 and below 1");
-    return static_cast<Real>(*g);
+    if (std::abs(static_cast<Real>(*g)) < 1) return static_cast<Real>(*g);
+    Error beyond = error_at(entity.parameters.find("g")->location,
+                            "'g' is " + std::to_string(*g) + "; expected an asymmetry above -1 and below 1");
+    if (std::isnan(*g)) return beyond;
+    const Real bound = *g < 0 ? Real(-0.99) : Real(0.99);
+    beyond.message += std::string(", and it is taken as ") + (bound < 0 ? "-0.99" : "0.99") + ", as in pbrt-v4";
+    context.warnings.push_back(std::move(beyond));
+    return bound;
 }
 
 Result<DVec3> point_or(const ParameterSet& set, const char* name, const DVec3& fallback) {

@@ -8,13 +8,13 @@ namespace {
 
 Result<Medium> make_homogeneous(const SceneMedium& entity, const MediumContext& context) {
     const ParameterSet& set = entity.parameters;
-    auto coefficients = read_coefficients(entity, context.scene.color);
+    auto coefficients = read_coefficients(entity, context);
     if (!coefficients) return coefficients.error();
     auto radiance = spectrum_or(set, "Le", Rgb(0), SpectrumRole::illuminant, context.scene.color);
     if (!radiance) return radiance.error();
     auto radiance_scale = set.real_or("Lescale", 1);
     if (!radiance_scale) return radiance_scale.error();
-    auto g = read_asymmetry(entity);
+    auto g = read_asymmetry(entity, context);
     if (!g) return g.error();
 
     Medium medium;

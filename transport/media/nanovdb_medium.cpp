@@ -75,7 +75,7 @@ Result<Medium> make_nanovdb(const SceneMedium& entity, const MediumContext& cont
     if (file == nullptr || file->type != ParameterType::string || file->strings.size() != 1)
         return error_at(file != nullptr ? file->location : entity.location,
                         "medium '" + entity.name + "' (nanovdb) has no 'filename'; expected one NanoVDB file");
-    auto coefficients = read_coefficients(entity, context.scene.color);
+    auto coefficients = read_coefficients(entity, context);
     if (!coefficients) return coefficients.error();
     auto scale = radiance_scale(entity.parameters);
     if (!scale) return scale.error();

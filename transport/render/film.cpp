@@ -7,20 +7,24 @@ namespace raylex::transport {
 namespace {
 
 /// "cropwindow" (shares of the image) or "pixelbounds", each x0 x1 y0 y1; the pixels of the second are those of an
-/// image of `given` size. A share that falls within a pixel leaves it out at the lower end, as in pbrt-v4.
-Status read_crop(const ParameterSet& set, FilmSettings& settings, const std::array<double, 2>& given) {
+/// image of `given` size. A share that falls within a pixel leaves it out at the lower end, and the first goes before
+/// the second, both as in pbrt-v4.
+Status read_crop(const ParameterSet& set, FilmSettings& settings, const std::array<double, 2>& given,
+                 std::vector<Error>& warnings) {
     const Parameter* window = set.find("cropwindow");
     const Parameter* bounds = set.find("pixelbounds");
-    const Parameter* p = bounds != nullptr ? bounds : window;
+    const Parameter* p = window != nullptr ? window : bounds;
     if (p == nullptr) return success();
     if (bounds != nullptr && window != nullptr)
-        return error_at(bounds->location, "'pixelbounds' and 'cropwindow' exclude each other; expected one of them");
+        warnings.push_back(error_at(
+            bounds->location,
+            "'pixelbounds' and 'cropwindow' exclude each other; expected one of them, and 'pixelbounds' is ignored"));
     if (p->numbers.size() != 4)
         return error_at(p->location, "'" + p->name + "' must be four numbers: x min, x max, y min, y max");
     const std::array<int, 2> size{settings.width, settings.height};
     std::array<int, 4> ends{};
     for (std::size_t i = 0; i < 4; ++i) {
-        const double share = bounds != nullptr ? p->numbers[i] / given[i / 2] : p->numbers[i];
+        const double share = p == bounds ? p->numbers[i] / given[i / 2] : p->numbers[i];
         // A share such as 0.3 of 10 pixels is 3 of them, whatever its last bits.
         ends[i] = static_cast<int>(std::ceil(std::clamp(share, 0.0, 1.0) * size[i / 2] - 1e-9 * size[i / 2]));
     }
@@ -57,7 +61,7 @@ Result<FilmSettings> read_film(const SceneEntity& film, const std::optional<std:
     if (!diagonal) return diagonal.error();
     if (!(*diagonal > 0)) return error_at(film.location, "'diagonal' must be positive, in millimetres");
     settings.diagonal = *diagonal;
-    if (Status s = read_crop(set, settings, given); !s) return s.error();
+    if (Status s = read_crop(set, settings, given, warnings); !s) return s.error();
     if (!film.type.empty() && film.type != "rgb" && film.type != "gbuffer")
         warnings.push_back(error_at(film.location, "film '" + film.type +
                                                        "' is written as film 'rgb': light is transported in RGB, so "

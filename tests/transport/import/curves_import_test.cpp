@@ -68,7 +68,6 @@ TEST_CASE("curves that cannot be meant are errors at their line", "[curves][impo
     for (const Case& each :
          {Case{"", "curve has 0 control points"}, Case{"\"point3 P\" [0 0 0 1 1 1 2 2 2]", "expected 4 + 3 n"},
           Case{"\"point3 P\" [0 0 0 1 1 1] \"string basis\" \"bspline\" \"integer degree\" 2", "expected 3 or more"},
-          Case{four + "\"string type\" \"round\"", "expected flat, cylinder or ribbon"},
           Case{four + "\"string basis\" \"nurbs\"", "expected bezier or bspline"},
           Case{four + "\"integer degree\" 4", "expected 2 or 3"}, Case{four + "\"float width\" -1", "at least 0"},
           Case{four + "\"float width1\" 1e39", "beyond the range of float"},
@@ -87,6 +86,17 @@ TEST_CASE("curves that cannot be meant are errors at their line", "[curves][impo
     REQUIRE_FALSE(lit);
     CHECK(lit.error().line == 4);
     CHECK(contains(lit.error().message, "curves with an area light are not supported"));
+}
+
+TEST_CASE("a curve of an unknown type is a cylinder, as in pbrt", "[curves][import]") {
+    const SceneDescription scene =
+        scene_of("WorldBegin\nShape \"curve\" \"point3 P\" [0 0 0 0 1 0 0 2 0 0 3 0]\n\"string type\" \"round\"");
+    REQUIRE(scene.shapes.size() == 1);
+    CHECK(scene.shapes[0].curve_type == CurveType::cylinder);
+    REQUIRE(scene.warnings.size() == 1);
+    CHECK(contains(scene.warnings[0].message,
+                   "'type' of a curve is 'round'; expected flat, cylinder or ribbon, and it is taken as cylinder"));
+    CHECK(scene.warnings[0].line == 3);
 }
 
 TEST_CASE("what of curves is left out or means nothing is said, once", "[curves][import]") {

@@ -117,6 +117,73 @@ TEST_CASE("lone ends of blocks and unknown coordinate systems are warnings", "[i
     CHECK(warns(scene, "no coordinate system is called 'there'"));
 }
 
+TEST_CASE("values of a mesh that are too many or too few are left out", "[import]") {
+    struct Case {
+        std::string shape, values;
+        const char* message;
+        std::vector<std::uint32_t> indices;
+    };
+    const std::string triangle = R"(Shape "trianglemesh" "point3 P" [0 0 0  1 0 0  0 1 0])",
+                      patch = R"(Shape "bilinearmesh" "point3 P" [0 0 0  1 0 0  0 1 0  1 1 0])";
+    for (const Case& each :
+         {Case{triangle, "\"point2 uv\" [0 0 1 1]", "'uv' has 2 points for 3 vertices; expected as many", {0, 1, 2}},
+          Case{triangle, "\"normal N\" [0 0 1]", "'N' has 1 normals for 3 vertices; expected as many", {0, 1, 2}},
+          Case{patch, "\"point2 uv\" [0 0 1 1 0 1]", "'uv' has 3 points for 4 vertices", {0, 1, 2, 3}},
+          Case{patch, "\"normal N\" [0 0 1 0 0 1]", "'N' has 2 normals for 4 vertices", {0, 1, 2, 3}},
+          Case{triangle,
+               "\"integer indices\" [0 2 1 0]",
+               "'indices' has 4 values; expected a multiple of 3, and the last 1 is ignored",
+               {0, 2, 1}},
+          Case{triangle, "\"integer indices\" [0 2 1 0 9]", "and the last 2 are ignored", {0, 2, 1}},
+          Case{patch,
+               "\"integer indices\" [0 1 2 3 0 1 2]",
+               "'indices' has 7 values; expected a multiple of 4, and the last 3 are ignored",
+               {0, 1, 2, 3}}}) {
+        CAPTURE(each.shape, each.values);
+        const SceneDescription scene = scene_of("WorldBegin " + each.shape + "\n" + each.values);
+        REQUIRE(scene.shapes.size() == 1);
+        CHECK(scene.shapes[0].indices == each.indices);
+        CHECK(scene.shapes[0].uvs.empty());
+        CHECK(scene.shapes[0].normals.empty());
+        REQUIRE(scene.warnings.size() == 1);
+        CHECK(contains(scene.warnings[0].message, each.message));
+        CHECK(contains(scene.warnings[0].message, "ignored"));
+        CHECK(scene.warnings[0].line == 2);
+        CHECK(scene.warnings[0].column == 1);
+    }
+    CHECK(warns(scene_of(R"(WorldBegin Shape "loopsubdiv" "integer levels" 0 "point3 P" [0 0 0  1 0 0  0 1 0]
+                            "integer indices" [0 1 2 1])"),
+                "expected a multiple of 3, and the last 1 is ignored"));
+}
+
+TEST_CASE("quadrics of radius 0 have no area", "[import]") {
+    const SceneDescription scene = scene_of(R"(WorldBegin
+        Shape "sphere" "float radius" 0
+        Shape "disk" "float radius" 0 "float innerradius" 0
+        Shape "cylinder" "float radius" 0
+        Shape "sphere" "float radius" 2)");
+    REQUIRE(scene.shapes.size() == 1);
+    CHECK(scene.shapes[0].radius == 2);
+    REQUIRE(scene.warnings.size() == 3);
+    for (int i = 0; i < 3; ++i) {
+        const raylex::Error& warning = scene.warnings[static_cast<std::size_t>(i)];
+        CHECK(contains(warning.message, "radius is 0; expected a length above 0"));
+        CHECK(contains(warning.message, "is left out"));
+        CHECK(warning.line == 2 + i);
+    }
+}
+
+TEST_CASE("an unknown colour space leaves the one before it", "[import]") {
+    const SceneDescription scene = scene_of("ColorSpace \"rec2020\"\nColorSpace \"rec2002\"\nFilm \"rgb\" WorldBegin");
+    CHECK(scene.color.scene_space == ColorSpace::rec2020);
+    REQUIRE(scene.warnings.size() == 1);
+    CHECK(contains(scene.warnings[0].message, "unknown colour space 'rec2002'; expected srgb, dci-p3, rec2020 or"));
+    CHECK(contains(scene.warnings[0].message, "the one before it stays"));
+    CHECK(contains(scene.warnings[0].hint, "rec2020"));
+    CHECK(scene.warnings[0].line == 2);
+    CHECK(scene.warnings[0].column == 12);
+}
+
 TEST_CASE("lines of old Macintosh files", "[import]") {
     CHECK(scene_of("WorldBegin\r# a comment\rShape \"sphere\"\r").shapes.size() == 1);
 }

@@ -58,8 +58,8 @@ const ParameterCase unknown[] = {
 // Each of them where pbrt-v4 reads it and raylex does not; `hint` is a value with which nothing is lost.
 const ParameterCase ignored[] = {
     {"Film \"rgb\"\n\"bool savefp16\" true WorldBegin", "parameter 'savefp16' of film 'rgb' is ignored", "false"},
-    {"Integrator \"path\"\n\"bool regularize\" true WorldBegin",
-     "parameter 'regularize' of integrator 'path' is ignored: specular lobes are never blurred", "false"},
+    {"Integrator \"bdpt\"\n\"bool regularize\" true WorldBegin",
+     "parameter 'regularize' of integrator 'bdpt' is ignored: specular lobes are never blurred", "false"},
     {"Film \"spectral\"\n\"integer nbuckets\" 30 WorldBegin", "parameter 'nbuckets' of film 'spectral' is ignored", ""},
     {"Integrator \"volpath\"\n\"string lightsampler\" \"exhaustive\" WorldBegin",
      "parameter 'lightsampler' of integrator 'volpath' is ignored: lights are chosen by a tree where there are many",

@@ -126,7 +126,7 @@ const std::string face_lines = "element face 1\nproperty list uchar int vertex_i
 
 }  // namespace
 
-TEST_CASE("ASCII, little- and big-endian files give the same mesh; quads stay patches and polygons become fans",
+TEST_CASE("ASCII, little- and big-endian files give the same mesh; quads stay patches and polygons are left out",
           "[import][ply]") {
     for (const Order order : {Order::ascii, Order::little, Order::big}) {
         INFO(format_name(order));
@@ -136,9 +136,9 @@ TEST_CASE("ASCII, little- and big-endian files give the same mesh; quads stay pa
         CHECK(mesh->positions[4] == Vec3{-1, 0.5f, 0});
         CHECK(mesh->normals == std::vector<Vec3>(5, Vec3{0, 0, 1}));
         CHECK(mesh->uvs[2] == Vec2{0.25f, 0.25f});
-        CHECK(mesh->triangles == std::vector<std::uint32_t>{0, 1, 2, 0, 1, 2, 0, 2, 3, 0, 3, 4});
+        CHECK(mesh->triangles == std::vector<std::uint32_t>{0, 1, 2});
         CHECK(mesh->quads == std::vector<std::uint32_t>{0, 1, 3, 2});
-        CHECK(mesh->short_faces == 0);
+        CHECK(mesh->odd_faces == 1);
     }
 }
 
@@ -152,19 +152,21 @@ TEST_CASE("all customary names of texture coordinates and index lists are known"
 TEST_CASE("carriage returns and blank lines do not matter", "[import][ply]") {
     std::string text = full_file(Order::ascii), crlf;
     for (const char c : text) crlf += c == '\n' ? std::string("\r\n") : std::string(1, c);
-    CHECK(parse_ply(crlf, "m.ply")->triangles.size() == 12);
+    CHECK(parse_ply(crlf, "m.ply")->triangles.size() == 3);
     text.insert(text.find("end_header\n") + 11, "\n  \n");
-    CHECK(parse_ply(text, "m.ply")->triangles.size() == 12);
+    CHECK(parse_ply(text, "m.ply")->triangles.size() == 3);
 }
 
-TEST_CASE("faces of fewer than three vertices are left out and counted", "[import][ply]") {
+TEST_CASE("faces of neither three nor four vertices are left out and counted, whatever they refer to",
+          "[import][ply]") {
     std::string text =
-        header("format ascii 1.0\n" + xyz_lines + "element face 3\nproperty list uchar int vertex_indices\n") +
-        "0 0 0\n0\n1 0\n2 0 0\n";
+        header("format ascii 1.0\n" + xyz_lines + "element face 4\nproperty list uchar int vertex_indices\n") +
+        "0 0 0\n0\n1 0\n2 0 0\n5 0 0 0 -1 9\n";
     const auto mesh = parse_ply(text, "m.ply");
     if (!mesh) FAIL(mesh.error().to_string());
-    CHECK(mesh->short_faces == 3);
+    CHECK(mesh->odd_faces == 4);
     CHECK(mesh->triangles.empty());
+    CHECK(mesh->quads.empty());
 }
 
 TEST_CASE("a file that ends early is an error wherever it ends", "[law7][import][ply]") {
@@ -286,6 +288,11 @@ TEST_CASE("a plymesh becomes shapes that remember their file; triangles and quad
         CHECK(shape.flip_normal);
         CHECK(shape.alpha == 0.5f);
     }
+    REQUIRE(scene->warnings.size() == 1);
+    CHECK(contains(scene->warnings[0].message, "1 of the faces of "));
+    CHECK(contains(scene->warnings[0].message, "all.ply"));
+    CHECK(contains(scene->warnings[0].message, "have neither 3 nor 4 vertices and are left out, as in pbrt-v4"));
+    CHECK(scene->warnings[0].line == 1);
     const auto broken =
         import_pbrt(folder.write("b.pbrt", "WorldBegin\nShape \"plymesh\" \"string filename\" \"s.pbrt\""));
     REQUIRE_FALSE(broken);

@@ -177,14 +177,30 @@ TEST_CASE("hair's colours: melanin, reflectance and absorption, in the order in 
     CHECK(albedo("\"float pheomelanin\" 1").b == Approx(albedo("\"rgb sigma_a\" [.187 .4 1.05]").b).epsilon(1e-5));
     CHECK(albedo("\"rgb color\" [.5 .3 .1]") == albedo("\"rgb reflectance\" [.5 .3 .1] \"float pheomelanin\" 3"));
     CHECK(albedo("\"float eumelanin\" 0.3").g > albedo("\"float eumelanin\" 3").g);
-    for (const char* bad : {"\"float beta_m\" 1.5", "\"float beta_n\" -1", "\"float eta\" 0.9"}) {
-        const auto scene =
-            render_test::scene_of(std::string("WorldBegin Material \"hair\" ") + bad + " Shape \"sphere\"");
-        const auto built = BuiltScene::build(scene);
-        REQUIRE_FALSE(built.ok());
-        CHECK(built.error().to_string().find("expected") != std::string::npos);
-        CHECK(built.error().line == 1);
+    const auto build = [](const std::string& parameters) {
+        return BuiltScene::build(
+            render_test::scene_of("WorldBegin Material \"hair\" " + parameters + " Shape \"sphere\""));
+    };
+    const auto refused = build("\"float eta\" 0.9");
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().to_string().find("expected") != std::string::npos);
+    CHECK(refused.error().line == 1);
+    // As in pbrt.
+    for (const char* beyond : {"\"float beta_m\" 1.5", "\"float beta_n\" -1"}) {
+        const auto built = build(beyond);
+        REQUIRE(built.ok());
+        REQUIRE((*built)->warnings.size() == 1);
+        CHECK((*built)->warnings[0].message.find("expected 0 to 1, and the nearer of them is taken") !=
+              std::string::npos);
+        CHECK((*built)->warnings[0].line == 1);
     }
+    const auto value = [](Real beta_m, Real beta_n) {
+        return hair_of(Real(0.2), beta_m, beta_n, Rgb(Real(0.4)))
+            .evaluate(normalize(Vec3{Real(0.1), Real(0.3), 1}), normalize(Vec3{Real(0.2), Real(-0.4), 1}))
+            .value;
+    };
+    CHECK(value(Real(1.5), Real(0.3)) == value(1, Real(0.3)));
+    CHECK(value(Real(0.3), -1) == value(Real(0.3), 0));
 }
 
 TEST_CASE("diffuse transmission: each side's albedo, colours above 1 cut", "[materials]") {

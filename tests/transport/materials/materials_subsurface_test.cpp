@@ -132,8 +132,8 @@ TEST_CASE("all forms of subsurface parameters, and their mistakes", "[materials]
     REQUIRE((*textured)->warnings.size() == 1);
     CHECK((*textured)->warnings[0].message.find("at its mean") != std::string::npos);
     CHECK((*textured)->warnings[0].line == 2);
-    for (const char* bad : {"\"string name\" \"Wholemilc\"", "\"rgb reflectance\" [.5 .5 .5] \"rgb mfp\" [1 0 1]",
-                            "\"float g\" 1", "\"float eta\" -1"}) {
+    for (const char* bad :
+         {"\"string name\" \"Wholemilc\"", "\"rgb reflectance\" [.5 .5 .5] \"rgb mfp\" [1 0 1]", "\"float eta\" -1"}) {
         CAPTURE(bad);
         const auto built =
             transport::BuiltScene::build(scene_of(body("", std::string("Material \"subsurface\" ") + bad)));
@@ -142,6 +142,11 @@ TEST_CASE("all forms of subsurface parameters, and their mistakes", "[materials]
         CHECK(built.error().to_string().find("expect") != std::string::npos);
         CHECK(built.error().line > 0);
     }
+    const auto bounded = transport::BuiltScene::build(scene_of(body("", "Material \"subsurface\" \"float g\" 1")));
+    REQUIRE(bounded.ok());
+    REQUIRE_FALSE((*bounded)->warnings.empty());
+    CHECK((*bounded)->warnings[0].message.find("'g' is 1.000000; expected an asymmetry") != std::string::npos);
+    CHECK((*bounded)->warnings[0].line > 0);
     // Half of the hits are opaque: darker than either alone would be light, never invalid.
     const auto mixed = render_of(scene_of(body("", R"(MakeNamedMaterial "a" "string type" "subsurface"
             MakeNamedMaterial "b" "string type" "diffuse"

@@ -284,7 +284,9 @@ TEST_CASE("mistakes in materials are located and name what was expected") {
     CHECK(e.message.find("roughness") != std::string::npos);
     e = error_of(entity("dielectric", {real("eta", -1.5)}));
     CHECK((e.line == 7 && e.message.find("eta") != std::string::npos));
-    e = error_of(entity("coateddiffuse", {parameter(ParameterType::integer, "maxdepth", {0})}));
+    e = error_of(entity("coateddiffuse", {parameter(ParameterType::integer, "maxdepth", {-1})}));
+    CHECK(e.message.find("0 to 10000") != std::string::npos);
+    e = error_of(entity("coateddiffuse", {parameter(ParameterType::integer, "nsamples", {0})}));
     CHECK(e.message.find("1 to 10000") != std::string::npos);
     e = error_of(entity("mix", {}));
     CHECK(e.message.find("materials") != std::string::npos);
@@ -302,6 +304,31 @@ TEST_CASE("mistakes in materials are located and name what was expected") {
     CHECK((shares[0] == -1 && shares[1] == -1));
     REQUIRE(shares[2] >= 0);
     CHECK(with_share->textures.real(shares[2], {}) == 0.5f);
+}
+
+TEST_CASE("walks of no layers leave what a coat reflects, as in pbrt") {
+    const auto one = [](std::vector<Parameter> parameters) {
+        parameters.push_back(real("roughness", 0.1));
+        return shade_one(entity("coateddiffuse", std::move(parameters)));
+    };
+    const Bsdf only_coat = one({parameter(ParameterType::integer, "maxdepth", {0})}),
+               black_base = one({rgb("reflectance", 0, 0, 0)}), usual = one({});
+    const Vec3 wi = normalize(Vec3{0.2f, 0.1f, 1});
+    CHECK(only_coat.evaluate(up, wi).value == black_base.evaluate(up, wi).value);
+    CHECK(only_coat.evaluate(up, wi).value.r < usual.evaluate(up, wi).value.r);
+    CHECK(only_coat.sample(up, 0, {0.5f, 0.5f}).pdf > 0);
+    CHECK(only_coat.sample(up, 0.9f, {0.5f, 0.5f}).pdf == 0);
+}
+
+TEST_CASE("a negative alpha is smooth, as in pbrt, with a warning") {
+    SceneDescription scene;
+    scene.materials = {entity("conductor", {real("roughness", -0.5), boolean("remaproughness", false)})};
+    const Built built = build_tables(scene);
+    CHECK_FALSE(shade_one(built, hit(0)).has_density());
+    REQUIRE(built.textures.warnings().size() == 1);
+    CHECK(built.textures.warnings()[0].message.find("is -0.500000; expected 0 or more, and it is taken as 0") !=
+          std::string::npos);
+    CHECK(built.textures.warnings()[0].line == 5);
 }
 
 TEST_CASE("parameters that nothing reads stay unused, for the caller to report") {

@@ -202,6 +202,22 @@ TEST_CASE("mappings place texture space on the surface") {
     CHECK(real_at(table, "cylindrical", 0, 0, {1, 1, 1.5f}) == 0);
 }
 
+TEST_CASE("a mapping of an unknown name is by u and v, as in pbrt, and said once") {
+    SceneDescription scene;
+    scene.textures = {colour_texture("checkerboard", "board", {string("mapping", "planer"), real("uscale", 2)}),
+                      colour_texture("checkerboard", "known", {real("uscale", 2)})};
+    TextureTable table = build_textures(scene);
+    for (const float u : {0.2f, 0.7f, 1.2f})
+        for (const SpectrumRole role : {SpectrumRole::albedo, SpectrumRole::unbounded})
+            CHECK(colour_at(table, scene, "board", u, 0.5f, role) == colour_at(table, scene, "known", u, 0.5f, role));
+    REQUIRE(table.warnings().size() == 1);
+    const Error& warning = table.warnings()[0];
+    CHECK(warning.message.find("'mapping' is 'planer'; expected uv, spherical, cylindrical or planar, and it is taken "
+                               "as uv") != std::string::npos);
+    CHECK(warning.hint == "did you mean 'planar'?");
+    CHECK(warning.line == 7);
+}
+
 TEST_CASE("mistakes in textures are located and name what was expected") {
     SceneDescription scene;
     const auto only = [&](SceneTexture t) {

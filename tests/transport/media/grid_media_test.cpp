@@ -261,6 +261,18 @@ TEST_CASE("values that are no number count as 0, and are counted", "[media][grid
     CHECK(built.at(0.25, 0.25, 0.5).sigma_a.r == 1);
 }
 
+TEST_CASE("an unknown preset and an asymmetry out of bounds are mended in grids, too", "[media][grids]") {
+    const Built built = build_medium(
+        "\"string type\" \"uniformgrid\" \"float density\" 1 \"string preset\" \"None\" \"rgb sigma_a\" [2 2 2] "
+        "\"float g\" 1.5");
+    CHECK(built.medium().g == Real(0.99));
+    CHECK(built.at(0.5, 0.5, 0.5).sigma_a == Rgb(2));
+    REQUIRE(built.warnings.size() == 2);
+    CHECK(contains(built.warnings[0].message, "no medium was measured under the name 'None'"));
+    CHECK(contains(built.warnings[1].message, "'g' is 1.5"));
+    for (const auto& warning : built.warnings) CHECK(warning.line == 2);
+}
+
 TEST_CASE("grids that cannot be are refused where they are written", "[media][grids][law7]") {
     const std::string uniform = "\"string type\" \"uniformgrid\" ", rgb = "\"string type\" \"rgbgrid\" ",
                       cloud = "\"string type\" \"cloud\" ";
@@ -278,7 +290,6 @@ TEST_CASE("grids that cannot be are refused where they are written", "[media][gr
          "the budget volume_cells is"},
         {uniform + "\"float density\" 1 \"point3 p1\" [1 0 1]", "the box from 'p0' to 'p1' is flat"},
         {uniform + "\"float density\" 1 \"float raylex:majorant\" 0.5", "'raylex:majorant' is 0.5"},
-        {uniform + "\"float density\" 1 \"float g\" -1", "'g' is -1"},
         {uniform + "\"float density\" 1 \"float scale\" -1", "expected 0 or more"},
         {rgb, "has neither 'sigma_a' nor 'sigma_s'"},
         {rgb + "\"rgb sigma_s\" [1 1 1] \"rgb Le\" [1 1 1]", "'Le' without 'sigma_a'"},

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lpe/result.h"
+#include "transport/scene/scene_description.h"
 
 namespace raylex::transport {
 
@@ -13,6 +14,8 @@ namespace raylex::transport {
 struct Image {
     int width = 0, height = 0, channels = 0;
     std::vector<float> pixels;
+    ColorSpace space = ColorSpace::srgb;  ///< of RGB: what an OpenEXR file says; other formats do not, and are sRGB
+    std::string warning{};                ///< what its reader did that the file may not mean; else empty
 
     [[nodiscard]] float at(int x, int y, int c) const {
         return pixels[(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *

@@ -2,10 +2,12 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
+#include <ImfStandardAttributes.h>
 
 #include <exception>
 
 #include "display/output/reader/exr_guard.h"
+#include "transport/color/color_space.h"
 #include "transport/import/images/image_readers.h"
 
 namespace raylex::transport {
@@ -24,6 +26,17 @@ std::vector<std::string> choose_channels(const Imf::ChannelList& channels) {
     for (auto it = channels.begin(); it != channels.end(); ++it) ++count;
     if (count == 1) names.emplace_back(channels.begin().name());
     return names;
+}
+
+void read_space(const Imf::Header& header, Image& image) {
+    if (image.channels < 3 || !Imf::hasChromaticities(header)) return;
+    const Imf::Chromaticities& c = Imf::chromaticities(header);
+    const auto xy = [](const Imath::V2f& v) { return Chromaticity{double{v.x}, double{v.y}}; };
+    const auto known = color_space_of({xy(c.red), xy(c.green), xy(c.blue)}, xy(c.white));
+    if (known) image.space = *known;
+    else
+        image.warning =
+            "its chromaticities are none of sRGB, DCI-P3, Rec. 2020 or ACES2065-1; taken as sRGB, as pbrt-v4 does";
 }
 
 Result<Image> read_channels(const std::string& path) {
@@ -59,6 +72,7 @@ Result<Image> read_channels(const std::string& path) {
                                        sizeof(float) * names.size() * static_cast<std::size_t>(width)));
     file.setFrameBuffer(target);
     file.readPixels(window.min.y, window.max.y);
+    read_space(file.header(), image);
     return image;
 }
 

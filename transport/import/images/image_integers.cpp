@@ -14,11 +14,8 @@ Image decoded(int width, int height, int channels, std::span<const Sample> sampl
     std::vector<float> table(most + 1);
     for (std::size_t i = 0; i <= most; ++i) table[i] = encoding.decode(static_cast<double>(i) / most);
     Image image{width, height, channels, std::vector<float>(samples.size())};
-    const auto step = static_cast<std::size_t>(channels);
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-        const bool alpha = step % 2 == 0 && i % step == step - 1;
-        image.pixels[i] = alpha ? static_cast<float>(samples[i]) / most : table[samples[i]];
-    }
+    // Alpha too, as in pbrt-v4: cut-outs are made to look right there.
+    for (std::size_t i = 0; i < samples.size(); ++i) image.pixels[i] = table[samples[i]];
     return image;
 }
 

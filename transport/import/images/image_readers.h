@@ -23,7 +23,7 @@ struct Encoding {
 /// "" and "sRGB", "linear", "gamma <exponent>".
 Result<Encoding> parse_encoding(const std::string& text);
 
-// Of each reader below, `content` is the whole file; alpha is never decoded.
+// Of each reader below, `content` is the whole file; alpha is decoded as colours are, which is what pbrt-v4 does.
 
 /// 1, 2, 4, 8 or 16 bits, palettes and transparent colours expanded, either interlacing, by libpng.
 Result<Image> read_png(const std::string& content, const std::string& path, const Encoding& encoding);

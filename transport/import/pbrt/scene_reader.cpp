@@ -190,9 +190,12 @@ Status SceneReader::color_space(const Directive& directive) {
         known.emplace_back(row.name);
     }
     const std::string near = nearest_name(name, known);
-    return error_at(directive.string_locations[0],
-                    "unknown colour space '" + directive.strings[0] + "'; expected srgb, dci-p3, rec2020 or aces2065-1",
-                    near.empty() ? "" : "did you mean '" + near + "'?");
+    scene_.warn(error_at(directive.string_locations[0],
+                         "unknown colour space '" + directive.strings[0] +
+                             "'; expected srgb, dci-p3, rec2020 or "
+                             "aces2065-1, and the one before it stays, as in pbrt-v4",
+                         near.empty() ? "" : "did you mean '" + near + "'?"));
+    return success();
 }
 
 /// The empty name is pbrt's vacuum.

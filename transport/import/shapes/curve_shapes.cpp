@@ -3,7 +3,9 @@
 #include "transport/import/shapes/curve_shapes.h"
 
 #include <cmath>
+#include <optional>
 #include <tuple>
+#include <utility>
 
 #include "transport/geometry/matrix34.h"
 #include "transport/import/shapes/shape_parameters.h"
@@ -19,8 +21,10 @@ struct CurveWords {
     float width0 = 1, width1 = 1;
 };
 
-/// One of `choices`, by its place among them.
-Result<std::size_t> choice(const ParameterSet& set, std::string_view name, std::initializer_list<const char*> choices) {
+/// One of `choices`, by its place among them; for any other word `otherwise`, if pbrt-v4 goes on with that, with a
+/// warning.
+Result<std::size_t> choice(const ParameterSet& set, std::string_view name, std::initializer_list<const char*> choices,
+                           std::optional<std::size_t> otherwise, std::vector<Error>& warnings) {
     const Result<std::string> word = set.string_or(name, *choices.begin());
     if (!word) return word.error();
     std::size_t i = 0;
@@ -29,8 +33,12 @@ Result<std::size_t> choice(const ParameterSet& set, std::string_view name, std::
         if (*word == each) return i;
         list += (i++ == 0 ? "" : i == choices.size() ? " or " : ", ") + std::string(each);
     }
-    return error_at(location_of(set, name),
-                    "'" + std::string(name) + "' of a curve is '" + *word + "'; expected " + list);
+    Error unknown =
+        error_at(location_of(set, name), "'" + std::string(name) + "' of a curve is '" + *word + "'; expected " + list);
+    if (!otherwise) return unknown;
+    unknown.message += std::string(", and it is taken as ") + choices.begin()[*otherwise] + ", as in pbrt-v4";
+    warnings.push_back(std::move(unknown));
+    return *otherwise;
 }
 
 Result<float> width_of(const ParameterSet& set, const char* name, float fallback) {
@@ -44,12 +52,12 @@ Result<float> width_of(const ParameterSet& set, const char* name, float fallback
     return value;
 }
 
-Result<CurveWords> read_words(const ParameterSet& set) {
+Result<CurveWords> read_words(const ParameterSet& set, std::vector<Error>& warnings) {
     CurveWords words;
-    const Result<std::size_t> type = choice(set, "type", {"flat", "cylinder", "ribbon"});
+    const Result<std::size_t> type = choice(set, "type", {"flat", "cylinder", "ribbon"}, 1, warnings);
     if (!type) return type.error();
     words.type = static_cast<CurveType>(*type);
-    const Result<std::size_t> basis = choice(set, "basis", {"bezier", "bspline"});
+    const Result<std::size_t> basis = choice(set, "basis", {"bezier", "bspline"}, std::nullopt, warnings);
     if (!basis) return basis.error();
     words.bspline = *basis == 1;
     const Result<std::int64_t> degree = set.integer_or("degree", 3);
@@ -131,7 +139,7 @@ Result<std::vector<StoredVec3>> read_normals(const ParameterSet& set, const Curv
 
 Result<std::vector<SceneShape>> make_curve(const ParameterSet& set, const ShapeContext& context,
                                            std::vector<Error>& warnings) {
-    const Result<CurveWords> words = read_words(set);
+    const Result<CurveWords> words = read_words(set, warnings);
     if (!words) return words.error();
     const Result<std::vector<StoredVec3>> points = triples(set, "P", ParameterType::point3, "point3");
     if (!points) return points.error();

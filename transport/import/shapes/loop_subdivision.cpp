@@ -279,7 +279,7 @@ Result<std::vector<SceneShape>> make_loop_subdivision(const ParameterSet& set, c
     const Result<std::vector<StoredVec3>> positions = triples(set, "P", ParameterType::point3, "point3");
     if (!positions) return positions.error();
     if (positions->empty()) return error_at(set.location, "loopsubdiv has no vertices; expected \"point3 P\"");
-    const Result<std::vector<std::uint32_t>> indices = indices_of(set, positions->size(), 3);
+    const Result<std::vector<std::uint32_t>> indices = indices_of(set, positions->size(), 3, warnings);
     if (!indices) return indices.error();
     std::vector<MeshFace> faces(indices->size() / 3);
     for (std::size_t i = 0; i < indices->size(); ++i) faces[i / 3][i % 3] = (*indices)[i];

@@ -13,12 +13,21 @@ namespace raylex::transport {
 
 namespace {
 
-Result<std::vector<StoredVec2>> uvs_of(const ParameterSet& set, std::size_t vertices) {
+/// What becomes of values that belong to vertices when there are more or fewer of them: pbrt-v4 leaves them all out.
+void warn_uneven(const ParameterSet& set, const std::string& name, const std::string& found, std::size_t vertices,
+                 std::vector<Error>& warnings) {
+    warnings.push_back(error_at(location_of(set, name), "'" + name + "' has " + found + " for " +
+                                                            std::to_string(vertices) +
+                                                            " vertices; expected as many, and all are ignored"));
+}
+
+Result<std::vector<StoredVec2>> uvs_of(const ParameterSet& set, std::size_t vertices, std::vector<Error>& warnings) {
     const Result<std::span<const double>> numbers = array_of(set, "uv", ParameterType::point2, "point2");
     if (!numbers) return numbers.error();
-    if (!numbers->empty() && numbers->size() != 2 * vertices)
-        return error_at(location_of(set, "uv"), "'uv' has " + std::to_string(numbers->size() / 2) + " points for " +
-                                                    std::to_string(vertices) + " vertices; expected as many");
+    if (!numbers->empty() && numbers->size() != 2 * vertices) {
+        warn_uneven(set, "uv", std::to_string(numbers->size() / 2) + " points", vertices, warnings);
+        return std::vector<StoredVec2>();
+    }
     std::vector<StoredVec2> uvs(numbers->size() / 2);
     for (std::size_t i = 0; i < uvs.size(); ++i) {
         uvs[i] = {static_cast<float>((*numbers)[2 * i]), static_cast<float>((*numbers)[2 * i + 1])};
@@ -29,11 +38,13 @@ Result<std::vector<StoredVec2>> uvs_of(const ParameterSet& set, std::size_t vert
     return uvs;
 }
 
-Result<std::vector<StoredVec3>> normals_of(const ParameterSet& set, std::size_t vertices) {
+Result<std::vector<StoredVec3>> normals_of(const ParameterSet& set, std::size_t vertices,
+                                           std::vector<Error>& warnings) {
     Result<std::vector<StoredVec3>> normals = triples(set, "N", ParameterType::normal, "normal");
-    if (normals && !normals->empty() && normals->size() != vertices)
-        return error_at(location_of(set, "N"), "'N' has " + std::to_string(normals->size()) + " normals for " +
-                                                   std::to_string(vertices) + " vertices; expected as many");
+    if (normals && !normals->empty() && normals->size() != vertices) {
+        warn_uneven(set, "N", std::to_string(normals->size()) + " normals", vertices, warnings);
+        normals->clear();
+    }
     return normals;
 }
 
@@ -133,13 +144,13 @@ Result<std::vector<SceneShape>> make_inline_mesh(ShapeKind kind, const Parameter
     if (positions->empty()) return error_at(set.location, "mesh has no vertices; expected \"point3 P\"");
     shape.positions = std::move(*positions);
     const std::size_t group = kind == ShapeKind::triangle_mesh ? 3 : 4;
-    Result<std::vector<std::uint32_t>> indices = indices_of(set, shape.positions.size(), group);
+    Result<std::vector<std::uint32_t>> indices = indices_of(set, shape.positions.size(), group, warnings);
     if (!indices) return indices.error();
     shape.indices = std::move(*indices);
-    Result<std::vector<StoredVec2>> uvs = uvs_of(set, shape.positions.size());
+    Result<std::vector<StoredVec2>> uvs = uvs_of(set, shape.positions.size(), warnings);
     if (!uvs) return uvs.error();
     shape.uvs = std::move(*uvs);
-    Result<std::vector<StoredVec3>> normals = normals_of(set, shape.positions.size());
+    Result<std::vector<StoredVec3>> normals = normals_of(set, shape.positions.size(), warnings);
     if (!normals) return normals.error();
     shape.normals = std::move(*normals);
     return finish_mesh(std::move(shape), "the mesh", context, warnings);
@@ -197,12 +208,16 @@ Result<std::vector<SceneShape>> make_ply_mesh(const ParameterSet& set, const Sha
     base.uvs = std::move(mesh->uvs);
     const std::string shown = mesh_name(base);
     warn_repaired(repair_normals(base.normals, base.positions, mesh->triangles, mesh->quads), base, shown, warnings);
+    if (mesh->odd_faces > 0)
+        warnings.push_back(error_at(base.location, std::to_string(mesh->odd_faces) + " of the faces of " + shown +
+                                                       " have neither 3 nor 4 vertices and are left out, as in "
+                                                       "pbrt-v4"));
     if (mesh->broken_uvs > 0)
         warnings.push_back(error_at(base.location, std::to_string(mesh->broken_uvs) +
                                                        " of the texture coordinates of " + shown +
                                                        " are not finite and were set to 0"));
     take_context(base, context);
-    std::size_t dropped = mesh->short_faces;
+    std::size_t dropped = 0;
     std::vector<SceneShape> shapes;
     const bool both = !mesh->quads.empty() && !mesh->triangles.empty();
     if (!mesh->quads.empty()) {

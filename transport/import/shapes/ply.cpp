@@ -232,28 +232,21 @@ class MeshReader {
         if (!(count >= 0) || count != std::floor(count))
             return failure("face " + std::to_string(row) +
                            " has a vertex count that is not a whole number of at least 0");
-        if (count < 3) ++mesh_.short_faces;
+        const bool kept = count == 3 || count == 4;
+        if (!kept) ++mesh_.odd_faces;
         std::uint32_t corners[4] = {};
         for (std::size_t i = 0; static_cast<double>(i) < count; ++i) {
             double index = 0;
             if (!source_.read(property.type, index)) return truncated(element, property, row);
+            if (!kept) continue;
             if (!(index >= 0) || !(index < static_cast<double>(vertex_count_)) || index != std::floor(index))
                 return bad_index(row, index);
-            add_corner(corners, i, count, static_cast<std::uint32_t>(index));
+            corners[i] = static_cast<std::uint32_t>(index);
         }
+        if (count == 3) mesh_.triangles.insert(mesh_.triangles.end(), {corners[0], corners[1], corners[2]});
+        // The file goes around the face; a patch lists its rows.
+        if (count == 4) mesh_.quads.insert(mesh_.quads.end(), {corners[0], corners[1], corners[3], corners[2]});
         return success();
-    }
-
-    void add_corner(std::uint32_t (&corners)[4], std::size_t i, double count, std::uint32_t index) {
-        if (count == 4) {
-            corners[i] = index;
-            // The file goes around the face; a patch lists its rows.
-            if (i == 3) mesh_.quads.insert(mesh_.quads.end(), {corners[0], corners[1], corners[3], corners[2]});
-            return;
-        }
-        if (i == 0) corners[0] = index;
-        if (i >= 2) mesh_.triangles.insert(mesh_.triangles.end(), {corners[0], corners[1], index});
-        corners[1] = index;
     }
 
     Error bad_index(std::size_t row, double index) const {

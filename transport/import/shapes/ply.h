@@ -10,14 +10,14 @@
 
 namespace raylex::transport {
 
-/// Indices are in range. pbrt keeps quadrilaterals as bilinear patches; larger polygons become fans of triangles.
+/// Indices are in range. As in pbrt-v4, quadrilaterals are bilinear patches, and there are no other polygons.
 struct PlyMesh {
     std::vector<StoredVec3> positions, normals;  ///< normals: one per position, or none; some may not be finite
     std::vector<StoredVec2> uvs;                 ///< one per position, or none
     std::vector<std::uint32_t> triangles;        ///< 3 per triangle
     std::vector<std::uint32_t> quads;            ///< 4 per quadrilateral, p00 p10 p01 p11
     std::size_t broken_uvs = 0;                  ///< vertices whose texture coordinates were not finite, and are 0
-    std::size_t short_faces = 0;                 ///< faces of fewer than 3 vertices, left out
+    std::size_t odd_faces = 0;                   ///< faces of neither 3 nor 4 vertices, left out
 };
 
 /// Reads the vertex element (x y z, nx ny nz, and texture coordinates as u v, s t, texture_u texture_v or texture_s

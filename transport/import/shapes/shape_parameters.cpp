@@ -1,6 +1,7 @@
 #include "transport/import/shapes/shape_parameters.h"
 
 #include <string>
+#include <utility>
 
 namespace raylex::transport {
 
@@ -34,7 +35,8 @@ Result<std::vector<StoredVec3>> triples(const ParameterSet& set, std::string_vie
     return result;
 }
 
-Result<std::vector<std::uint32_t>> indices_of(const ParameterSet& set, std::size_t vertices, std::size_t group) {
+Result<std::vector<std::uint32_t>> indices_of(const ParameterSet& set, std::size_t vertices, std::size_t group,
+                                              std::vector<Error>& warnings) {
     const Result<std::span<const double>> numbers = array_of(set, "indices", ParameterType::integer, "integer");
     if (!numbers) return numbers.error();
     std::vector<std::uint32_t> indices;
@@ -47,11 +49,16 @@ Result<std::vector<std::uint32_t>> indices_of(const ParameterSet& set, std::size
         return indices;
     }
     const SourceLocation& where = location_of(set, "indices");
-    if (numbers->size() % group != 0)
-        return error_at(where, "'indices' has " + std::to_string(numbers->size()) + " values; expected a multiple of " +
-                                   std::to_string(group));
-    indices.reserve(numbers->size());
-    for (std::size_t i = 0; i < numbers->size(); ++i) {
+    const std::size_t excess = numbers->size() % group, count = numbers->size() - excess;
+    if (excess > 0) {
+        Error uneven = error_at(where, "'indices' has " + std::to_string(numbers->size()) +
+                                           " values; expected a multiple of " + std::to_string(group));
+        if (count == 0) return uneven;
+        uneven.message += ", and the last " + std::to_string(excess) + (excess == 1 ? " is" : " are") + " ignored";
+        warnings.push_back(std::move(uneven));
+    }
+    indices.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
         const double value = (*numbers)[i];
         if (value < 0 || value >= static_cast<double>(vertices))
             return error_at(where, "index " + std::to_string(static_cast<std::int64_t>(value)) + " (value " +

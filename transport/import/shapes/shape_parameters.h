@@ -20,6 +20,8 @@ const SourceLocation& location_of(const ParameterSet& set, std::string_view name
 Result<std::vector<StoredVec3>> triples(const ParameterSet& set, std::string_view name, ParameterType type,
                                         const char* type_name);
 /// Indices of `group` per primitive, checked against `vertices`; 0 1 2 ... when absent and there is one primitive.
-Result<std::vector<std::uint32_t>> indices_of(const ParameterSet& set, std::size_t vertices, std::size_t group);
+/// Those that do not make a whole one at the end are left out, as in pbrt-v4, with a warning.
+Result<std::vector<std::uint32_t>> indices_of(const ParameterSet& set, std::size_t vertices, std::size_t group,
+                                              std::vector<Error>& warnings);
 
 }  // namespace raylex::transport

@@ -41,7 +41,8 @@ class RealReader {
     Status status_ = success();
 };
 
-Result<std::vector<SceneShape>> make_quadric(ShapeKind kind, const ParameterSet& set, const ShapeContext& context) {
+Result<std::vector<SceneShape>> make_quadric(ShapeKind kind, const ParameterSet& set, const ShapeContext& context,
+                                             std::vector<Error>& warnings) {
     SceneShape shape;
     shape.kind = kind;
     shape.location = set.location;
@@ -49,6 +50,12 @@ Result<std::vector<SceneShape>> make_quadric(ShapeKind kind, const ParameterSet&
     shape.flip_normal = context.reverse_orientation != context.object_to_world.swaps_handedness();
     RealReader real(set);
     shape.radius = real("radius", 1);
+    if (real.status() && shape.radius == 0) {  // pbrt-v4 keeps it, and no ray ever meets it
+        warnings.push_back(error_at(set.location,
+                                    "radius is 0; expected a length above 0: the shape has no area and "
+                                    "is left out"));
+        return std::vector<SceneShape>();
+    }
     real.require(shape.radius > 0, "radius is not above 0");
     shape.phi_max = std::clamp(real("phimax", 360), Real(0), Real(360));
     real.require(shape.phi_max > 0, "'phimax' leaves nothing; expected degrees above 0, at most 360");
@@ -107,8 +114,8 @@ Registry<ShapeFactory>& shape_registry() {
             phi_max{"phimax", T::real, "360", "degrees around z"};
         const auto indices = [](const char* help) { return ParameterDescription{"indices", T::integer, "", help}; };
         const auto quadric = [](ShapeKind kind) {
-            return [kind](const ParameterSet& set, const ShapeContext& context, std::vector<Error>&) {
-                return make_quadric(kind, set, context);
+            return [kind](const ParameterSet& set, const ShapeContext& context, std::vector<Error>& warnings) {
+                return make_quadric(kind, set, context, warnings);
             };
         };
         r.add({"trianglemesh", "triangles", {points, normals, uvs, indices("three a triangle")}, make_triangle_mesh});

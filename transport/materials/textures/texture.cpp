@@ -197,7 +197,10 @@ Result<TextureTable> TextureTable::build(const SceneDescription& scene, const Re
     TextureTable table;
     Storage& s = *table.storage_;
     s.sources = scene.textures;
-    for (SceneTexture& source : s.sources) source.to_world = space.placed(source.to_world);
+    for (SceneTexture& source : s.sources) {
+        source.to_world = space.placed(source.to_world);
+        if (auto warning = mend_mapping(source.parameters)) s.warnings.push_back(*std::move(warning));
+    }
     s.color = scene.color;
     s.scene_file = scene.file;
     for (std::size_t i = 0; i < s.sources.size(); ++i) s.sources_by_name[s.sources[i].name].push_back(i);

@@ -89,10 +89,12 @@ Result<const Image*> TextureTable::Storage::load_image(const std::string& name, 
     if (image->width <= 0 || image->height <= 0 || image->channels <= 0)
         return error_at(where, "image texture '" + name + "' holds no pixels");
     if (result.warning) warnings.push_back(error_at(where, "image texture '" + name + "': " + *result.warning));
+    if (!image->warning.empty()) warnings.push_back(error_at(where, "image texture '" + name + "': " + image->warning));
     if (by_file_rules) {
         auto convert = color.file_color(key.first);
         if (!convert) return error_at(where, "image texture '" + name + "': " + convert.error().message);
         convert_colors(*image, *convert);
+        image->space = color.scene_space;
     }
     images.push_back(*std::move(image));
     image_by_file[key] = &images.back();
@@ -131,8 +133,11 @@ Result<TextureNode> TextureTable::Storage::compile_image(const SceneTexture& sou
         stage.filter.pyramid = &found->second;
     }
     stage.clamp_to_one = role == SpectrumRole::albedo;
-    const auto& m = color.rendering_from_scene;
-    stage.convert = source.spectrum && role != SpectrumRole::unbounded && m != ColorContext{}.rendering_from_scene;
+    const Matrix3 m = multiply(color.rendering_from_scene,
+                               rgb_from_rgb(color.scene_space, (*image)->space, role != SpectrumRole::illuminant));
+    const bool moves =
+        color.rendering_from_scene != ColorContext{}.rendering_from_scene || (*image)->space != color.scene_space;
+    stage.convert = source.spectrum && role != SpectrumRole::unbounded && moves;
     for (std::size_t r = 0; r < 3; ++r)
         for (std::size_t c = 0; c < 3; ++c) stage.matrix[r][c] = static_cast<Real>(m[r][c]);
     mappings.push_back(mapping);

@@ -2,11 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "display/services/elementary.h"
 #include "transport/geometry/ray.h"
 
 namespace raylex::transport {
+
+namespace {
+
+/// In the order of TextureMapping::Kind.
+const std::vector<std::string>& mapping_names() {
+    static const std::vector<std::string> names{"uv", "spherical", "cylindrical", "planar"};
+    return names;
+}
+
+}  // namespace
 
 Vec2 TextureMapping::map(const TexturePoint& at) const {
     if (kind == Kind::uv) return {scale_u * at.u + offset_u, scale_v * at.v + offset_v};
@@ -60,10 +73,27 @@ std::vector<ParameterDescription> with_mapping(std::vector<ParameterDescription>
     return parameters;
 }
 
+std::optional<Error> mend_mapping(ParameterSet& parameters) {
+    const std::vector<std::string>& known = mapping_names();
+    for (Parameter& p : parameters.parameters) {
+        if (p.name != "mapping" || p.type != ParameterType::string || p.strings.size() != 1) continue;
+        std::string& name = p.strings.front();
+        if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+        const std::string near = nearest_name(name, known);
+        Error warning = error_at(p.location.line != 0 ? p.location : parameters.location,
+                                 "parameter 'mapping' is '" + name +
+                                     "'; expected uv, spherical, cylindrical or planar, and it is taken as uv, as in "
+                                     "pbrt-v4",
+                                 near.empty() ? std::string() : "did you mean '" + near + "'?");
+        name = known.front();
+        return warning;
+    }
+    return std::nullopt;
+}
+
 TextureMapping read_mapping(ParameterReader& reader, const Transform& world_from_texture) {
     TextureMapping mapping;
-    mapping.kind =
-        static_cast<TextureMapping::Kind>(reader.choice("mapping", {"uv", "spherical", "cylindrical", "planar"}, 0));
+    mapping.kind = static_cast<TextureMapping::Kind>(reader.choice("mapping", mapping_names(), 0));
     mapping.texture_from_world = world_from_texture.inverse();
     if (mapping.kind == TextureMapping::Kind::uv) {
         mapping.scale_u = reader.real("uscale", 1);

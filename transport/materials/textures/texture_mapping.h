@@ -1,6 +1,8 @@
 // From a surface point to texture coordinates, as pbrt-v4 maps them (book, 4th edition, 10.2).
 #pragma once
 
+#include <optional>
+
 #include "transport/materials/textures/parameter_reader.h"
 #include "transport/materials/textures/texture.h"
 #include "transport/math/transform.h"
@@ -35,5 +37,8 @@ Vec3 read_vector(ParameterReader& reader, std::string_view name, const Vec3& fal
 std::vector<ParameterDescription> with_mapping(std::vector<ParameterDescription> parameters);
 /// Reads "mapping", "uscale", "vscale", "udelta", "vdelta", "v1", "v2"; errors stay in `reader`.
 TextureMapping read_mapping(ParameterReader& reader, const Transform& world_from_texture);
+/// Makes a "mapping" of an unknown name uv, as pbrt-v4 takes it; the warning, where it did. Apart from read_mapping(),
+/// which is called for every role of a texture.
+std::optional<Error> mend_mapping(ParameterSet& parameters);
 
 }  // namespace raylex::transport

@@ -1,0 +1,119 @@
+// The colour space of image files: what an OpenEXR file says of it, and what lights and textures make of that.
+#include <catch2/catch.hpp>
+
+#include <string>
+#include <vector>
+
+#include "tests/display/files.h"
+#include "tests/transport/import_support.h"
+#include "tests/transport/lit_scene.h"
+#include "tests/transport/materials_scene.h"
+#include "transport/import/images/image.h"
+#include "transport/materials/textures/texture.h"
+
+using namespace raylex;
+using namespace raylex::transport;
+
+namespace image_colours {
+
+const Imf::Chromaticities aces({.7347f, .2653f}, {0, 1}, {.0001f, -.077f}, {.32168f, .33767f}),
+    rec2020({.708f, .292f}, {.17f, .797f}, {.131f, .046f}, {.3127f, .329f}),
+    p3({.68f, .32f}, {.265f, .69f}, {.15f, .06f}, {.3127f, .329f}),
+    acescg({.713f, .293f}, {.165f, .83f}, {.128f, .044f}, {.32168f, .33767f});
+
+/// 2 x 2 pixels of one colour.
+std::string write(const raylex::test::Folder& folder, const std::string& name, const Rgb& colour,
+                  const Imf::Chromaticities* chromaticities) {
+    const auto plane = [](Real value) { return std::vector<float>(4, to_float(value)); };
+    const auto box = raylex::test::box(2, 2);
+    const std::string path = folder.path(name);
+    raylex::test::write_foreign(
+        path,
+        {{"R", Imf::FLOAT, plane(colour.r)}, {"G", Imf::FLOAT, plane(colour.g)}, {"B", Imf::FLOAT, plane(colour.b)}},
+        box, box, 0, chromaticities);
+    return path;
+}
+
+Rgb sky(const std::string& file, const std::string& space) {
+    const Lit scene = lit("LightSource \"infinite\" \"string filename\" \"" + file + "\" Shape \"sphere\"",
+                          "ColorSpace \"" + space + "\" Film \"rgb\" ");
+    return scene.lights.environment_radiance(0, {}, {0, 0, 1});
+}
+
+Rgb texture_colour(const std::string& file, ColorSpace space, SpectrumRole role) {
+    SceneDescription scene;
+    scene.color.scene_space = space;
+    scene.textures = {raylex::test::colour_texture("imagemap", "image", {raylex::test::string("filename", file)})};
+    auto table = TextureTable::build(scene);
+    REQUIRE(table.ok());
+    ParameterSet set;
+    set.parameters = {raylex::test::texture("reflectance", "image")};
+    const auto id = table->rgb_parameter(set, "reflectance", Rgb(0), role, scene.color);
+    REQUIRE(id.ok());
+    return table->rgb(*id, {0.5f, 0.5f, {}, -1, {}});
+}
+
+/// Expected values are of matrices from the chromaticities above; ours integrate the whites' spectra, whose
+/// chromaticities are those rounded to four digits: 2e-4 of a colour.
+void check_colour(const Rgb& found, const Rgb& expected) {
+    CAPTURE(found.r, found.g, found.b);
+    for (int c = 0; c < 3; ++c) CHECK(std::abs(found[c] - expected[c]) < Real(1e-3) * expected.max());
+}
+
+}  // namespace image_colours
+
+using namespace image_colours;
+
+TEST_CASE("an OpenEXR image says in which space its colours are", "[image]") {
+    const raylex::test::Folder folder;
+    const auto space_of = [&](const char* name, const Imf::Chromaticities* chromaticities) {
+        const auto image = read_image(write(folder, name, Rgb(1), chromaticities));
+        REQUIRE(image.ok());
+        CHECK(image->warning.empty());
+        return image->space;
+    };
+    const Imf::Chromaticities srgb;
+    CHECK(space_of("none.exr", nullptr) == ColorSpace::srgb);
+    CHECK(space_of("srgb.exr", &srgb) == ColorSpace::srgb);
+    CHECK(space_of("p3.exr", &p3) == ColorSpace::dci_p3);
+    CHECK(space_of("rec2020.exr", &rec2020) == ColorSpace::rec2020);
+    CHECK(space_of("aces.exr", &aces) == ColorSpace::aces2065_1);
+    const auto other = read_image(write(folder, "acescg.exr", Rgb(1), &acescg));
+    REQUIRE(other.ok());
+    CHECK(other->space == ColorSpace::srgb);
+    CHECK(other->warning.find("taken as sRGB") != std::string::npos);
+    const Lit warned =
+        lit("LightSource \"infinite\" \"string filename\" \"" + folder.path("acescg.exr") + "\" Shape \"sphere\"");
+    REQUIRE(warned.warnings.size() == 1);
+    CHECK(warned.warnings[0].message.find("taken as sRGB") != std::string::npos);
+}
+
+TEST_CASE("an image's light keeps its colour whatever the scene's space, and an albedo its grey", "[image][lights]") {
+    const raylex::test::Folder folder;
+    const std::string file = write(folder, "aces.exr", {Real(.5), Real(.2), Real(.1)}, &aces),
+                      white = write(folder, "white.exr", Rgb(1), &aces),
+                      plain = write(folder, "plain.exr", {Real(.5776), Real(.127), Real(.032)}, nullptr),
+                      wall = write(folder, "wall.exr", {Real(.5), Real(.4), Real(.3)}, &aces);
+    check_colour(sky(file, "srgb"), {Real(1.01612), Real(.12486), Real(.06981)});
+    check_colour(sky(white, "srgb"), {Real(1.04710), Real(.99454), Real(.91532)});
+    check_colour(sky(plain, "rec2020"), {Real(.40559), Real(.15706), Real(.04930)});
+    CHECK(sky(file, "aces2065-1") == Rgb(Real(.5), Real(.2), Real(.1)));
+    CHECK(sky(plain, "srgb") == Rgb(Real(.5776), Real(.127), Real(.032)));
+    check_colour(texture_colour(white, ColorSpace::srgb, SpectrumRole::albedo), Rgb(1));
+    check_colour(texture_colour(wall, ColorSpace::srgb, SpectrumRole::albedo),
+                 {Real(.69831), Real(.38143), Real(.28169)});
+    CHECK(texture_colour(wall, ColorSpace::srgb, SpectrumRole::unbounded) == Rgb(Real(.5), Real(.4), Real(.3)));
+    CHECK(texture_colour(wall, ColorSpace::aces2065_1, SpectrumRole::albedo) == Rgb(Real(.5), Real(.4), Real(.3)));
+}
+
+TEST_CASE("what a goniometric light averages stays as it is stored", "[image][lights]") {
+    const raylex::test::Folder folder;
+    const auto radiance = [&](const Imf::Chromaticities* chromaticities) {
+        const std::string file = write(folder, chromaticities == nullptr ? "a.exr" : "b.exr",
+                                       {Real(.5), Real(.2), Real(.1)}, chromaticities);
+        return lit("LightSource \"goniometric\" \"string filename\" \"" + file + "\" Shape \"sphere\"")
+            .lights.lights()[0]
+            .power;
+    };
+    CHECK(radiance(nullptr) == radiance(&aces));
+}
