@@ -79,7 +79,7 @@ Result<Aperture> Aperture::named(const std::string& name, const SourceLocation& 
             error.hint += "named by 'aperture' at " + where.file + ":" + std::to_string(where.line);
             return error;
         }
-        static_cast<void>(clear_invalid_texels(*image));
+        static_cast<void>(clear_invalid_texels(*image, NegativeTexels::cleared));
         aperture.width_ = image->width;
         aperture.height_ = image->height;
         const int colours = image->channels < 3 ? 1 : 3;

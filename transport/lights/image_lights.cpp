@@ -114,7 +114,7 @@ Result<RgbImage> read_light_image(const SceneEntity& source, const std::string& 
         error.hint += "named by the " + source.type + " light at line " + std::to_string(source.location.line);
         return error;
     }
-    if (const auto invalid = clear_invalid_texels(*image))
+    if (const auto invalid = clear_invalid_texels(*image, NegativeTexels::cleared))
         context.warnings.push_back(
             error_at(source.location, "image '" + file + "' of a " + source.type + " light: " + *invalid));
     const auto count = static_cast<std::size_t>(image->width) * static_cast<std::size_t>(image->height);

@@ -422,7 +422,7 @@ void Walk<mode>::scatter(Visitor& visitor) {
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
         Subpath& path = paths_[row];
-        if (path.counted_depth() + kept_back >= options_.max_depth) {
+        if (path.counted_depth() + kept_back >= options_.max_depth || !visitor.worth_scattering(j)) {
             counters_->count_length(path.depth + kept_back);
             continue;
         }

@@ -41,6 +41,8 @@ struct WalkVisitor {
     void absorbs_at(std::uint32_t /*row*/, Real /*lost_at*/, const Rgb& /*passed*/) {}
     /// It met a particle after `distance`.
     void collides(std::uint32_t /*row*/, Real /*distance*/) {}
+    /// Whether what vertex j scatters could count at all: if not, the subpath ends there and no direction is drawn.
+    bool worth_scattering(std::size_t /*j*/) { return true; }
     /// The subpath is scattered at vertex j, by these lobes.
     void scatters(std::size_t /*j*/, const LobeList& /*lobes*/) {}
     /// Its throughput is no number: it ends.

@@ -79,7 +79,7 @@ Result<ProbeResult> invalid_texels(const ProbeInput& input) {
     if (invalid > image.pixels.size()) return error_at(input.where(), "more invalid values than the image has");
     const std::size_t stride = invalid > 0 ? image.pixels.size() / invalid : 1;
     for (std::size_t i = 0; i < invalid; ++i) image.pixels[i * stride] = bad[i % std::size(bad)];
-    const auto said = clear_invalid_texels(image);
+    const auto said = clear_invalid_texels(image, NegativeTexels::cleared);
     ProbeResult result;
     result.measured = said ? std::stod(*said) : 0;
     result.expected = double(invalid);

@@ -153,7 +153,7 @@ TEST_CASE("a float texture reads the mean of an image's colours") {
 }
 
 TEST_CASE("texels that are no numbers are reported with their place and taken as 0") {
-    for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -0.5f}) {
+    for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
         const ImageFile file(value);
         SceneDescription scene;
         scene.file = "scene.pbrt";
@@ -162,8 +162,7 @@ TEST_CASE("texels that are no numbers are reported with their place and taken as
         TextureTable table = build_textures(scene);
         REQUIRE(table.warnings().size() == 1);
         CHECK(table.warnings()[0].file == "scene.pbrt");
-        CHECK(table.warnings()[0].message.find(
-                  "1 value in 1 texel negative or not finite, first at column 1, row 0; taken as 0") !=
+        CHECK(table.warnings()[0].message.find("1 value in 1 texel not finite, first at column 1, row 0; taken as 0") !=
               std::string::npos);
         CHECK(colour_at(table, scene, "picture", 0.75f, 0.75f) == Rgb(0, 1, 0));  // albedos end at 1
     }
@@ -171,6 +170,18 @@ TEST_CASE("texels that are no numbers are reported with their place and taken as
     SceneDescription scene;
     scene.textures = {colour_texture("imagemap", "picture", {string("filename", clean.name())})};
     CHECK(build_textures(scene).warnings().empty());
+}
+
+TEST_CASE("negative texels are numbers to float textures, and no colours") {
+    const ImageFile file(-0.5f);
+    SceneDescription scene;
+    scene.textures = {colour_texture("imagemap", "picture", {string("filename", file.name()), string("wrap", "clamp")}),
+                      real_texture("imagemap", "height", {string("filename", file.name()), string("wrap", "clamp")})};
+    TextureTable table = build_textures(scene);
+    CHECK(table.warnings().empty());
+    CHECK(real_at(table, "height", 0.75f, 0.75f) == Approx(0.5));  // the mean of 0, 2 and -0.5
+    CHECK(colour_at(table, scene, "picture", 0.75f, 0.75f) == Rgb(0, 1, 0));
+    CHECK(colour_at(table, scene, "picture", 0.75f, 0.75f, SpectrumRole::unbounded) == Rgb(0, 2, 0));
 }
 
 TEST_CASE("colour images are taken to the rendering space, unbounded ones are not") {

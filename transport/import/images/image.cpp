@@ -88,12 +88,12 @@ Result<Image> read_image(const std::string& path, const std::string& encoding) {
     return read_with_stb(*content, path, *decoding);
 }
 
-std::optional<std::string> clear_invalid_texels(Image& image) {
+std::optional<std::string> clear_invalid_texels(Image& image, NegativeTexels negative) {
     const auto channels = static_cast<std::size_t>(image.channels), width = static_cast<std::size_t>(image.width);
     std::size_t values = 0, texels = 0, first = 0, last = image.pixels.size();
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
         float& value = image.pixels[i];
-        if (value >= 0 && std::isfinite(value)) continue;
+        if (std::isfinite(value) && (value >= 0 || negative == NegativeTexels::kept)) continue;
         value = 0;
         const std::size_t texel = i / channels;
         if (values == 0) first = texel;
@@ -103,7 +103,8 @@ std::optional<std::string> clear_invalid_texels(Image& image) {
     }
     if (values == 0) return std::nullopt;
     return std::to_string(values) + (values == 1 ? " value" : " values") + " in " + std::to_string(texels) +
-           (texels == 1 ? " texel" : " texels") + " negative or not finite, first at column " +
+           (texels == 1 ? " texel" : " texels") +
+           (negative == NegativeTexels::kept ? " not finite" : " negative or not finite") + ", first at column " +
            std::to_string(first % width) + ", row " + std::to_string(first / width) + "; taken as 0";
 }
 

@@ -27,8 +27,10 @@ struct Image {
 /// `encoding`: "sRGB" (the default for 8-bit files), "linear", or "gamma <exponent>"; ignored for float formats.
 Result<Image> read_image(const std::string& path, const std::string& encoding = {});
 
-/// Takes values that are negative or not finite as 0, before interpolation spreads them, and says how many there were
-/// and where the first one is. Nothing when there are none.
-std::optional<std::string> clear_invalid_texels(Image& image);
+/// Takes values that are not finite as 0, before interpolation spreads them, and negative ones where the image is no
+/// texture, whose users settle that themselves: displacements may be negative. Says how many there were and where the
+/// first one is; nothing when there are none.
+enum class NegativeTexels : std::uint8_t { kept, cleared };
+std::optional<std::string> clear_invalid_texels(Image& image, NegativeTexels negative);
 
 }  // namespace raylex::transport

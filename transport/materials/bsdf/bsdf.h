@@ -58,7 +58,9 @@ struct LobeList {
     void add(LobeId lobe, const Rgb& value) {
         LobeValue& one = entry[static_cast<std::size_t>(count++)];
         one.lobe = lobe;
-        one.value = value;
+        one.value.r = value.r;  // one by one, or compilers copy what they have just stored (math/make_at.h)
+        one.value.g = value.g;
+        one.value.b = value.b;
     }
 };
 

@@ -16,7 +16,7 @@ Result<std::array<double, 3>> mean_of_image(const SceneTexture& source, const Co
     const bool by_file_rules = color.file_color && source.spectrum && encoding.empty();
     Result<Image> image = read_image(file, by_file_rules ? "linear" : encoding);
     if (!image) return error_at(source.location, "image texture '" + file + "': " + image.error().message);
-    static_cast<void>(clear_invalid_texels(*image));
+    static_cast<void>(clear_invalid_texels(*image, NegativeTexels::kept));
     if (by_file_rules) {
         auto convert = color.file_color(file);
         if (!convert) return error_at(source.location, "image texture '" + file + "': " + convert.error().message);

@@ -16,7 +16,7 @@ ReadImage read(const std::pair<std::string, std::string>& key) {
     result.image = read_image(key.first, key.second == by_rules ? "linear" : key.second);
     Result<Image>& image = result.image;
     if (image && image->width > 0 && image->height > 0 && image->channels > 0)
-        result.warning = clear_invalid_texels(*image);
+        result.warning = clear_invalid_texels(*image, NegativeTexels::kept);
     return result;
 }
 

@@ -72,6 +72,12 @@ class LightSubpaths {
     struct Scatterer : WalkVisitor {
         LightSubpaths& self;
         Invalid& report;
+        /// What scatters no more may still be joined, or be seen by the camera.
+        bool worth_scattering(std::size_t j) {
+            const bool worth = self.ahead(j).scatters;
+            if (!worth) self.walk_.counters().count(Pruned::light_paths);
+            return worth;
+        }
         void scatters(std::size_t j, const LobeList& lobes) {
             const std::uint32_t row = self.vertices().rows[j];
             self.record_.scatter(row, self.vertices().sources[j].label, lobes, self.choice_key(row));
