@@ -118,9 +118,12 @@ Result<RgbImage> read_light_image(const SceneEntity& source, const std::string& 
         context.warnings.push_back(
             error_at(source.location, "image '" + file + "' of a " + source.type + " light: " + *invalid));
     const auto count = static_cast<std::size_t>(image->width) * static_cast<std::size_t>(image->height);
-    if (!image->warning.empty())
+    const auto warn = [&](const std::string& warning) {
         context.warnings.push_back(
-            error_at(source.location, "image '" + file + "' of a " + source.type + " light: " + image->warning));
+            error_at(source.location, "image '" + file + "' of a " + source.type + " light: " + warning));
+    };
+    if (!image->warning.empty()) warn(image->warning);
+    if (image->other_space && values == ImageValues::colours) warn(space_is_unknown);
     const bool grey = image->channels < 3;
     const ColorSpace space = context.scene.color.scene_space;
     const Matrix3 to_scene = rgb_from_rgb(space, image->space, false);

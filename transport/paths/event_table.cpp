@@ -51,9 +51,17 @@ lpe::Event user_event(const std::string& object_label, UserLobe lobe, const lpe:
     return event;
 }
 
-std::vector<lpe::Event> scene_events(const SceneView& scene, const lpe::LobeSlots& slots) {
+void append_lobes(const Material& material, bool regularizes, std::vector<LobeId>& lobes) {
+    const std::size_t begin = lobes.size();
+    material.append_lobes(lobes);
+    for (std::size_t i = begin, end = lobes.size(); regularizes && i < end; ++i)
+        lobes.push_back(lobes::regularized(lobes[i]));
+}
+
+std::vector<lpe::Event> scene_events(const SceneView& scene, const lpe::LobeSlots& slots, bool regularizes) {
     std::vector<LobeId> lobes;
-    for (std::size_t m = 0; m < scene.materials->size(); ++m) scene.materials->material(m)->append_lobes(lobes);
+    for (std::size_t m = 0; m < scene.materials->size(); ++m)
+        append_lobes(*scene.materials->material(m), regularizes, lobes);
     std::sort(lobes.begin(), lobes.end());
     lobes.erase(std::unique(lobes.begin(), lobes.end()), lobes.end());
     std::vector<lpe::Event> events;
@@ -115,9 +123,7 @@ void EventTable::find_scatterings(const MaterialTable& materials, std::size_t me
     materials_ = materials.size();
     std::vector<std::vector<LobeId>> found(materials_);
     for (std::size_t m = 0; m < materials_; ++m) {
-        materials.material(m)->append_lobes(found[m]);
-        for (std::size_t i = 0, own = found[m].size(); regularizes && i < own; ++i)
-            found[m].push_back(lobes::regularized(found[m][i]));
+        append_lobes(*materials.material(m), regularizes, found[m]);
         std::sort(found[m].begin(), found[m].end());
         found[m].erase(std::unique(found[m].begin(), found[m].end()), found[m].end());
     }

@@ -105,8 +105,11 @@ class EventTable {
     display::Foresight foresight_;
 };
 
+/// The lobes by which paths leave a material: its own and, where closures are regularized (the integrator's trait),
+/// what becomes of those.
+void append_lobes(const Material& material, bool regularizes, std::vector<LobeId>& lobes);
 /// Every event that EventTable asks a setup for and that this scene can produce: the columns of a path atlas.
-std::vector<lpe::Event> scene_events(const SceneView& scene, const lpe::LobeSlots& slots);
+std::vector<lpe::Event> scene_events(const SceneView& scene, const lpe::LobeSlots& slots, bool regularizes);
 
 /// The events behind EventTable, also what scene_alphabet() lists.
 lpe::Event scattering_event(const std::string& object_label, const LobeKind& lobe, const lpe::LobeSlots& slots);

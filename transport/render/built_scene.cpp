@@ -115,8 +115,8 @@ struct SurfaceWords {
     std::set<std::string> straight;                       ///< labels that can be passed straight through
     std::vector<std::uint8_t> used_area_lights;           ///< [area light]; instances' do not shine
 
-    SurfaceWords(const SceneDescription& scene, const MaterialTable& materials)
-        : used_area_lights(scene.area_lights.size(), 0) {
+    SurfaceWords(const SceneDescription& scene, const MaterialTable& materials, bool regularizes)
+        : used_area_lights(scene.area_lights.size(), 0), regularizes_(regularizes) {
         for (const SceneShape& shape : scene.shapes) {
             add(scene, materials, shape, shape.label);
             if (shape.area_light >= 0 && static_cast<std::size_t>(shape.area_light) < used_area_lights.size())
@@ -143,9 +143,11 @@ struct SurfaceWords {
         if (interface || mixed || shape.alpha < 1 || !shape.alpha_texture.empty()) straight.insert(label);
         if (interface || material >= materials.size()) return;
         std::vector<LobeId> lobes;
-        materials.material(material)->append_lobes(lobes);
+        append_lobes(*materials.material(material), regularizes_, lobes);
         for (const LobeId lobe : lobes) scattering.insert({label, lobe});
     }
+
+    bool regularizes_;
 };
 
 }  // namespace
@@ -153,8 +155,9 @@ struct SurfaceWords {
 namespace {
 
 SceneAlphabet alphabet_of(const SceneDescription& scene, const MaterialTable& materials, const MediumTable& media,
-                          std::vector<display::ChannelDefinition> pattern_channels, const lpe::LobeSlots& slots) {
-    const SurfaceWords surfaces(scene, materials);
+                          std::vector<display::ChannelDefinition> pattern_channels, const lpe::LobeSlots& slots,
+                          bool regularizes) {
+    const SurfaceWords surfaces(scene, materials, regularizes);
     std::set<std::string> groups;
 
     SceneAlphabet alphabet;
@@ -186,7 +189,7 @@ SceneAlphabet alphabet_of(const SceneDescription& scene, const MaterialTable& ma
 
 }  // namespace
 
-Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::LobeSlots& slots) {
+Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::LobeSlots& slots, bool regularizes) {
     auto textures = TextureTable::build(scene);
     if (!textures) return textures.error();
     auto materials = MaterialTable::build(scene, *textures);
@@ -197,14 +200,15 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::L
     add_interiors(scene, *materials, *media);
     auto patterns = tee_channels(scene);
     if (!patterns) return patterns.error();
-    return alphabet_of(scene, *materials, *media, *std::move(patterns), slots);
+    return alphabet_of(scene, *materials, *media, *std::move(patterns), slots, regularizes);
 }
 
-SceneAlphabet scene_alphabet(const SceneDescription& description, const BuiltScene& built,
-                             const lpe::LobeSlots& slots) {
+SceneAlphabet scene_alphabet(const SceneDescription& description, const BuiltScene& built, const lpe::LobeSlots& slots,
+                             bool regularizes) {
     const SceneView view = built.view();
     const auto patterns = built.pattern_channels();
-    return alphabet_of(description, *view.materials, *view.media, {patterns.begin(), patterns.end()}, slots);
+    return alphabet_of(description, *view.materials, *view.media, {patterns.begin(), patterns.end()}, slots,
+                       regularizes);
 }
 
 }  // namespace raylex::transport

@@ -59,7 +59,7 @@ class BuiltScene {
 
 /// As scene_alphabet(description), by the tables that are there.
 [[nodiscard]] SceneAlphabet scene_alphabet(const SceneDescription& description, const BuiltScene& built,
-                                           const lpe::LobeSlots& slots = {});
+                                           const lpe::LobeSlots& slots = {}, bool regularizes = false);
 
 /// As render(description, ...), on a scene built from it before: bit for bit the same image, and checkpoints that know
 /// their scene.

@@ -217,6 +217,8 @@ struct SceneAlphabet {
 /// The definition of an AOV by its name: one of `patterns`, else a geometric AOV, else an Error with the near miss.
 Result<display::ChannelDefinition> named_channel(const std::string& name,
                                                  std::span<const display::ChannelDefinition> patterns);
-Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::LobeSlots& slots = {});
+/// `regularizes`: IntegratorTraits'.
+Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::LobeSlots& slots = {},
+                                     bool regularizes = false);
 
 }  // namespace raylex::transport

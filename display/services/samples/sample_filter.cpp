@@ -77,10 +77,14 @@ Result<std::array<RgbD, 3>> read_measure(const ParameterSet& parameters) {
     const Parameter* given = parameters.find("measure");
     if (given == nullptr) return rows;
     given->used = true;
-    if (given->type != ParameterType::real || given->numbers.size() != 9 || parameters.find("component") == nullptr)
+    if (parameters.find("component") == nullptr)
         return error_at(given->location,
-                        "'measure' of sample filter 'clamp' is a matrix beside a 'component'; expected nine numbers, "
-                        "row by row");
+                        "sample filter 'clamp' has a 'measure' of no component; expected a 'component' beside it");
+    const bool numbers = given->type == ParameterType::real || given->type == ParameterType::integer;
+    if (!numbers || given->numbers.size() != 9 ||
+        !std::all_of(given->numbers.begin(), given->numbers.end(), [](double each) { return std::isfinite(each); }))
+        return error_at(given->location,
+                        "'measure' of sample filter 'clamp' is no matrix; expected nine finite numbers, row by row");
     for (std::size_t r = 0; r < 3; ++r)
         rows[r] = {given->numbers[3 * r], given->numbers[3 * r + 1], given->numbers[3 * r + 2]};
     return rows;

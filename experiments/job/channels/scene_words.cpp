@@ -20,13 +20,14 @@ lpe::Words SceneWords::with_user_events() const {
 Result<SceneWords> scene_words(const Job& job, const transport::SceneDescription& scene,
                                const transport::BuiltScene* built) {
     const lpe::LobeSlots& slots = job.settings.lobe_slots;
-    Result<transport::SceneAlphabet> alphabet =
-        built != nullptr ? transport::scene_alphabet(scene, *built, slots) : transport::scene_alphabet(scene, slots);
-    if (!alphabet) return alphabet.error();
     auto chosen = transport::choose_integrator(transport::integrator_for(job.settings.integrator, scene.integrator),
                                                job.settings.max_depth);
     if (!chosen) return chosen.error();
     const transport::IntegratorTraits traits = chosen->integrator->traits();
+    Result<transport::SceneAlphabet> alphabet =
+        built != nullptr ? transport::scene_alphabet(scene, *built, slots, traits.regularizes)
+                         : transport::scene_alphabet(scene, slots, traits.regularizes);
+    if (!alphabet) return alphabet.error();
 
     SceneWords result;
     result.alphabet = std::move(*alphabet);

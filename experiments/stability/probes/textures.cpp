@@ -69,7 +69,8 @@ Result<ProbeResult> texel_weights(const ProbeInput& input) {
     return result;
 }
 
-/// Values that were taken as 0, of an image with `invalid` values that are NaN, infinite or negative in turn.
+/// Values that were taken as 0, of a light's image (textures keep negative ones) with `invalid` values that are NaN,
+/// infinite or negative in turn.
 Result<ProbeResult> invalid_texels(const ProbeInput& input) {
     const auto invalid = static_cast<std::size_t>(input.number("invalid"));
     if (Status given = input.status(); !given) return given.error();
@@ -95,7 +96,7 @@ std::span<const NamedProbe> texture_probes() {
         {"texture_lookups",
          "how many look-ups at extreme coordinates give what no texel has; wrap, width, height, nearest", lookups},
         {"texel_weights", "mean of look-ups over the mean of texels; width, height, nearest", texel_weights},
-        {"invalid_texels", "values of an image that are said to be no numbers or negative; invalid, channels",
+        {"invalid_texels", "values of a light's image that are said to be no numbers or negative; invalid, channels",
          invalid_texels}};
     return table;
 }

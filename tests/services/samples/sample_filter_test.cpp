@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 
 #include "tests/services/helpers.h"
 
@@ -89,11 +90,18 @@ TEST_CASE("clamp measures by a matrix where it is given one", "[sample_filter]")
     (*filter)->apply(table);
     for (int c = 0; c < 3; ++c) CHECK(table.values(0)[c] == values[c] / 2);
     for (int c = 3; c < 6; ++c) CHECK(table.values(0)[c] == values[c]);
-    by_matrix.parameters.back().numbers.pop_back();
-    CHECK_FALSE(make_sample_filter("clamp", by_matrix, {channels, 0, {}}));
+    const auto refusal = [&](const ParameterSet& parameters) {
+        const auto refused = make_sample_filter("clamp", parameters, {channels, 0, {}});
+        REQUIRE_FALSE(refused);
+        return refused.error().message;
+    };
+    by_matrix.parameters.back().numbers[0] = std::numeric_limits<double>::quiet_NaN();
+    CHECK(refusal(by_matrix).find("expected nine finite numbers") != std::string::npos);
+    by_matrix.parameters.back().numbers = std::vector<double>(8, 1);
+    CHECK(refusal(by_matrix).find("expected nine finite numbers") != std::string::npos);
     ParameterSet alone = limit(2);
     alone.parameters.push_back(measure);
-    CHECK_FALSE(make_sample_filter("clamp", alone, {channels, 0, {}}));
+    CHECK(refusal(alone).find("expected a 'component' beside it") != std::string::npos);
 }
 
 TEST_CASE("splits sum to beauty with the clamp on", "[sample_filter][law1]") {

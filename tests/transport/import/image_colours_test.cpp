@@ -9,6 +9,7 @@
 #include "tests/transport/lit_scene.h"
 #include "tests/transport/materials_scene.h"
 #include "transport/import/images/image.h"
+#include "transport/materials/textures/image_mean.h"
 #include "transport/materials/textures/texture.h"
 
 using namespace raylex;
@@ -81,11 +82,47 @@ TEST_CASE("an OpenEXR image says in which space its colours are", "[image]") {
     const auto other = read_image(write(folder, "acescg.exr", Rgb(1), &acescg));
     REQUIRE(other.ok());
     CHECK(other->space == ColorSpace::srgb);
-    CHECK(other->warning.find("taken as sRGB") != std::string::npos);
+    CHECK(other->other_space);
     const Lit warned =
         lit("LightSource \"infinite\" \"string filename\" \"" + folder.path("acescg.exr") + "\" Shape \"sphere\"");
     REQUIRE(warned.warnings.size() == 1);
     CHECK(warned.warnings[0].message.find("taken as sRGB") != std::string::npos);
+}
+
+TEST_CASE("an unknown space is warned of where colours are used, and nowhere else", "[image]") {
+    const raylex::test::Folder folder;
+    const std::string file = write(folder, "acescg.exr", Rgb(1), &acescg);
+    const auto warnings = [](SceneTexture texture) {
+        SceneDescription scene;
+        scene.textures = {std::move(texture)};
+        auto table = TextureTable::build(scene);
+        REQUIRE(table.ok());
+        if (!scene.textures[0].spectrum) REQUIRE(table->named_real("image", {}).ok());
+        return table->warnings();
+    };
+    const auto colour =
+        warnings(raylex::test::colour_texture("imagemap", "image", {raylex::test::string("filename", file)}));
+    REQUIRE(colour.size() == 1);
+    CHECK(colour[0].message.find("taken as sRGB") != std::string::npos);
+    CHECK(warnings(raylex::test::real_texture("imagemap", "image", {raylex::test::string("filename", file)})).empty());
+    CHECK(lit("LightSource \"goniometric\" \"string filename\" \"" + file + "\" Shape \"sphere\"").warnings.empty());
+}
+
+TEST_CASE("the mean that takes an image's place has its colour, and its sign", "[image][effects]") {
+    const raylex::test::Folder folder;
+    const std::string wall = write(folder, "wall.exr", {Real(.5), Real(.4), Real(.3)}, &aces),
+                      pit = write(folder, "pit.exr", {Real(-1), Real(-2), Real(-3)}, nullptr);
+    const ColorContext color;
+    const auto mean = mean_of_image(
+        raylex::test::colour_texture("imagemap", "wall", {raylex::test::string("filename", wall)}), color);
+    REQUIRE(mean.ok());
+    const Rgb shown = texture_colour(wall, ColorSpace::srgb, SpectrumRole::albedo);
+    for (std::size_t c = 0; c < 3; ++c)  // a constant image is its mean, to a rounding of float
+        CHECK(mean->at(c) == Approx(static_cast<double>(shown[static_cast<int>(c)])).epsilon(1e-6));
+    const auto depth =
+        mean_of_image(raylex::test::real_texture("imagemap", "pit", {raylex::test::string("filename", pit)}), color);
+    REQUIRE(depth.ok());
+    CHECK(depth->at(0) == Approx(-2));
 }
 
 TEST_CASE("an image's light keeps its colour whatever the scene's space, and an albedo its grey", "[image][lights]") {

@@ -33,10 +33,8 @@ void read_space(const Imf::Header& header, Image& image) {
     const Imf::Chromaticities& c = Imf::chromaticities(header);
     const auto xy = [](const Imath::V2f& v) { return Chromaticity{double{v.x}, double{v.y}}; };
     const auto known = color_space_of({xy(c.red), xy(c.green), xy(c.blue)}, xy(c.white));
+    image.other_space = !known;
     if (known) image.space = *known;
-    else
-        image.warning =
-            "its chromaticities are none of sRGB, DCI-P3, Rec. 2020 or ACES2065-1; taken as sRGB, as pbrt-v4 does";
 }
 
 Result<Image> read_channels(const std::string& path) {

@@ -52,7 +52,7 @@ Result<Image> read_jpeg(const std::string& content, const std::string& path, con
     constexpr int flags = TJFLAG_LIMITSCANS | TJFLAG_ACCURATEDCT;
     // Nor does it write a row: all but a lone scan are read before the first, and errors come with their headers.
     const std::size_t row = static_cast<std::size_t>(width) * stored_channels;
-    for (std::size_t i = 0; i < row; ++i) samples[i] = i % 2 == 0 ? 0 : 255;  // as no row of a JPEG is
+    for (std::size_t i = 0; i < row; ++i) samples[i] = i % 2 == 0 ? 0 : 255;  // as no row of a JPEG is that is longer
     const std::vector<std::uint8_t> unwritten(samples.data(), samples.data() + row);
     const int result = tjDecompress2(decoder.get(), bytes, size, samples.data(), width, 0, height, format, flags);
     if (fatal(result) || (result != 0 && std::equal(unwritten.begin(), unwritten.end(), samples.begin())))

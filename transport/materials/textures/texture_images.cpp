@@ -95,6 +95,7 @@ Result<const Image*> TextureTable::Storage::load_image(const std::string& name, 
         if (!convert) return error_at(where, "image texture '" + name + "': " + convert.error().message);
         convert_colors(*image, *convert);
         image->space = color.scene_space;
+        image->other_space = false;
     }
     images.push_back(*std::move(image));
     image_by_file[key] = &images.back();
@@ -125,6 +126,8 @@ Result<TextureNode> TextureTable::Storage::compile_image(const SceneTexture& sou
     if (reader.error()) return *reader.error();
     Result<const Image*> image = load_image(name, encoding, by_file_rules(source, encoding, role), reader.where(*file));
     if (!image) return std::move(image).error();
+    if ((*image)->other_space && source.spectrum && role != SpectrumRole::unbounded)
+        warnings.push_back(error_at(reader.where(*file), "image texture '" + name + "': " + space_is_unknown));
     stage.sampler.image = *image;
     stage.sampler.alpha_varies = alpha_varies(**image);
     if (stage.filter.kind != TextureFilter::unfiltered) {

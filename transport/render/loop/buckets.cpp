@@ -299,10 +299,10 @@ Status remove_buckets(const std::string& folder) {
     std::vector<fs::path> files;
     std::vector<std::string> begun;  // by a process that died: of buckets that this render may have cut otherwise
     for (const fs::directory_entry& each : fs::directory_iterator(folder, failed)) {
-        const std::string path = each.path().string(), ending = ".bucket";
+        const std::string name = each.path().filename().string(), ending = ".bucket";
         if (rows_named(each.path())) files.push_back(each.path());
-        else if (const auto end = path.rfind(ending + "."); end != std::string::npos)
-            begun.push_back(path.substr(0, end + ending.size()));
+        else if (const auto end = name.rfind(ending + "."); end != std::string::npos)
+            begun.push_back((each.path().parent_path() / name.substr(0, end + ending.size())).string());
     }
     for (const std::string& each : begun) display::remove_abandoned(each);
     for (const fs::path& file : files)

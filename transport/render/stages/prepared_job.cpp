@@ -47,14 +47,15 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
     const Stopwatch watch;
     PreparedJob prepared(std::move(resolved));
     ResolvedJob& job = prepared.job;
+    const bool regularizes = job.integrator().traits().regularizes;
     if (job.settings.words) {
-        auto alphabet =
-            display::WordAlphabet::build(scene_events(job.scene.view(), job.settings.lobe_slots), *job.settings.words);
+        auto alphabet = display::WordAlphabet::build(
+            scene_events(job.scene.view(), job.settings.lobe_slots, regularizes), *job.settings.words);
         if (!alphabet) return alphabet.error();
         if (Status s = job.channels.lpe->keep_words(*std::move(alphabet)); !s) return s.error();
     }
     prepared.events = std::make_unique<const EventTable>(*job.channels.lpe, job.scene.view(), job.settings.lobe_slots,
-                                                         job.settings.prune, job.integrator().traits().regularizes);
+                                                         job.settings.prune, regularizes);
     prepared.aovs = std::make_unique<const geoaovs::GeometricAovs>(job.channels.list);
     if (Status s = job.integrator().prepare(context_of(prepared)); !s) return s.error();
     for (std::string& omission : job.integrator().omissions())
