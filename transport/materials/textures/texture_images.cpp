@@ -1,6 +1,7 @@
 // Image textures: their files, read once however many textures and roles use them, and what becomes of their values.
 #include <filesystem>
 
+#include "transport/color/color_space.h"
 #include "transport/import/read_in_parallel.h"
 #include "transport/materials/textures/parameter_reader.h"
 #include "transport/materials/textures/texture_storage.h"

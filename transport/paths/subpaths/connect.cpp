@@ -29,8 +29,15 @@ void Connections::add_light_sample(const CameraSubpaths& subpaths, std::size_t j
     } else if (value.is_black()) {
         return;
     }
-    pending_.emplace_back(row, sample.light, v.sources[j].label, in_media_ ? subpaths.medium_towards(j, sample.wi) : -1,
-                          no_end, display::Technique{1, path.depth + 2}, value, f.lobes);
+    Pending& pending = pending_.emplace_back();
+    pending.row = row;
+    pending.light = sample.light;
+    pending.label = v.sources[j].label;
+    pending.medium = in_media_ ? subpaths.medium_towards(j, sample.wi) : -1;
+    pending.end = no_end;
+    pending.technique = {1, path.depth + 2};
+    pending.value = value;
+    pending.lobes = f.lobes;
     if (!record.takes_all(row) && !is_worth_a_ray(record)) return;
     Ray& ray = shadow_rays_.emplace_back();
     make_at(ray, [&] {
@@ -47,10 +54,15 @@ void Connections::add_join(const CameraSubpaths& subpaths, const VertexJoin& joi
     if (record.wants_blocked_light()) blockable_.push_back({Rgb(), join.unweighted});
     else if (value.is_black()) return;
     ends_.push_back(join.end);
-    pending_.emplace_back(row, no_light, v.sources[join.j].label,
-                          in_media_ ? subpaths.medium_towards(join.j, join.shadow_ray.direction) : -1,
-                          static_cast<std::uint32_t>(ends_.size() - 1),
-                          display::Technique{join.light_vertices, subpaths.path(row).depth + 2}, value, join.f->lobes);
+    Pending& pending = pending_.emplace_back();
+    pending.row = row;
+    pending.light = no_light;
+    pending.label = v.sources[join.j].label;
+    pending.medium = in_media_ ? subpaths.medium_towards(join.j, join.shadow_ray.direction) : -1;
+    pending.end = static_cast<std::uint32_t>(ends_.size() - 1);
+    pending.technique = {join.light_vertices, subpaths.path(row).depth + 2};
+    pending.value = value;
+    pending.lobes = join.f->lobes;
     if (!record.takes_all(row) && !is_worth_a_ray(record)) return;
     shadow_rays_.push_back(join.shadow_ray);
     shadow_rays_.back().time = v.hits[join.j].time;
