@@ -38,7 +38,7 @@ run_benchmark() {
         usage "no benchmark '${1:-}'; expected lpe, exr or rays"
     shift
     bash experiments/install_packages.sh && cmake --preset bench >/dev/null || exit 2
-    cmake --build --preset bench --target help | grep -q "^$program:" ||
+    ninja -C build/bench -t query "$program" >/dev/null 2>&1 ||  # the list of targets has not those of subfolders
         usage "$program needs Google Benchmark (Debian: libbenchmark-dev)"
     cmake --build --preset bench --target "$program" || exit 2
     exec "build/bench/$program" "$@"
