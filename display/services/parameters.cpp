@@ -65,7 +65,8 @@ char lower(char c) {
     return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
 }
 
-/// Optimal string alignment distance (insert, delete, replace, swap neighbours), letter case ignored.
+}  // namespace
+
 std::size_t edit_distance(std::string_view a, std::string_view b) {
     const std::size_t columns = b.size() + 1;
     std::vector<std::size_t> before(columns), above(columns), row(columns);
@@ -83,8 +84,6 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     }
     return above[b.size()];
 }
-
-}  // namespace
 
 Error error_at(const SourceLocation& where, std::string message, std::string hint) {
     Error error;

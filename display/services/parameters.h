@@ -78,6 +78,9 @@ struct ParameterDescription {
 /// The text with A to Z in lower case; other bytes stay.
 std::string lower_case(std::string_view text);
 
+/// Optimal string alignment distance (insert, delete, replace, swap neighbours), letter case ignored.
+std::size_t edit_distance(std::string_view a, std::string_view b);
+
 /// The candidate nearest to `word` by edit distance, or empty when none is close enough to be a likely slip.
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates);
 

@@ -57,13 +57,24 @@ Used everything_used(const SceneDescription& scene) {
     return used;
 }
 
+/// Whether one may have been typed for the other: numbers in a series are no slips.
+bool is_slip(std::string_view a, std::string_view b) {
+    const auto letters = [](std::string_view name) {
+        std::string kept;
+        for (const char c : name)
+            if (c < '0' || c > '9') kept += c;
+        return kept;
+    };
+    return letters(a) != letters(b) && edit_distance(a, b) <= 2;
+}
+
 /// A defined name that nothing uses; the hint is one that is used and reads alike.
 void doubt_unused(const transport::SceneEntity& entity, const char* what, const std::set<std::string>& used,
                   Doubts& doubts) {
     if (entity.name.empty() || used.count(entity.name) > 0) return;
     const std::string near = nearest_name(entity.name, {used.begin(), used.end()});
     doubts.push_back(error_at(entity.location, std::string("the ") + what + " '" + entity.name + "' is used by nothing",
-                              near.empty() ? "" : "'" + near + "' is used: was this meant?"));
+                              !is_slip(entity.name, near) ? "" : "'" + near + "' is used: was this meant?"));
 }
 
 void doubt_unused_entities(const SceneDescription& scene, const Used& used, Doubts& doubts) {

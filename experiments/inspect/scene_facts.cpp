@@ -9,6 +9,7 @@
 #include "experiments/job/rendering/effect_report.h"
 #include "experiments/program/console.h"
 #include "transport/render/film.h"
+#include "transport/samplers/sampler.h"
 #include "transport/scene/surface_names.h"
 
 namespace raylex::experiments {
@@ -135,6 +136,8 @@ SceneFacts scene_facts(const SceneDescription& scene) {
     facts.film = scene.film.type;
     facts.filter = scene.filter.type;
     facts.sampler = scene.sampler.type;
+    if (const auto choice = transport::choose_sampler(scene.sampler); choice && choice->stands_in)
+        facts.sampler += " (rendered with " + choice->name + ")";
     facts.integrator = scene.integrator.type;
     std::vector<Error> ignored;  // the render says them
     if (const auto film = transport::read_film(scene.film, std::nullopt, ignored))

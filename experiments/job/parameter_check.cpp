@@ -31,7 +31,7 @@ Status check_own_sequence(const std::optional<transport::SceneEntity>& sampler) 
     if (!sampler) return success();
     const auto stands_in = [](const transport::SceneEntity& entity) {
         auto choice = transport::choose_sampler(entity);
-        return choice && !choice->warnings.empty() ? choice->name : std::string();
+        return choice && choice->stands_in ? choice->name : std::string();
     };
     const std::string instead = stands_in(*sampler);
     if (instead.empty()) return success();

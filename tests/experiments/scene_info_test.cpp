@@ -93,6 +93,14 @@ TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, 
               "Material \"diffuse\" \"texture reflectance\" \"wood\"\n" +
               face + "\n",
           "'wood' is used: was this meant?");
+    for (const char* other : {"wood1", "oak wood"}) {  // one of a series, and another word: no slips
+        check(sky + "Texture \"" + other +
+                  "\" \"spectrum\" \"checkerboard\"\nTexture \"wood2\" \"spectrum\" \"checkerboard\"\n"
+                  "Material \"diffuse\" \"texture reflectance\" \"wood2\"\n" +
+                  face + "\n",
+              "is used by nothing");
+        CHECK_FALSE(contains(run_raylex(folder, "scene check doubtful.pbrt").out, "was this meant"));
+    }
     check(sky + face + "\nObjectBegin \"leaf\"\nShape \"sphere\"\nObjectEnd\n", "the object 'leaf' has no instance");
 }
 

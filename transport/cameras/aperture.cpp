@@ -18,14 +18,25 @@ struct Corner {
     double x, y;
 };
 
-/// A star (of `inner` below 1) or regular polygon of five points around the origin, the first one up.
-std::vector<Corner> five_points(double outer, double inner) {
+/// Around the origin, turned as in pbrt-v4 (RealisticCamera::Create): a point down.
+std::vector<Corner> pentagon() {
     std::vector<Corner> corners;
-    const int count = inner < outer ? 10 : 5;
-    for (int i = 0; i < count; ++i) {
-        const auto angle = elementary::sin_cos(2 * std::numbers::pi * i / count);
-        const double radius = count == 10 && i % 2 == 1 ? inner : outer;
-        corners.push_back({radius * angle.sin, radius * angle.cos});
+    for (int i = 0; i < 5; ++i) {
+        const auto angle = elementary::sin_cos(2 * std::numbers::pi * i / 5);
+        corners.push_back({-0.8 * angle.sin, -0.8 * angle.cos});
+    }
+    return corners;
+}
+
+/// The same: a point to the left.
+std::vector<Corner> star() {
+    constexpr double degree = std::numbers::pi / 180;
+    const double inner = elementary::sin_cos(72 * degree).cos / elementary::sin_cos(36 * degree).cos;
+    std::vector<Corner> corners;
+    for (int i = 0; i < 10; ++i) {
+        const auto angle = elementary::sin_cos(36 * degree * i);
+        const double radius = i % 2 == 1 ? 1 : inner;
+        corners.push_back({radius * angle.cos, radius * angle.sin});
     }
     return corners;
 }
@@ -46,12 +57,9 @@ std::function<double(double, double)> shape_named(const std::string& name) {
             [](double x, double y) { return std::max(0.0, elementary::exp(-x * x - y * y) - elementary::exp(-1.0)); };
     if (name == "square")
         return [](double x, double y) { return std::max(std::abs(x), std::abs(y)) < 0.5 ? 1.0 : 0.0; };
-    const double degree = std::numbers::pi / 180;
-    const std::vector<Corner> corners =
-        name == "pentagon"
-            ? five_points(0.8, 0.8)
-            : five_points(1, elementary::sin_cos(72 * degree).cos / elementary::sin_cos(36 * degree).cos);
-    return [corners](double x, double y) { return inside(corners, x, y) ? 1.0 : 0.0; };
+    return [corners = name == "pentagon" ? pentagon() : star()](double x, double y) {
+        return inside(corners, x, y) ? 1.0 : 0.0;
+    };
 }
 
 }  // namespace

@@ -66,15 +66,13 @@ Triple project_unbounded(const VisibleSpectrum& s, ColorSpace space) {
     return mean;
 }
 
-/// RGB with Y = 1; black for a spectrum without luminance.
+/// Of Y = 1, black for a spectrum without luminance. What is negative in the space is left at 0 and the rest as it is:
+/// the positive channels are those that pbrt-v4's film has.
 Triple project_illuminant(const VisibleSpectrum& s, ColorSpace space) {
     const Triple xyz = integrate_xyz(s);
     if (!(xyz[1] > 0)) return {0, 0, 0};
     Triple rgb = multiply(rgb_from_xyz(space), Triple{xyz[0] / xyz[1], 1, xyz[2] / xyz[1]});
     for (double& c : rgb) c = std::max(c, 0.0);
-    const auto& luminance_row = xyz_from_rgb(space)[1];
-    const double luminance = luminance_row[0] * rgb[0] + luminance_row[1] * rgb[1] + luminance_row[2] * rgb[2];
-    for (double& c : rgb) c /= luminance;
     return rgb;
 }
 
@@ -268,10 +266,25 @@ Rgb blackbody_radiance(double kelvin, const ColorContext& context) {
     return to_rendering(rgb, SpectrumRole::illuminant, context);
 }
 
+Result<Real> luminance_as_given(const Parameter& parameter) {
+    VisibleSpectrum named{};
+    if (!is_spectrum(parameter) ||
+        (parameter.strings.size() == 1 && find_named_spectrum(parameter.strings.front(), named)))
+        return Real(1);
+    const Result<VisibleSpectrum> spectrum = read_spectrum(parameter, false);
+    if (!spectrum) return spectrum.error();
+    return static_cast<Real>(integrate_xyz(*spectrum)[1] / flat_luminance());
+}
+
 double flat_luminance() {
     VisibleSpectrum flat{};
     flat.fill(1);
     return integrate_xyz(flat)[1];
+}
+
+RgbD reflectance_color(const VisibleSpectrum& reflectance, const ColorContext& context) {
+    const Triple rgb = multiply(context.rendering_from_scene, project_reflectance(reflectance, context.scene_space));
+    return {rgb[0], rgb[1], rgb[2]};
 }
 
 std::vector<RgbD> reflectance_weights(const std::vector<double>& wavelengths, const ColorContext& context) {
@@ -279,9 +292,7 @@ std::vector<RgbD> reflectance_weights(const std::vector<double>& wavelengths, co
     std::vector<double> one(wavelengths.size(), 0.0);
     for (double& value : one) {
         value = 1;
-        const Triple rgb = multiply(context.rendering_from_scene,
-                                    project_reflectance(resample(wavelengths, one, false), context.scene_space));
-        weights.push_back({rgb[0], rgb[1], rgb[2]});
+        weights.push_back(reflectance_color(resample(wavelengths, one, false), context));
         value = 0;
     }
     return weights;

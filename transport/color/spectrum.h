@@ -6,13 +6,12 @@
 //
 //   albedo      S:  rgb = M sum(S W xyz) / sum(W y), clamped to [0, 1]. A flat S gives that grey.
 //   unbounded   S:  each channel is the mean of S under that channel's response to the white, (M xyz) W. A flat S gives
-//                   exactly its value. The response has negative lobes, which is what makes a conductor's Fresnel
-//                   reflectance come out near the spectral one (copper at normal incidence: .961 .634 .540, spectral
-//                   .952 .639 .538); a mean is never let below a quarter of the smallest sample.
-//   illuminant  S:  rgb = M sum(S xyz) / sum(S y), negative channels (colours outside the space) raised to 0 and the
-//                   whole scaled back to Y = 1. pbrt-v4 divides every light by the luminance of its spectrum, so a
-//                   spectrum gives the colour alone and "scale" (or "power") the amount: doubling all samples
-//                   changes nothing.
+//                   exactly its value. The response has negative lobes; a mean is never let below a quarter of the
+//                   smallest sample. Of metals the reflectance is fitted instead (materials/metal_index.h).
+//   illuminant  S:  rgb = M sum(S xyz) / sum(S y), negative channels (colours outside the space) raised to 0: what is
+//                   left has a luminance above 1 then, as pbrt-v4's positive channels have. pbrt-v4 divides every light
+//                   by the luminance of its spectrum, so a spectrum gives the colour alone and "scale" (or "power") the
+//                   amount: doubling all samples changes nothing.
 //
 // rgb parameters stand in the scene's space and are used as they are. A blackbody is Planck's law at that temperature.
 // Sampled spectra are linear between their samples and 0 outside them as in pbrt; unbounded ones keep their end values,
@@ -56,9 +55,16 @@ Rgb recorded_light(const Rgb& light, const ColorContext& context);
 Result<Rgb> spectrum_or(const ParameterSet& parameters, std::string_view name, const Rgb& fallback, SpectrumRole role,
                         const ColorContext& context);
 
+/// The colour of a reflectance in the rendering space: as `albedo`, but without its clamp.
+RgbD reflectance_color(const VisibleSpectrum& reflectance, const ColorContext& context);
+
 /// What each sample of a piecewise linear reflectance adds to its RGB in the rendering space: as `albedo`, but linear,
 /// without its clamp. `wavelengths` in nm, ascending; outside of them the reflectance is 0.
 std::vector<RgbD> reflectance_weights(const std::vector<double>& wavelengths, const ColorContext& context);
+
+/// The luminance of a spectrum, of a black body by its peak, over that of the flat spectrum 1: what illuminants lose
+/// when they are resolved. 1 for rgb and for named spectra, which pbrt-v4 has in that size.
+Result<Real> luminance_as_given(const Parameter& parameter);
 
 /// Radiance of a black body as media have it in pbrt-v4: Planck's law over its peak, integrated by the observer's
 /// functions without dividing by the integral of y. RGB of the rendering space, as `illuminant`.

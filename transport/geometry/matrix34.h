@@ -72,6 +72,22 @@ struct Matrix34 {
     }
 };
 
+/// Of the solid angle around a unit direction d before and after a map M: |M d|^3 / |det M|.
+inline double solid_angle_ratio(const Matrix34& map, const DVec3& d) {
+    const double stretch = length(map.vector(d));
+    return stretch * stretch * stretch / std::abs(map.determinant());
+}
+
+/// Whether the map's linear part is a rotation, mirrored or not, times `scale`; but for `relative` parts of that.
+inline bool keeps_angles(const Matrix34& map, double& scale, double relative) {
+    const DVec3 x{map.m[0][0], map.m[1][0], map.m[2][0]}, y{map.m[0][1], map.m[1][1], map.m[2][1]},
+        z{map.m[0][2], map.m[1][2], map.m[2][2]};
+    scale = length(x);
+    const double tolerance = relative * scale * scale;
+    return std::abs(dot(x, y)) < tolerance && std::abs(dot(y, z)) < tolerance && std::abs(dot(z, x)) < tolerance &&
+           std::abs(dot(y, y) - scale * scale) < tolerance && std::abs(dot(z, z) - scale * scale) < tolerance;
+}
+
 /// A transform with its inverse.
 struct Placement {
     Matrix34 to_world, to_object;

@@ -70,10 +70,13 @@ Result<std::optional<IntegratorSubstitute>> substitute_for_pbrt(const SceneEntit
     if (type == "lightpath")
         return as(renamed(entity, "lighttracer", {"maxdepth"}),
                   "is rendered with 'lighttracer', which plays roulette and traces what the camera sees directly");
-    if (type == "sppm")
-        return as(renamed(entity, "bdpt", {"maxdepth"}),
+    if (type == "sppm") {
+        SceneEntity bdpt = renamed(entity, "bdpt", {"maxdepth"});
+        bdpt.parameters.parameters.push_back(typed::boolean("countmirrors", false));
+        return as(std::move(bdpt),
                   "is rendered with 'bdpt', which does not blur but finds caustics of lights without extent neither in "
                   "mirrors nor through glass");
+    }
     if (type == "simplevolpath" || type == "randomwalk")
         return as(plain_path(entity, "scattering"),
                   std::string("is rendered with 'path', strategy 'scattering', without roulette") + also_samples);

@@ -75,7 +75,8 @@ struct Sky {
     Real factor = 1;
 };
 
-/// The image of an infinite light with its factor; without a file a portal looks out on its L.
+/// The image of an infinite light with its factor; without a file a portal looks out on its L. Here pbrt-v4 does not
+/// divide by the luminance of L, and takes "illuminance" for that of an image with all of its light straight up.
 Result<Sky> read_sky(const SceneLight& source, const std::string& file, double illuminance, LightContext& context) {
     Sky sky;
     if (file.empty()) {
@@ -83,7 +84,13 @@ Result<Sky> read_sky(const SceneLight& source, const std::string& file, double i
         if (!radiance) return radiance.error();
         constexpr int resolution = 64;  // so that what is drawn by pixel is nearly uniform
         sky.image = {resolution, resolution, std::vector<Rgb>(std::size_t{resolution} * resolution, *radiance)};
-        if (illuminance > 0) sky.factor = static_cast<Real>(illuminance / std::numbers::pi);
+        if (illuminance > 0) {
+            sky.factor = static_cast<Real>(illuminance / (2 * std::numbers::pi));
+        } else if (const Parameter* given = source.parameters.find("L")) {
+            const auto luminance = luminance_as_given(*given);
+            if (!luminance) return luminance.error();
+            sky.factor = *luminance;
+        }
         return sky;
     }
     if (const Parameter* p = source.parameters.find("L"))

@@ -38,8 +38,8 @@ struct Light {
     Vec3 edge1, edge2;     ///< triangle
     OffsetBound offset{};  ///< triangle: of points that are drawn on it
     Real area = 0;         ///< triangle, patch: world; quadric: object space; sphere: world
-    /// Spot: 1 - cos of the angles where the falloff begins and ends; projection: of the cone around its image. The
-    /// cosines of narrow cones are 1 in float.
+    /// Spot: 1 - cos of the angles where the falloff begins and ends, in the light's own space; projection: of the cone
+    /// around its image. The cosines of narrow cones are 1 in float.
     Real versine_full = 0, versine_zero = 1;
     std::uint32_t shape = 0, primitive = 0;  ///< area lights
     std::int32_t image = -1;                 ///< index in what LightImages has for the kind; -1: none
@@ -52,15 +52,15 @@ struct Light {
     [[nodiscard]] bool is_at_point() const { return kind >= LightKind::point && kind < LightKind::distant; }
 };
 
-/// 1 - cos of the angle between a spot light's axis and a unit direction away from it, without cancellation.
-inline Real spot_versine(const Light& light, const Vec3& direction) {
-    return 0.5f * length_squared(direction - light.direction);
+/// 1 - cos of the angle between unit directions, without cancellation.
+inline Real versine_between(const Vec3& a, const Vec3& b) {
+    return 0.5f * length_squared(a - b);
 }
 
 /// What a spot light sends into a unit direction, as a share of its intensity: a smoothstep of the cosine between the
 /// two angles.
-inline Real spot_falloff(const Light& light, const Vec3& direction) {
-    const Real x = (light.versine_zero - spot_versine(light, direction)) / (light.versine_zero - light.versine_full);
+inline Real spot_falloff(const Vec3& axis, Real versine_full, Real versine_zero, const Vec3& direction) {
+    const Real x = (versine_zero - versine_between(direction, axis)) / (versine_zero - versine_full);
     if (!(x > 0)) return 0;
     const Real t = std::min(x, Real(1));
     return t * t * (3 - 2 * t);

@@ -46,8 +46,9 @@ DirectionCone join(const DirectionCone& a, const DirectionCone& b) {
     return {normalize(a.axis * turn.cos + sideways * turn.sin), half.cos};
 }
 
+/// Of a stretched spot's cone only the axis is known in the world.
 bool is_cone(const Light& light) {
-    return light.kind == LightKind::spot || light.kind == LightKind::projection;
+    return (light.kind == LightKind::spot && light.image < 0) || light.kind == LightKind::projection;
 }
 
 void set_box(LightBounds& bounds, std::initializer_list<Vec3> points) {

@@ -39,17 +39,23 @@ bool LightTable::emit_from_point(const Light& light, const Vec2& u, EmissionSamp
         s.power = light.emission * (4 * pi / s.from.pdf);
         return true;
     }
-    if (light.image >= 0) {
+    if (light.kind != LightKind::spot) {
         Rgb intensity;
         Real pdf = 0;
         if (!intensity_of(light).sample(u, s.direction, intensity, pdf)) return false;
         s.power = light.emission * intensity * (1 / (pdf * s.from.pdf));
         return true;
     }
+    if (light.image >= 0) {
+        Real falloff = 0, pdf = 0;
+        if (!stretched_spot(light).sample(u, s.direction, falloff, pdf)) return false;
+        s.power = light.emission * (falloff / (pdf * s.from.pdf));
+        return true;
+    }
     if (!(light.versine_zero > 0)) return false;
     const Vec3 local = sample_uniform_cone(u, light.versine_zero);
     s.direction = normalize(Frame::from_normal(light.direction).to_world(local));
-    const Real falloff = spot_falloff(light, s.direction);
+    const Real falloff = spot_falloff(light.direction, light.versine_full, light.versine_zero, s.direction);
     s.power = light.emission * (falloff * 2 * pi * light.versine_zero / s.from.pdf);
     return falloff > 0;
 }
@@ -86,9 +92,11 @@ EmissionDensity LightTable::emission_density(const LightChooser& chooser, const 
         return {of_point, of_direction * inv_pi};
     }
     if (light.kind == LightKind::point) return {chosen, uniform_sphere_pdf()};
+    if (light.kind == LightKind::spot && light.image >= 0) return {chosen, stretched_spot(light).pdf(direction)};
     if (light.kind == LightKind::spot)
-        return {chosen,
-                spot_versine(light, direction) < light.versine_zero ? uniform_cone_pdf(light.versine_zero) : 0.0f};
+        return {chosen, versine_between(direction, light.direction) < light.versine_zero
+                            ? uniform_cone_pdf(light.versine_zero)
+                            : 0.0f};
     if (light.is_at_point()) return {chosen, intensity_of(light).pdf(direction)};
     if (light.kind == LightKind::portal_environment)
         return {chosen * portal_of(light).emission_pdf(-direction), portal_of(light).density_across(-direction)};

@@ -73,6 +73,12 @@ Result<Light> make_spot(const SceneLight& source, LightContext& context) {
         light.versine_full = light.versine_zero * (1 - 2 * unit_roundoff);  // a hard edge
     light.position = placed(source.to_world, *from);
     light.direction = direction_in_world(source.to_world, *from, *to);
+    // Matrices as exporters print them have six digits: a cone is as round as they are.
+    if (double scale; !keeps_angles(Matrix34(source.to_world.matrix()), scale, 1e-5)) {
+        light.image = static_cast<std::int32_t>(context.images.spots.size());
+        context.images.spots.emplace_back(normalize(DVec3(*to) - DVec3(*from)), light.versine_full, light.versine_zero,
+                                          Placement(source.to_world));
+    }
     // pbrt's k_e for "power": full inside the falloff, half of it on average within.
     const Real solid_angle = pi * (light.versine_full + light.versine_zero);
     light.emission = *power > 0 ? *intensity * (static_cast<Real>(*power) / solid_angle) : *intensity;

@@ -106,7 +106,8 @@ bool LightTable::sample_at_point(const Light& light, const Vec3& from, LightSamp
     s.delta = true;
     Real falloff = 1;
     if (light.kind == LightKind::spot) {
-        falloff = spot_falloff(light, -s.wi);
+        falloff = light.image >= 0 ? stretched_spot(light).falloff(-s.wi)
+                                   : spot_falloff(light.direction, light.versine_full, light.versine_zero, -s.wi);
         if (!(falloff > 0)) return false;
     }
     s.radiance = light.emission * (falloff / d2);
@@ -144,6 +145,7 @@ bool LightTable::sample_image_light(const Light& light, const EmbreeScene& geome
                                     LightSample& s) const {
     if (light.is_at_point()) {
         if (!sample_at_point(light, from, s)) return false;
+        if (light.kind == LightKind::spot) return true;
         s.radiance *= intensity_of(light).intensity(-s.wi);
         return !s.radiance.is_black();
     }

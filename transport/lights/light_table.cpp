@@ -49,7 +49,7 @@ Light make_quadric(const ShapeGeometry& shape, bool has_image) {
     double scale = 1;
     light.kind = LightKind::quadric;
     light.area = static_cast<Real>(q.object_area());
-    if (!has_image && q.kind == ShapeKind::sphere && !q.partial && q.similarity(scale)) {
+    if (!has_image && q.kind == ShapeKind::sphere && !q.partial && keeps_angles(q.placement.to_world, scale, 1e-9)) {
         light.kind = LightKind::sphere;
         light.position = q.placement.to_world.point({0, 0, 0}).to_real();
         light.area = static_cast<Real>(q.object_area() * scale * scale);

@@ -19,6 +19,7 @@
 #include "transport/lights/images/portal_image.h"
 #include "transport/lights/light.h"
 #include "transport/lights/light_chooser.h"
+#include "transport/lights/stretched_spot.h"
 
 namespace raylex::transport {
 
@@ -27,6 +28,7 @@ struct LightImages {
     std::vector<EnvironmentImage> environments;
     std::vector<PortalImage> portals;
     std::vector<IntensityImage> intensities;
+    std::vector<StretchedSpot> spots;  ///< those whose transform does not keep angles
     std::vector<EmissionImage> emissions;
     std::vector<EmissionPoints> points;  ///< of area lights: one a primitive that shows an image
 };
@@ -124,6 +126,9 @@ class LightTable {
     }
     [[nodiscard]] const IntensityImage& intensity_of(const Light& light) const {
         return images_.intensities[static_cast<std::size_t>(light.image)];
+    }
+    [[nodiscard]] const StretchedSpot& stretched_spot(const Light& light) const {
+        return images_.spots[static_cast<std::size_t>(light.image)];
     }
     [[nodiscard]] const PortalImage& portal_of(const Light& light) const {
         return images_.portals[static_cast<std::size_t>(light.image)];

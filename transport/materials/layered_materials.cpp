@@ -118,7 +118,7 @@ Built make_coated_diffuse(const SceneEntity& entity, const MaterialContext& cont
 Built make_coated_conductor(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const CoatInput coat = CoatInput::read(reader, "interface.");
-    const ConductorInput metal = reader.conductor("conductor.");
+    const ConductorInput metal = reader.conductor("conductor.", coat.eta);
     if (reader.error()) return *reader.error();
     return std::unique_ptr<Material>(std::make_unique<CoatedConductorMaterial>(coat, metal));
 }

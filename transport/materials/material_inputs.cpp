@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "transport/materials/metal_index.h"
+
 namespace raylex::transport {
 
 namespace {
@@ -98,12 +100,27 @@ RoughnessInput MaterialReader::roughness(std::string_view prefix, Real fallback)
     return result;
 }
 
-RgbInput MaterialReader::named_spectrum_or(std::string_view name, std::string_view fallback) {
+RgbInput MaterialReader::metal_parameter(std::string_view name, std::string_view fallback) {
     if (set().find(name) != nullptr) return rgb(name, Rgb(1), SpectrumRole::unbounded);
     return {take(resolve_named_spectrum(fallback, SpectrumRole::unbounded, context_.scene.color), Rgb(1)), -1};
 }
 
-ConductorInput MaterialReader::conductor(std::string_view prefix) {
+std::optional<VisibleSpectrum> MaterialReader::metal_spectrum(std::string_view name, std::string_view fallback,
+                                                              const RgbInput& read) {
+    VisibleSpectrum spectrum{};
+    const Parameter* parameter = set().find(name);
+    if (parameter == nullptr) {
+        find_named_spectrum(fallback, spectrum);
+        return spectrum;
+    }
+    if (read.varies || error()) return std::nullopt;
+    if (auto varies = take(varying_spectrum(*parameter), std::optional<VisibleSpectrum>())) return varies;
+    if (read.value != Rgb(read.value.r)) return std::nullopt;
+    spectrum.fill(read.value.r);
+    return spectrum;
+}
+
+ConductorInput MaterialReader::conductor(std::string_view prefix, Real outside) {
     const std::string p(prefix);
     ConductorInput result;
     result.roughness = roughness(prefix, 0);
@@ -116,8 +133,17 @@ ConductorInput MaterialReader::conductor(std::string_view prefix) {
         result.reflectance = rgb("reflectance", Rgb(0));
         return result;
     }
-    result.eta = named_spectrum_or(p + "eta", "metal-Cu-eta");
-    result.k = named_spectrum_or(p + "k", "metal-Cu-k");
+    result.eta = metal_parameter(p + "eta", "metal-Cu-eta");
+    result.k = metal_parameter(p + "k", "metal-Cu-k");
+    const auto eta = metal_spectrum(p + "eta", "metal-Cu-eta", result.eta),
+               k = metal_spectrum(p + "k", "metal-Cu-k", result.k);
+    const auto varies = [](const RgbInput& input) { return input.value != Rgb(input.value.r); };
+    if (eta && k && (varies(result.eta) || varies(result.k))) {
+        const MetalIndex index =
+            rgb_index_of_metal(*eta, *k, {result.eta.value, result.k.value}, outside, context_.scene.color);
+        result.eta = {index.eta, -1};
+        result.k = {index.k, -1};
+    }
     return result;
 }
 

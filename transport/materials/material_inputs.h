@@ -85,7 +85,8 @@ class MaterialReader : public ParameterReader {
     /// `prefix` + "roughness", "uroughness", "vroughness", and "remaproughness".
     RoughnessInput roughness(std::string_view prefix, Real fallback);
     /// "eta", "k" and roughness under `prefix`, or "reflectance" instead of both; copper when nothing is given.
-    ConductorInput conductor(std::string_view prefix);
+    /// `outside`: index of what lies over it.
+    ConductorInput conductor(std::string_view prefix, Real outside = 1);
     /// "raylex:compensate": the table that makes up for what facets lose (compensated.h), or nothing when it is not
     /// asked for. `eta` 0: metal.
     std::shared_ptr<const FacetAlbedo> compensation(const RoughnessInput& roughness, Real eta);
@@ -95,7 +96,11 @@ class MaterialReader : public ParameterReader {
     std::shared_ptr<const IndexSpectrum> index_spectrum(std::string_view name);
 
   private:
-    RgbInput named_spectrum_or(std::string_view name, std::string_view fallback);
+    /// Of eta or k of a metal, which is copper where nothing is said.
+    RgbInput metal_parameter(std::string_view name, std::string_view fallback);
+    /// The same as a spectrum; nothing where it is a texture or three numbers.
+    std::optional<VisibleSpectrum> metal_spectrum(std::string_view name, std::string_view fallback,
+                                                  const RgbInput& read);
     /// A constant is read once, unless the code of textures is forced on.
     [[nodiscard]] TextureId looked_up(TextureId constant) const;
 

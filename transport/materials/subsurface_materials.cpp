@@ -104,11 +104,13 @@ Result<Medium> make_interior(const SceneEntity& entity, const MaterialContext& c
         const Rgb albedo = scattering_albedo_of_reflectance(
             uniform.rgb("reflectance", Rgb(1), SpectrumRole::albedo), static_cast<double>(eta),
             static_cast<double>(reader.real("g", 0, Real(-0.999), Real(0.999))));
-        const Rgb mfp = uniform.rgb("mfp", Rgb(1), SpectrumRole::unbounded);
+        // Of these pbrt-v4 scales the mean free path, not the coefficients.
+        const Rgb mfp = uniform.rgb("mfp", Rgb(1), SpectrumRole::unbounded) * reader.real("scale", 1);
+        scale = nullptr;
         Rgb sigma_a, sigma_s;
         for (int c = 0; c < 3; ++c) {
             if (!(mfp[c] > 0))
-                return error_at(entity.location, "'mfp' is " + std::to_string(mfp[c]) +
+                return error_at(entity.location, "'mfp' times 'scale' is " + std::to_string(mfp[c]) +
                                                      "; expected a mean free path above 0 in every colour");
             sigma_s[c] = albedo[c] / mfp[c];
             sigma_a[c] = (1 - albedo[c]) / mfp[c];

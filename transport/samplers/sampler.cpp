@@ -21,10 +21,7 @@ Result<SamplerChoice> read_choice(const SceneEntity& entity, SamplerKind kind, b
     auto seed = entity.parameters.integer_or("seed", 0);
     if (!seed) return seed.error();
     choice.seed = static_cast<std::uint64_t>(*seed);
-    if (another_sequence)
-        choice.warnings.push_back(error_at(
-            entity.location, "sampler '" + entity.type +
-                                 "' is rendered with 'sobol' (Owen-scrambled, padded): same expectation, other noise"));
+    choice.stands_in = another_sequence;
     return choice;
 }
 

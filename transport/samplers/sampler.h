@@ -19,7 +19,7 @@ struct SamplerChoice {
     std::uint64_t samples_per_pixel = 16;  ///< "pixelsamples" (stratified: the product of its two counts)
     std::uint32_t arrangement_bits = 4;    ///< zsobol: log2 of the samples of a pixel that are arranged together
     std::uint64_t seed = 0;                ///< the scene's own seed, added to the render's
-    std::vector<Error> warnings;           ///< another sequence of pbrt's taken for ours
+    bool stands_in = false;                ///< for another sequence of pbrt's: same expectation, other noise
 };
 
 using SamplerFactory = std::function<Result<SamplerChoice>(const SceneEntity&)>;

@@ -329,8 +329,14 @@ int DisplayServices::add_sample(int row, const ExtraSample& sample) {
     if (!accept_row(row, !std::isnan(sample.depth) && is_finite(sample.opacity) && sample.surface >= 0)) return -1;
     const int added = table_.add_row(row);
     if (added < 0) {
-        refuse(invalid_channel, Refusal::no_room);
-        return -1;
+        const int last = table_.last_row_of(row);
+        if (last < 0) {
+            refuse(invalid_channel, Refusal::no_room);
+            return -1;
+        }
+        RgbD& opacity = table_.opacity[static_cast<std::size_t>(last)];
+        for (int c = 0; c < 3; ++c) opacity[c] += (1 - opacity[c]) * sample.opacity[c];
+        return last;
     }
     const auto index = static_cast<std::size_t>(added);
     table_.depth[index] = sample.depth;

@@ -94,8 +94,9 @@ class DisplayServices {
     /// nothing that has a name. Cryptomatte and the like look up there.
     bool write_surface(int row, std::int32_t surface);
 
-    /// Adds a row on the camera ray of `row`; returns it, or -1 when the table is full, the row is none or the depth is
-    /// not a number (counted).
+    /// Adds a row on the camera ray of `row` and returns it. When the table is full the sample goes into the ray's last
+    /// one, whose opacity grows by it: what lies behind both stays as covered as it is. -1 where the ray has none, the
+    /// row is none or the depth is not a number (counted).
     int add_sample(int row, const ExtraSample& sample);
 
     [[nodiscard]] std::span<const DisplayChannel> get_display_channels() const { return channels_; }

@@ -22,8 +22,8 @@ namespace raylex::display {
 class RasterSink {
   public:
     virtual ~RasterSink() = default;
-    /// Every row of `table` is one splat; see FrameBuffer::splat.
-    virtual void take(const SampleTable& table) = 0;
+    /// Every row of `table` is one splat; see FrameBuffer::splat. Its values may be changed.
+    virtual void take(SampleTable& table) = 0;
 };
 
 /// One thread's splats, handed on many at a time.

@@ -15,6 +15,7 @@ namespace {
 class NoFilter final : public SampleFilter {
   public:
     void apply(SampleTable&) const override {}
+    [[nodiscard]] bool fits_splats() const override { return true; }
 };
 
 class ClampFilter final : public SampleFilter {
@@ -37,6 +38,7 @@ class ClampFilter final : public SampleFilter {
         for (int row = 0; row < rows; ++row)
             scale(table, row, factor(total[static_cast<std::size_t>(table.original(row))]));
     }
+    [[nodiscard]] bool fits_splats() const override { return true; }
 
   private:
     static RgbD color(const double* values, int row) {
@@ -198,6 +200,10 @@ void SampleFilterChain::take_out_invalid(SampleTable& table) {
         table.count_invalid(row, invalid_channel, Rgb(opacity));
         opacity = RgbD();
     }
+}
+
+bool SampleFilterChain::fits_splats() const {
+    return std::all_of(filters_.begin(), filters_.end(), [](const auto& filter) { return filter->fits_splats(); });
 }
 
 std::vector<ChannelId> SampleFilterChain::alters() const {

@@ -22,6 +22,8 @@ class SampleFilter {
     /// Channels that change in another way than beauty and all light layers together do, so that partitions they are in
     /// no longer sum (Law 1). Such a partition is not declared in files, and the user is told.
     [[nodiscard]] virtual std::vector<ChannelId> alters() const { return {}; }
+    /// Whether it means something for splats too, each a row that belongs to no camera ray.
+    [[nodiscard]] virtual bool fits_splats() const { return false; }
 };
 
 /// Filters in the order in which they see the samples.
@@ -33,6 +35,7 @@ class SampleFilterChain {
     /// light layers of its row, any other value its channel. Counted in the table.
     void apply(SampleTable& table) const;
     [[nodiscard]] std::vector<ChannelId> alters() const;
+    [[nodiscard]] bool fits_splats() const;
 
   private:
     static void take_out_invalid(SampleTable& table);

@@ -87,6 +87,12 @@ class SampleTable {
     /// The camera row that an extra row belongs to; a camera row's own index.
     [[nodiscard]] int original(int row) const { return originals_[static_cast<std::size_t>(row)]; }
     int add_row(int original);  ///< -1 when the table is full
+    /// The extra row of the same camera ray that was added last; -1: it has none.
+    [[nodiscard]] int last_row_of(int row) const {
+        for (int last = row_count_ - 1; last >= camera_row_count_; --last)
+            if (original(last) == original(row)) return last;
+        return -1;
+    }
 
     /// Values of one channel, component-interleaved per row. Writable for sample filters. A row nothing was sent to
     /// holds 0 in an expression channel and the channel's miss value in a plain one.

@@ -80,7 +80,8 @@ std::optional<std::string> ask_for_film_clamp(const transport::SceneDescription&
     if (!job.outputs.atlas.file.empty()) return ignored + "an atlas keeps light as it is";
     const auto chosen = transport::choose_integrator(
         transport::integrator_for(job.settings.integrator, scene.integrator), job.settings.max_depth);
-    if (chosen && chosen->integrator->traits().raster_splats) return ignored + "light that paths splat has no samples";
+    if (chosen && chosen->integrator->traits().raster_splats && !chosen->integrator->traits().pixel_samples)
+        return ignored + "light that paths splat has no samples";
     transport::SceneEntity clamp;
     clamp.type = "clamp";
     clamp.location = clamp.parameters.location = limit->location;

@@ -212,7 +212,10 @@ Shape "sphere")");
     // Of XYZ, as in pbrt: X is the largest, by the matrix of IEC 61966-2-1, whose digits are good to 2e-4 of it.
     const double x = 0.4124 * 10 + 0.3576 * 5 + 0.1805 * 1;
     for (std::size_t c = 0; c < 3; ++c) CHECK(clamped[c] == Approx(free[c] * 2 / x).epsilon(3e-4));
-    const auto [splatted, said] = centre("--integrator bdpt");
+    const auto [splatted, said] = centre("--integrator lighttracer");
     CHECK(splatted[0] == Approx(free[0]));
     CHECK(contains(said, "the film's maxcomponentvalue is ignored: light that paths splat has no samples"));
+    const auto [both, nothing_said] = centre("--integrator bdpt");  // samples and splats, each by itself
+    CHECK(both[0] == clamped[0]);
+    CHECK_FALSE(contains(nothing_said, "maxcomponentvalue"));
 }

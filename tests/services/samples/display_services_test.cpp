@@ -266,7 +266,12 @@ TEST_CASE("added samples keep their camera ray, depth and opacity until the tabl
     CHECK(f.services.splat(color, second, Rgb(1)));
     // Room for 8 camera rays and 2 more; 4 rays leave room for 6.
     for (int i = 0; i < 4; ++i) CHECK(f.services.add_sample(0, {}) == 6 + i);
-    CHECK(f.services.add_sample(0, {}) == -1);
+    // A full table has no row for a ray without one, and of another's the last takes in what comes.
+    CHECK(f.services.add_sample(1, {}) == -1);
+    CHECK(f.services.refusals()[4].total() == 1);
+    f.table.opacity[9] = RgbD(0.5, 0, 1);
+    CHECK(f.services.add_sample(0, {7.0f, RgbD(0.5, 0.25, 0.5), true}) == 9);
+    CHECK(f.table.opacity[9] == RgbD(0.75, 0.25, 1));
     CHECK(f.services.refusals()[4].total() == 1);
     f.table.begin(test::pixel_rows(0, 0, 4, 4));
     CHECK(f.table.row_count() == 4);

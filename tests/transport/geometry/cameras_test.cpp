@@ -204,6 +204,13 @@ TEST_CASE("a film behind a hole has the irradiance of its solid angle", "[camera
         CHECK(sum / (n * n) == Approx(pi_d / 4).epsilon(0.01));
     }
     CHECK_FALSE(Aperture::named("no such.png", {"test.pbrt", 1, 1}).ok());
+    // Turned as pbrt's: the pentagon stands on a corner, and the star points to the left.
+    const auto open_at = [](const char* shape, double x, double y) {
+        return Aperture::named(shape, {"test.pbrt", 1, 1})->transmittance(x, y) > 0;
+    };
+    CHECK((open_at("pentagon", 0, -0.75) && !open_at("pentagon", 0, 0.75)));
+    CHECK((open_at("star", -0.9, 0) && !open_at("star", 0.9, 0)));
+    CHECK((open_at("star", 0.29, 0.88) && open_at("star", 0.29, -0.88)));
 }
 
 // A biconvex lens of 50 mm radii, 6 mm thick, index 1.5, and a stop behind it.

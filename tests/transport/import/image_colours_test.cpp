@@ -108,6 +108,27 @@ TEST_CASE("an unknown space is warned of where colours are used, and nowhere els
     CHECK(lit("LightSource \"goniometric\" \"string filename\" \"" + file + "\" Shape \"sphere\"").warnings.empty());
 }
 
+TEST_CASE("a light without a colour shines in the white of its own colour space", "[import][lights]") {
+    const auto emission = [](const std::string& film, const std::string& block, const std::string& light) {
+        const Lit scene = lit("AttributeBegin ColorSpace \"" + block + "\" " + light + " AttributeEnd Shape \"sphere\"",
+                              "ColorSpace \"" + film + "\" Film \"rgb\" ");
+        return scene.lights.lights()[0].emission;
+    };
+    // D60 at Y = 1 in sRGB, and D65 in ACES2065-1: by the chromaticities above.
+    const std::string area = "AreaLightSource \"diffuse\" Shape \"disk\"";
+    for (const std::string& light :
+         {std::string("LightSource \"point\""), std::string("LightSource \"infinite\""), area})
+        check_colour(emission("srgb", "aces2065-1", light), Rgb(Real(1.0465), Real(0.9950), Real(0.9155)));
+    check_colour(emission("aces2065-1", "srgb", "LightSource \"spot\""), Rgb(Real(0.9983), Real(1.0089), Real(1.0798)));
+    CHECK(emission("rec2020", "rec2020", area) == Rgb(1));
+    const raylex::test::Folder folder;
+    const std::string file = write(folder, "sky.exr", Rgb(2), &rec2020);
+    const Lit image = lit("AttributeBegin ColorSpace \"aces2065-1\" LightSource \"infinite\" \"string filename\" \"" +
+                              file + "\" AttributeEnd Shape \"sphere\"",
+                          "Film \"rgb\" ");  // "L" is not added beside a file
+    check_colour(image.lights.environment_radiance(0, {}, {0, 0, 1}), Rgb(2));
+}
+
 TEST_CASE("the mean that takes an image's place has its colour, and its sign", "[image][effects]") {
     const raylex::test::Folder folder;
     const std::string wall = write(folder, "wall.exr", {Real(.5), Real(.4), Real(.3)}, &aces),

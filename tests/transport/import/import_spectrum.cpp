@@ -112,18 +112,22 @@ TEST_CASE("a flat spectrum is exactly grey as a reflectance and as an index of r
     CHECK(resolved(parameter_of(ParameterType::integer, {2}), SpectrumRole::illuminant) == Rgb(2));
 }
 
-TEST_CASE("every light spectrum has luminance 1, whatever its scale", "[spectrum]") {
+TEST_CASE("every light spectrum that the space can show has luminance 1, whatever its scale", "[spectrum]") {
     const auto luminance_of = [](const Parameter& p) { return xyz_of(resolved(p, SpectrumRole::illuminant))[1]; };
     // 1e-6: a float holds each channel to 6e-8, and saturated spectra have channels of 10.
     for (const double scale : {1.0, 7.0})
         CHECK(luminance_of(parameter_of(ParameterType::spectrum, {300, scale, 800, scale})) == Approx(1).margin(1e-6));
-    for (const double kelvin : {800.0, 2856.0, 6500.0, 20000.0})
+    for (const double kelvin : {2856.0, 6500.0, 20000.0})
         CHECK(luminance_of(parameter_of(ParameterType::blackbody, {kelvin})) == Approx(1).margin(1e-6));
-    // A line outside the space is brought to its border: no negative channel.
+    // Outside of the space negative channels are 0 and the others what they are: XYZ by IEC 61966-2-1's inverse, of
+    // (x, y) of 501 nm and Y = 1 as CIE 15 has them, (0.0082, 0.5573) within 0.01.
     const Rgb line =
         resolved(parameter_of(ParameterType::spectrum, {500, 0, 501, 1, 502, 0}), SpectrumRole::illuminant);
-    CHECK(xyz_of(line)[1] == Approx(1).margin(1e-6));
+    const double x = 0.0082 / 0.5573, z = (1 - 0.0082 - 0.5573) / 0.5573;
     CHECK(line.r == 0);
+    CHECK(line.g == Approx(-0.9689 * x + 1.8758 + 0.0415 * z).margin(0.02));
+    CHECK(line.b == Approx(0.0557 * x - 0.2040 + 1.0570 * z).margin(0.05));
+    CHECK(resolved(parameter_of(ParameterType::blackbody, {1200}), SpectrumRole::illuminant).b == 0);
     CHECK(resolved(parameter_of(ParameterType::spectrum, {300, 0, 800, 0}), SpectrumRole::illuminant).is_black());
     const Rgb rgb = resolved(parameter_of(ParameterType::rgb, {15, 2, 0}), SpectrumRole::illuminant);
     CHECK(rgb == Rgb(15, 2, 0));  // an rgb light means its numbers

@@ -79,6 +79,36 @@ TEST_CASE("methods that begin at the lights find the path tracer's image in medi
     compare_with_path(fog_box, settings, integrator_named(integrator), 12, 192, words);
 }
 
+TEST_CASE("with countmirrors off a mirror shows what is seen without it", "[bdpt][render]") {
+    // A white furnace of albedo 0.5 and emission 1 seen in a mirror of 0.999: 0.999 (1 + 0.5 + 0.25) by two scatterings
+    // behind it, one with the mirror counted. The emission seen in it is without noise, what scatters not.
+    const std::string seen = plain_film + R"(
+Integrator "bdpt" "integer maxdepth" 2
+LookAt 0 0 0  0 0 1  0 1 0
+Camera "perspective" "float fov" 20
+WorldBegin
+AttributeBegin
+Material "conductor" "rgb reflectance" [.999 .999 .999]
+Shape "bilinearmesh" "point3 P" [-1 -1 2  1 -1 2  -1 1 2  1 1 2]
+AttributeEnd
+Material "diffuse" "rgb reflectance" [.5 .5 .5]
+AreaLightSource "diffuse" "rgb L" [1 1 1] "bool twosided" true
+Shape "sphere" "float radius" 50)";
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 64;
+    settings.resolution = {{12, 12}};
+    for (const bool counts : {true, false}) {
+        transport::SceneDescription scene = scene_of(seen);
+        scene.integrator.parameters.parameters.push_back(flag_parameter("countmirrors", counts));
+        double mean = 0;  // of green; splats have no variance of a pixel's own
+        const std::vector<double> values = render_of(scene, settings).frame_buffer.resolve(0);
+        for (std::size_t i = 1; i < values.size(); i += 3) mean += 3 * values[i] / static_cast<double>(values.size());
+        CAPTURE(counts, mean);
+        // The mirror hides 1e-4 of the sphere; 144 x 64 samples of light that varies by less than itself, three times.
+        CHECK(std::abs(mean - 0.999 * (counts ? 1.5 : 1.75)) < 3 * 0.6 / std::sqrt(144 * 64));
+    }
+}
+
 TEST_CASE("bidirectional path tracing gives prefixes, holdouts and user events what the path tracer gives them",
           "[bdpt][render][prefixes][statistical]") {
     transport::SceneDescription scene = scene_of(room);

@@ -206,6 +206,77 @@ TEST_CASE("a projection light throws its image upright and ends at its border", 
         CHECK_FALSE(draw(scene, outside, 0, s));
 }
 
+TEST_CASE("a stretched spot has its cone in its own space, as in pbrt, and draws directions as it says", "[lights]") {
+    const std::string stretched =
+        "Rotate 20 0 1 0\nScale 1.3 0.7 1.1\nLightSource \"spot\" \"rgb I\" [20 20 20] \"point3 from\" [1 0 3] "
+        "\"point3 to\" [0 0 0] \"float coneangle\" 35 \"float conedeltaangle\" 10\n";
+    const Lit scene = lit(stretched + sphere_in_the_middle);
+    const double c = std::cos(20 * pi_d / 180), s = std::sin(20 * pi_d / 180), scale[3] = {1.3, 0.7, 1.1};
+    const double from[3] = {c * 1.3 + s * 3.3, 0, -s * 1.3 + c * 3.3};
+    const double axis[3] = {-1 / std::sqrt(10), 0, -3 / std::sqrt(10)};
+    int lit_points = 0;
+    for (int i = 0; i < 400; ++i) {
+        const Vec3 p{static_cast<Real>(i % 20) * 0.3f - 2.4f, static_cast<Real>(i / 20) * 0.2f - 2.1f, -1};
+        // pbrt-v4's SpotLight::SampleLi, by hand: the direction in the light's space, and its angle to the axis there.
+        const double w[3] = {static_cast<double>(p.x) - from[0], static_cast<double>(p.y), -1 - from[2]};
+        const double local[3] = {(c * w[0] - s * w[2]) / scale[0], w[1] / scale[1], (s * w[0] + c * w[2]) / scale[2]};
+        const double cosine = (local[0] * axis[0] + local[1] * axis[1] + local[2] * axis[2]) /
+                              std::sqrt(local[0] * local[0] + local[1] * local[1] + local[2] * local[2]);
+        const double zero = std::cos(35 * pi_d / 180), full = std::cos(25 * pi_d / 180);
+        const double t = std::clamp((cosine - zero) / (full - zero), 0.0, 1.0);
+        const double expected = 20 * t * t * (3 - 2 * t) / (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+        LightSample found;
+        const double radiance = draw(scene, p, 0, found) ? static_cast<double>(found.radiance.g) : 0;
+        // A dozen float roundings of the direction, by the falloff's steepest slope: 1.5 / (full - zero).
+        CHECK(std::abs(radiance - expected) <= 1.5 * 20 / 8 * 16 * 0x1p-24 / (full - zero) + 4 * 0x1p-24 * expected);
+        lit_points += expected > 0;
+    }
+    CHECK((lit_points > 40 && lit_points < 360));
+    const auto emit = [&](std::uint64_t i, EmissionSample& e) {
+        const PixelSampler sampler = numbers(i);
+        return scene.lights.sample_emission(scene.lights.chooser(LightChoice::light_sampling), scene.geometry,
+                                            sampler.get_1d(1), sampler.get_2d(2), sampler.get_2d(3), e);
+    };
+    const auto density = [&](const Vec3& d) {
+        return static_cast<double>(
+            scene.lights
+                .emission_density(scene.lights.chooser(LightChoice::light_sampling), scene.geometry, LightSample(), d)
+                .direction);
+    };
+    for (std::uint64_t i = 0; i < 500; ++i) {
+        EmissionSample e;
+        LightSample seen;
+        if (!emit(i, e) || !draw(scene, e.origin + e.direction, i, seen)) continue;
+        // Power times density is the intensity that a light sample finds there; the cone's edge is steep (see above).
+        CHECK(static_cast<double>(e.power.g) * density(e.direction) ==
+              Approx(static_cast<double>(seen.radiance.g)).epsilon(1e-4).margin(1e-3));
+    }
+    check_directions(
+        [&](std::uint64_t i, Vec3& d) {
+            EmissionSample e;
+            if (!emit(i, e)) return false;
+            d = e.direction;
+            return true;
+        },
+        density);
+    // A mirrored and evenly scaled one is as round as ever: no more work.
+    CHECK(lit("Scale -2 2 2\nLightSource \"spot\"" + sphere_in_the_middle).lights.lights()[0].image < 0);
+}
+
+TEST_CASE("without an image a portal looks out on L as pbrt has it: of its own luminance", "[lights]") {
+    const auto seen = [](const std::string& sky) {
+        const Lit scene = lit("LightSource \"infinite\" " + sky +
+                              " \"point3 portal\" [-1 -0.5 2  -1 0.5 2  1 0.5 2  1 -0.5 2]" + sphere_in_the_middle);
+        return scene.lights.environment_radiance(0, {}, {0, 0, 1});
+    };
+    CHECK(luminance(seen("\"spectrum L\" [300 2 900 2]")) == Approx(2).epsilon(1e-4));
+    CHECK(seen("\"rgb L\" [2 2 2]").g == Approx(2).epsilon(1e-5));
+    // Planck's law over its peak under the eye's sensitivity, over that sensitivity's integral, at 6500 K. Worked out
+    // with the CIE's y by 5 nm apart from raylex: 0.886.
+    CHECK(luminance(seen("\"blackbody L\" [6500]")) == Approx(0.886).margin(0.001));
+    CHECK(luminance(seen("\"blackbody L\" [6500] \"float illuminance\" 3")) == Approx(3 / (2 * pi_d)).epsilon(1e-4));
+}
+
 TEST_CASE("a portal in front of a white sky gives Lambert's polygon formula", "[lights]") {
     const std::string portal = "\"point3 portal\" [-1 -0.5 2  -1 0.5 2  1 0.5 2  1 -0.5 2]";
     const ImageFile white(16, 16, std::vector<Rgb>(256, Rgb(3)));

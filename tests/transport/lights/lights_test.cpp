@@ -251,7 +251,9 @@ TEST_CASE("what a light subpath begins with is its light over the density of bid
                 scene.lights.chooser(LightChoice::light_sampling), scene.geometry, s.from, s.direction);
             double radiated = 1;
             if (light.is_area()) radiated = std::abs(static_cast<double>(dot(s.from.target_normal, s.direction)));
-            else if (light.kind == LightKind::spot) radiated = static_cast<double>(spot_falloff(light, s.direction));
+            else if (light.kind == LightKind::spot)
+                radiated = static_cast<double>(
+                    spot_falloff(light.direction, light.versine_full, light.versine_zero, s.direction));
             for (int c = 0; c < 3; ++c) {
                 // Some thirty float operations in either direction, of directions that rounding turns by 2^-23: near
                 // the horizon, and near the cone's edge, that is much of what is left.

@@ -110,7 +110,7 @@ TEST_CASE("conductor reflectance agrees with the complex Fresnel equations") {
                 CHECK(fresnel_conductor(static_cast<float>(cosine), static_cast<float>(eta), static_cast<float>(k)) ==
                       Approx(expected).margin(3e-5));
             }
-    CHECK(fresnel_conductor(1, 1, conductor_k_from_reflectance(0.7f)) == Approx(0.7).epsilon(1e-5));
+    CHECK(fresnel_conductor(Real(1), Real(1), conductor_k_from_reflectance(0.7f)) == Approx(0.7).epsilon(1e-5));
     CHECK(fresnel_dielectric(1, 1.5f) == Approx(0.04).epsilon(1e-5));
 }
 

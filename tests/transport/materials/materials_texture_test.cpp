@@ -152,6 +152,68 @@ TEST_CASE("a float texture reads the mean of an image's colours") {
     CHECK(real_at(table, "mean", 0.25f, 0.25f) == Approx(0.5 / 3));
 }
 
+TEST_CASE("nearest texels and ellipses read a float texture from the first channel, as pbrt's single texels do") {
+    const ImageFile file;  // whose texel to the upper right is (0, 2, 0)
+    SceneDescription scene;
+    for (const char* filter : {"point", "EWA", "bilinear", "trilinear"})
+        scene.textures.push_back(real_texture(
+            "imagemap", filter, {string("filename", file.name()), string("wrap", "clamp"), string("filter", filter)}));
+    const TextureTable table = build_textures(scene);
+    const SurfaceFootprint small{{}, {}, {0.01f, 0}, {0, 0.01f}};
+    const auto value = [&](const char* filter, const SurfaceFootprint* footprint) {
+        const Result<TextureId> id = table.named_real(filter, {});
+        REQUIRE(id.ok());
+        return table.real(*id, {0.75f, 0.75f, {}, -1, {}, footprint});
+    };
+    for (const SurfaceFootprint* footprint : {static_cast<const SurfaceFootprint*>(nullptr), &small}) {
+        CHECK(value("point", footprint) == 0);
+        CHECK(value("bilinear", footprint) == Approx(2.0 / 3));
+        CHECK(value("trilinear", footprint) == Approx(2.0 / 3));
+    }
+    CHECK(value("EWA", nullptr) == Approx(2.0 / 3));  // as bilinear
+    // Its ellipse of a texel around the middle of one takes in the others: red is 0, 0.25, 1 and 0 in the four.
+    CHECK(value("EWA", &small) < 0.35f);
+}
+
+TEST_CASE("a constant scale over an image is the image's own, before it is inverted and limited") {
+    const ImageFile file;  // (0.25, 0, 0) at the upper left, (0, 2, 0) beside it, (0, 0, 0.5) below
+    const Parameter name = string("filename", file.name()), clamp = string("wrap", "clamp");
+    const auto scaled = [](const char* called, const char* of, float by) {
+        return colour_texture("scale", called, {texture("tex", of), real("scale", by)});
+    };
+    SceneDescription scene;
+    scene.textures = {colour_texture("imagemap", "image", {name, clamp}),
+                      colour_texture("imagemap", "inverted", {name, clamp, boolean("invert", true)}),
+                      scaled("up", "image", 3),
+                      scaled("down", "up", 0.5f),
+                      scaled("once", "image", 1),
+                      scaled("of inverted", "inverted", 0.5f),
+                      real_texture("imagemap", "number", {name, clamp, boolean("invert", true)}),
+                      real_texture("constant", "half", {real("value", 0.5f)}),
+                      real_texture("scale", "exchanged", {texture("scale", "number"), texture("tex", "half")}),
+                      colour_texture("scale", "by image", {texture("tex", "image"), texture("scale", "number")})};
+    TextureTable table = build_textures(scene);
+    const auto at = [&](const char* called, float u, float v) { return colour_at(table, scene, called, u, v); };
+    CHECK(at("up", 0.25f, 0.75f) == Rgb(0.75f, 0, 0));
+    CHECK(at("up", 0.25f, 0.25f) == Rgb(0, 0, 1));
+    CHECK(at("down", 0.25f, 0.25f) == Rgb(0, 0, 0.75f));  // 0.5 x 3 x 0.5, limited at the end alone
+    CHECK(at("once", 0.75f, 0.75f) == Rgb(0, 1, 0));
+    CHECK(at("of inverted", 0.25f, 0.75f) == Rgb(0.875f, 1, 1));
+    CHECK(real_at(table, "exchanged", 0.75f, 0.75f) == Approx(1 - 0.5 * 2.0 / 3));
+    CHECK(at("by image", 0.25f, 0.75f).r == Approx(0.25 * (1 - 0.25 / 3)));  // no constant: both as they are
+}
+
+TEST_CASE("an unknown filter is taken for EWA with a warning, as pbrt goes on") {
+    const ImageFile file;
+    SceneDescription scene;
+    scene.textures = {colour_texture("imagemap", "x", {string("filename", file.name()), string("filter", "none")})};
+    TextureTable table = build_textures(scene);
+    static_cast<void>(colour_at(table, scene, "x", 0.5f, 0.5f));
+    REQUIRE(table.warnings().size() == 1);
+    CHECK(table.warnings()[0].message ==
+          "'filter' is 'none'; expected bilinear, point, trilinear, EWA or unfiltered. EWA is taken");
+}
+
 TEST_CASE("texels that are no numbers are reported with their place and taken as 0") {
     for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
         const ImageFile file(value);

@@ -125,8 +125,9 @@ TEST_CASE("bilerp blends its corners by the mapped texture coordinates", "[textu
 }
 
 TEST_CASE("dots lie where noise puts one, inside their cells, and cover pi 0.35^2 of those cells", "[textures]") {
+    // pbrt-v4 has its two values the other way round than their names.
     const TextureTable table = built(
-        real_texture("dots", "x", {real("inside", 2), real("outside", 1), real("uscale", 16), real("vscale", 16)}));
+        real_texture("dots", "x", {real("inside", 1), real("outside", 2), real("uscale", 16), real("vscale", 16)}));
     // A grid of 32^2 points for each of 16^2 whole cells, which stand around whole numbers.
     const int fine = 32, cells = 16;
     int dots = 0, covered = 0;

@@ -253,6 +253,11 @@ TEST_CASE("texture filter: what cannot be filtered is said", "[texture-filter][l
         REQUIRE_FALSE(table.ok());
         return table.error().to_string();
     };
-    CHECK(import_test::contains(refused("trilinaer", ""), "did you mean 'trilinear'?"));
+    const auto misspelled = transport::TextureTable::build(
+        scene_of("WorldBegin\nTexture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"" + image +
+                 "\" \"string filter\" \"trilinaer\"\n"));
+    REQUIRE(misspelled.ok());
+    REQUIRE(misspelled->warnings().size() == 1);
+    CHECK(import_test::contains(misspelled->warnings()[0].to_string(), "did you mean 'trilinear'?"));
     CHECK(import_test::contains(refused("EWA", "\"float maxanisotropy\" 0.5"), "expected 1 or more"));
 }

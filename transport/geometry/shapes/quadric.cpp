@@ -175,13 +175,4 @@ double Quadric::extent() const {
     return largest;
 }
 
-bool Quadric::similarity(double& scale) const {
-    const auto& m = placement.to_world.m;
-    const DVec3 x{m[0][0], m[1][0], m[2][0]}, y{m[0][1], m[1][1], m[2][1]}, z{m[0][2], m[1][2], m[2][2]};
-    scale = length(x);
-    const double tolerance = 1e-9 * scale * scale;  // far above double rounding, far below anything visible
-    return std::abs(dot(x, y)) < tolerance && std::abs(dot(y, z)) < tolerance && std::abs(dot(z, x)) < tolerance &&
-           std::abs(dot(y, y) - scale * scale) < tolerance && std::abs(dot(z, z) - scale * scale) < tolerance;
-}
-
 }  // namespace raylex::transport

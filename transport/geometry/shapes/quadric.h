@@ -51,8 +51,6 @@ struct Quadric {
     void bounds(DVec3& lower, DVec3& upper) const;  ///< world, conservative
     /// A length no smaller than any object-space coordinate that occurs, in world units: scales double rounding.
     [[nodiscard]] double extent() const;
-    /// Whether the transform keeps spheres spheres: then `scale` is its factor.
-    bool similarity(double& scale) const;
 
   private:
     bool accept(const DVec3& p, double& u, double& v) const;

@@ -190,7 +190,9 @@ Error unknown_parameter(const std::string& kind, const std::string& type, const 
     return error_at(parameter.location,
                     kind + " '" + type + "' has no parameter '" + parameter.name +
                         (list.empty() ? "'; it takes none" : "'; expected one of: " + list),
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+                    !near.empty()                                 ? "did you mean '" + near + "'?"
+                    : kind == "film" && parameter.name == "scale" ? "pbrt-v4 has \"float iso\" now: 100 times the scale"
+                                                                  : "");
 }
 
 Status ParameterChecker::check(EntityKind kind, const std::string& type, ParameterSet& set, std::size_t own,

@@ -73,6 +73,7 @@ class SceneReader {
     Status object_begin(const Directive& directive);
     Status instance(const Directive& directive);
     [[nodiscard]] SceneParameters with_defaults(Directive& directive, const char* target, bool light) const;
+    [[nodiscard]] SceneParameters light_parameters(Directive& directive) const;
 
     SceneBuilder scene_;
     ParameterChecker accelerators_;

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "transport/import/pbrt/scene_reader.h"
+#include "transport/scene/typed_parameters.h"
 
 namespace raylex::transport {
 
@@ -107,14 +108,29 @@ Status SceneReader::texture(Directive& directive) {
                               first_transform("textures", directive.location), directive.location);
 }
 
+/// Lights shine in the white of their own colour space where no colour is given.
+SceneParameters SceneReader::light_parameters(Directive& directive) const {
+    SceneParameters result = with_defaults(directive, "light", true);
+    if (state_.color_space == scene_.color_space()) return result;
+    ParameterSet white;
+    white.parameters.push_back(typed::rgb("I", {1, 1, 1}));
+    if (result.own.find("filename") == nullptr) white.parameters.push_back(typed::rgb("L", {1, 1, 1}));
+    convert_colors(white, scene_.color_space(), state_.color_space, true);
+    for (Parameter& parameter : white.parameters) {
+        parameter.location = directive.location;
+        result.fallbacks.push_back(std::move(parameter));
+    }
+    return result;
+}
+
 Status SceneReader::light(Directive& directive) {
-    return scene_.add_light(directive.strings[0], with_defaults(directive, "light", true),
+    return scene_.add_light(directive.strings[0], light_parameters(directive),
                             first_transform("lights", directive.location), {}, directive.location);
 }
 
 Status SceneReader::area_light(Directive& directive) {
     const Result<AreaLightHandle> made =
-        scene_.add_area_light(directive.strings[0], with_defaults(directive, "light", true), {}, directive.location);
+        scene_.add_area_light(directive.strings[0], light_parameters(directive), {}, directive.location);
     if (!made) return made.error();
     state_.area_light = *made;
     return success();

@@ -35,13 +35,15 @@ Status Bdpt::prepare(const IntegratorContext& context) {
         if (sampled_.probability(Vec3(), light) > 0)
             sampled_terminals_ |= events.foresight().bit_of(events.terminal(light));
     can_sample_lights_ = !sampled_.empty();
+    in_bodies_ = context.scene.asks_for_media() && context.scene.media->any_uncounted();
     can_emit_ = parameters_.max_depth > 0 && !emitters_.empty() && (context.beauty || events.any());
     if (can_emit_) media_of_lights_ = media_of_lights(context.scene, camera_position(context));
     return success();
 }
 
 std::unique_ptr<IntegratorThread> Bdpt::make_thread_state() const {
-    const WalkOptions walk{parameters_.max_depth, parameters_.roulette_below, true};
+    WalkOptions walk{parameters_.max_depth, parameters_.roulette_below, true};
+    walk.counts_first_specular = count_mirrors_;
     LightSubpathOptions of_light;
     of_light.walk = walk;
     of_light.language = language_ ? &*language_ : nullptr;
@@ -115,13 +117,19 @@ std::unique_ptr<Integrator> make_bdpt_integrator(const BdptParameters& parameter
 }
 
 Registry<IntegratorFactory>::Entry bdpt_entry() {
+    std::vector<ParameterDescription> described = describe_depth_parameters("subpaths");
+    described.push_back({"countmirrors", ParameterType::boolean, "true",
+                         "false: ideal mirrors and glass that the camera sees first do not count towards maxdepth, so "
+                         "that a mirror shows what is seen without it (pbrt's sppm)"});
     return {
         "bdpt", "bidirectional path tracing: subpaths from camera and lights, joined at every vertex",
-        describe_depth_parameters("subpaths"),
+        std::move(described),
         [](const SceneEntity& entity, std::optional<std::int64_t> max_depth) -> Result<std::unique_ptr<Integrator>> {
             auto parameters = read_depth_parameters(entity, max_depth);
             if (!parameters) return parameters.error();
-            return make_bdpt_integrator({*parameters});
+            auto count_mirrors = entity.parameters.boolean_or("countmirrors", true);
+            if (!count_mirrors) return count_mirrors.error();
+            return make_bdpt_integrator({*parameters, 0, *count_mirrors});
         }};
 }
 

@@ -31,13 +31,14 @@ namespace raylex::transport {
 struct BdptParameters {
     DepthParameters depth;
     std::uint32_t first_depth =
-        0;  ///< light found before so many scattering events is left to others (not a parameter)
+        0;                      ///< light found before so many scattering events is left to others (not a parameter)
+    bool count_mirrors = true;  ///< WalkOptions::counts_first_specular
 };
 
 /// The integrator itself, for others that are made of it.
 std::unique_ptr<Integrator> make_bdpt_integrator(const BdptParameters& parameters);
 
-/// The registry's entry: parameters maxdepth, roulette, rrthreshold.
+/// The registry's entry: parameters maxdepth, countmirrors, roulette, rrthreshold.
 Registry<IntegratorFactory>::Entry bdpt_entry();
 
 }  // namespace raylex::transport

@@ -17,8 +17,9 @@ struct LightVertex {
     static constexpr std::uint32_t none = 0xffffffffu;
     SurfacePoint point;
     Bsdf bsdf;
-    OffsetBound offset{};                                 ///< SurfaceSource::offset
-    std::uint32_t row = 0, depth = 0, counted_depth = 0;  ///< Subpath's
+    OffsetBound offset{};              ///< SurfaceSource::offset
+    std::uint32_t row = 0, depth = 0;  ///< Subpath's
+    std::int64_t counted_depth = 0;
     LightEnd end;
     std::uint32_t previous = none;  ///< of the same subpath
     display::LightForesight::Ahead ahead;
@@ -50,7 +51,9 @@ struct BdptThread final : IntegratorThread {
 class Bdpt final : public Integrator {
   public:
     explicit Bdpt(const BdptParameters& parameters)
-        : parameters_(parameters.depth), first_depth_(parameters.first_depth) {}
+        : parameters_(parameters.depth),
+          first_depth_(parameters.first_depth),
+          count_mirrors_(parameters.count_mirrors) {}
     [[nodiscard]] IntegratorTraits traits() const override;
     Status prepare(const IntegratorContext& context) override;
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override;
@@ -72,13 +75,14 @@ class Bdpt final : public Integrator {
 
     DepthParameters parameters_;
     std::uint32_t first_depth_ = 0;
+    bool count_mirrors_ = true;
     IntegratorContext context_;
     CameraView view_;
     std::vector<std::int32_t> media_of_lights_;
     std::optional<LightLanguage> language_;  // when channels read words
     LightChooser emitters_, sampled_;        // where light subpaths begin, and light samples go: live lights
     std::uint64_t sampled_terminals_ = 0;    // Foresight's bits of those
-    bool can_emit_ = false, can_sample_lights_ = false;
+    bool can_emit_ = false, can_sample_lights_ = false, in_bodies_ = false;
 };
 
 /// Light that camera subpaths have found by themselves (s = 0).

@@ -72,7 +72,7 @@ void ProposalSplats::begin(std::span<const display::CameraRow> proposals) {
     refused_.assign(proposals.size(), 0);
 }
 
-void ProposalSplats::take(const display::SampleTable& table) {
+void ProposalSplats::take(display::SampleTable& table) {
     for (int row = 0; row < table.camera_row_count(); ++row) {
         const display::CameraRow& where = table.camera_row(row);
         const std::size_t proposal = proposal_of_.at(where.sample);

@@ -37,7 +37,7 @@ class ProposalSplats final : public display::RasterSink {
 
     /// Of other proposals than these nothing is known: they have no splats.
     void begin(std::span<const display::CameraRow> proposals);
-    void take(const display::SampleTable& table) override;
+    void take(display::SampleTable& table) override;
     /// Of one proposal: its splats so far, their scalar contribution, and how many were refused.
     [[nodiscard]] const StateSplats& of(std::size_t proposal) const {
         return proposal < splats_.size() ? splats_[proposal] : none_;

@@ -70,10 +70,8 @@ DVec3 IntensityImage::to_light(const Vec3& world_direction) const {
     return normalize(placement_.to_object.vector(DVec3(world_direction)));
 }
 
-/// A linear map M takes the solid angle around a unit direction d to |det M| / |M d|^3 of it.
 Real IntensityImage::per_steradian(Real density, const DVec3& d) const {
-    const double stretch = length(placement_.to_world.vector(d)),
-                 mapped = stretch * stretch * stretch / std::abs(placement_.to_world.determinant());
+    const double mapped = solid_angle_ratio(placement_.to_world, d);
     const double of_image = projects_ ? 1 / (4 * half_width_ * half_height_ * d.z * d.z * d.z) : uniform_sphere_pdf();
     return static_cast<Real>(static_cast<double>(density) * of_image * mapped);
 }

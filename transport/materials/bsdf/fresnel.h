@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 
 #include "transport/math/real.h"
 #include "transport/math/sampling.h"
@@ -30,20 +31,21 @@ inline Real fresnel_dielectric(Real cos_theta, Real eta) {
 }
 
 /// Conductor of complex index eta + i k, relative to the incident side, in real arithmetic.
-inline Real fresnel_conductor(Real cos_theta, Real eta, Real k) {
-    const Real c = std::clamp(cos_theta, Real(0), Real(1));
-    const Real cos2 = c * c, sin2 = 1 - cos2;
-    const Real t0 = eta * eta - k * k - sin2;
-    const Real a2_plus_b2 = std::sqrt(t0 * t0 + 4 * eta * eta * k * k);
+template <std::floating_point Number>
+Number fresnel_conductor(Number cos_theta, Number eta, Number k) {
+    const Number c = std::clamp(cos_theta, Number(0), Number(1));
+    const Number cos2 = c * c, sin2 = 1 - cos2;
+    const Number t0 = eta * eta - k * k - sin2;
+    const Number a2_plus_b2 = std::sqrt(t0 * t0 + 4 * eta * eta * k * k);
     // a^2 and b^2 are half the sum and the difference of a2_plus_b2 and t0, and their product is eta^2 k^2: for metals,
     // whose t0 is negative, the sum would cancel.
-    const Real wide = 0.5f * (a2_plus_b2 + std::abs(t0)), a2 = t0 < 0 ? square(eta * k) / wide : wide;
-    const Real a = wide > 0 ? std::sqrt(a2) : 0.0f;
-    const Real perpendicular = (a2_plus_b2 + cos2 - 2 * a * c) / (a2_plus_b2 + cos2 + 2 * a * c);
-    const Real even = cos2 * a2_plus_b2 + sin2 * sin2, odd = 2 * a * c * sin2;
+    const Number wide = Number(0.5) * (a2_plus_b2 + std::abs(t0)), a2 = t0 < 0 ? eta * k * (eta * k) / wide : wide;
+    const Number a = wide > 0 ? std::sqrt(a2) : Number(0);
+    const Number perpendicular = (a2_plus_b2 + cos2 - 2 * a * c) / (a2_plus_b2 + cos2 + 2 * a * c);
+    const Number even = cos2 * a2_plus_b2 + sin2 * sin2, odd = 2 * a * c * sin2;
     // At normal incidence both polarisations agree and even + odd = a2_plus_b2, which is 0 only for eta = k = 0.
-    const Real parallel = even + odd > 0 ? perpendicular * (even - odd) / (even + odd) : perpendicular;
-    return std::clamp(0.5f * (parallel + perpendicular), Real(0), Real(1));
+    const Number parallel = even + odd > 0 ? perpendicular * (even - odd) / (even + odd) : perpendicular;
+    return std::clamp(Number(0.5) * (parallel + perpendicular), Number(0), Number(1));
 }
 
 inline Rgb fresnel_conductor(Real cos_theta, const Rgb& eta, const Rgb& k) {

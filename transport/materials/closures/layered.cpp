@@ -89,7 +89,7 @@ class Evaluation {
         : coat_(layered.coat),
           base_(layered.base),
           random_(random),
-          coat_delta_(coat_.interface.is_delta()),
+          coat_delta_(coat_.interface.is_delta() && !(coat_.as_pbrt && !coat_.interface.facets.smooth())),
           base_delta_(base_.is_delta()) {
         exit_.wi = wi;
         const Real u_lobe = random_.one();
@@ -224,6 +224,10 @@ Real LayeredClosure<Base>::pdf(Vec3 wo, Vec3 wi, Sides sides) const {
             entered = Real(0.2) * entered + Real(0.8) * conductor_density(coat, base, wo, wi);
     }
     if (sides == Sides::transmission) return entered;
+    // The share of the biased values that an image gets is decided by the weights: what pbrt-v4's estimate has in the
+    // mean (LayeredBxDF::PDF), in which coat and base are not weighed by Fresnel's reflectance.
+    if (coat.as_pbrt && !coat.interface.is_delta())
+        return Real(0.9) * (coat.interface.pdf(wo, wi, Sides::reflection) + entered) + Real(0.1) * uniform_sphere_pdf();
     // Where next to nothing enters, a little is left to what does, so that no direction of it is weighed as impossible.
     const Real share = std::max(enters, Real(0.02));
     return share * entered + (1 - share) / std::max(1 - enters, Real(1e-6)) * coat.interface.pdf(wo, wi, Sides::both);

@@ -11,6 +11,8 @@ namespace raylex::transport {
 Result<std::array<double, 3>> mean_of_image(const SceneTexture& source, const ColorContext& color) {
     ParameterReader reader(source.parameters);
     const std::string file = reader.string("filename", ""), encoding = reader.string("encoding", "");
+    const std::string filter = reader.string("filter", "");
+    const bool first_channel = !source.spectrum && (filter == "point" || filter == "EWA" || filter == "ewa");
     const Real scale = reader.real("scale", 1);
     const bool invert = reader.boolean("invert", false);
     if (reader.error()) return *reader.error();
@@ -23,7 +25,7 @@ Result<std::array<double, 3>> mean_of_image(const SceneTexture& source, const Co
         if (!convert) return error_at(source.location, "image texture '" + file + "': " + convert.error().message);
         convert_colors(*image, *convert);
     }
-    const ImageSampler sampler{&*image, WrapMode::clamp, true, alpha_varies(*image)};
+    const ImageSampler sampler{&*image, WrapMode::clamp, first_channel, alpha_varies(*image)};
     const Real width = static_cast<Real>(image->width), height = static_cast<Real>(image->height);
     const auto value_of = [&](Real texel) {  // as look-ups have it: float textures may be negative
         const Real value = invert ? 1 - texel : texel;

@@ -78,6 +78,7 @@ Rgb rgb_at(const Image& image, int x, int y) {
 }
 Real real_at(const ImageSampler& sampler, int x, int y) {
     const Image& image = *sampler.image;
+    if (sampler.nearest) return image.at(x, y, 0);
     const bool alpha = image.channels == 4 && sampler.alpha_varies, mean = image.channels >= 3 && !alpha;
     const Real value = image.at(x, y, alpha ? 3 : 0);
     return mean ? (value + image.at(x, y, 1) + image.at(x, y, 2)) / 3 : value;
@@ -101,7 +102,7 @@ Rgb ImageSampler::texel_rgb(int x, int y) const {
     return place(*image, wrap, x, y) ? rgb_at(*image, x, y) : Rgb();
 }
 Real ImageSampler::texel_real(int x, int y) const {
-    return place(*image, wrap, x, y) ? real_at(*this, x, y) : 0;
+    return place(*image, wrap, x, y) ? image->at(x, y, 0) : 0;
 }
 
 Vec2 ImageSampler::pixel_position(const Vec2& st) const {

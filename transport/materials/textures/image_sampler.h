@@ -20,9 +20,10 @@ struct ImageSampler {
     bool alpha_varies;  ///< a fourth channel that is not 1 everywhere
 
     [[nodiscard]] Rgb rgb(const Vec2& st) const;
-    /// What a float texture reads: the only channel, the mean of three, or the alpha of four where it varies.
+    /// What a float texture reads: the only channel, the mean of three, or the alpha of four where it varies; of
+    /// nearest texels the first channel, as pbrt-v4's MIPMap::Texel.
     [[nodiscard]] Real real(const Vec2& st) const;
-    /// The same of one texel, wrapped.
+    /// Of one texel, wrapped; of numbers the first channel.
     [[nodiscard]] Rgb texel_rgb(int x, int y) const;
     [[nodiscard]] Real texel_real(int x, int y) const;
     /// Texels count from their middles.

@@ -63,10 +63,11 @@ bool in_dot(const Vec2& st) {
 }
 
 Result<std::unique_ptr<Pattern>> make_dots(PatternReader& reader) {
-    const TextureId inside = reader.input("inside", 1), outside = reader.input("outside", 0);
+    // As pbrt-v4 renders it (FloatDotsTexture::Create), not as its documentation has it: "inside" lies around the dots.
+    const TextureId around = reader.input("inside", 1), dots = reader.input("outside", 0);
     const TextureMapping mapping = read_mapping(reader, reader.texture.to_world);
     return pattern_of([=](const PatternPoint& point, const auto& value) {
-        return value(in_dot(mapping.map(point.at)) ? inside : outside);
+        return value(in_dot(mapping.map(point.at)) ? dots : around);
     });
 }
 
@@ -179,9 +180,11 @@ void register_procedural_patterns(Registry<PatternFactory>& registry) {
                                 {"v10", texture, "0", "at (1, 0)"},
                                 {"v11", texture, "1", "at (1, 1)"}}),
                   make_bilerp});
-    registry.add({"dots", "dots of radius 0.35 in half of the cells of a grid, at random",
-                  with_mapping({{"inside", texture, "1", "of the dots"}, {"outside", texture, "0", "around them"}}),
-                  make_dots});
+    registry.add(
+        {"dots", "dots of radius 0.35 in half of the cells of a grid, at random",
+         with_mapping({{"inside", texture, "1", "around the dots, whatever its name says: as pbrt-v4 renders it"},
+                       {"outside", texture, "0", "of the dots"}}),
+         make_dots});
     const std::vector<ParameterDescription> octaves{{"octaves", integer, "8", "each 1.99 times as fine"},
                                                     {"roughness", real, "0.5", "how high an octave is, of the last"}};
     registry.add({"fbm", "a sum of octaves of noise (float textures)", octaves, make_fbm});

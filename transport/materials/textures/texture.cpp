@@ -66,6 +66,25 @@ Result<TextureNode> TextureTable::Storage::compile_pattern(const SceneTexture& s
     return node;
 }
 
+/// pbrt-v4 multiplies a constant into the image texture that it scales, so that it acts before the image is inverted
+/// and limited (SpectrumScaledTexture::Create); of float textures either may be the constant.
+TextureNode TextureTable::Storage::scaled_image(const TextureNode& scaled, bool spectrum) {
+    const auto by = [&](TextureId image, TextureId factor) -> std::optional<TextureNode> {
+        if (node(factor).kind != TextureNode::Kind::constant) return {};
+        if (node(factor).value.r == 1) return node(image);
+        if (node(image).kind != TextureNode::Kind::image) return {};
+        TextureNode result = node(image);
+        ImageStage stage = stages[static_cast<std::size_t>(result.stage)];
+        stage.scale *= node(factor).value.r;
+        result.stage = static_cast<std::int32_t>(stages.size());
+        stages.push_back(stage);
+        return result;
+    };
+    if (const auto image = by(scaled.a, scaled.amount)) return *image;
+    const auto exchanged = spectrum ? std::nullopt : by(scaled.amount, scaled.a);
+    return exchanged.value_or(scaled);
+}
+
 Result<TextureNode> TextureTable::Storage::compile_node(const SceneTexture& source, SpectrumRole role,
                                                         std::size_t visible) {
     if (source.type == "ptex" && pattern_registry().find("ptex") == nullptr)
@@ -91,6 +110,7 @@ Result<TextureNode> TextureTable::Storage::compile_node(const SceneTexture& sour
         node.kind = TextureNode::Kind::scale;
         node.a = child("tex", 1);
         node.amount = amount("scale", 1);
+        if (!reader.error()) node = scaled_image(node, source.spectrum);
     } else if (source.type == "mix") {
         node.kind = TextureNode::Kind::mix;
         node.a = child("tex1", 0);

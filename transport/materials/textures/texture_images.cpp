@@ -104,6 +104,26 @@ Result<const Image*> TextureTable::Storage::load_image(const std::string& name, 
     return &images.back();
 }
 
+/// An unknown one is taken for EWA, as by pbrt-v4, with a warning.
+TextureFilter TextureTable::Storage::filter_of(const SceneTexture& source, ParameterReader& reader) {
+    const std::string name = reader.string("filter", "bilinear");
+    constexpr std::pair<const char*, TextureFilter> known[] = {{"bilinear", TextureFilter::bilinear},
+                                                               {"point", TextureFilter::point},
+                                                               {"trilinear", TextureFilter::trilinear},
+                                                               {"EWA", TextureFilter::ewa},
+                                                               {"ewa", TextureFilter::ewa},
+                                                               {"unfiltered", TextureFilter::unfiltered}};
+    for (const auto& [each, filter] : known)
+        if (name == each) return filter;
+    if (reader.error()) return TextureFilter::ewa;
+    const std::string near = nearest_name(name, {"bilinear", "point", "trilinear", "EWA", "unfiltered"});
+    warnings.push_back(
+        error_at(reader.where(*source.parameters.find("filter")),
+                 "'filter' is '" + name + "'; expected bilinear, point, trilinear, EWA or unfiltered. EWA is taken",
+                 near.empty() ? std::string() : "did you mean '" + near + "'?"));
+    return TextureFilter::ewa;
+}
+
 Result<TextureNode> TextureTable::Storage::compile_image(const SceneTexture& source, SpectrumRole role) {
     ParameterReader reader(source.parameters);
     const Parameter* file = source.parameters.find("filename");
@@ -113,9 +133,7 @@ Result<TextureNode> TextureTable::Storage::compile_image(const SceneTexture& sou
     ImageStage stage{};
     stage.sampler.wrap =
         static_cast<WrapMode>(reader.choice("wrap", {"repeat", "black", "clamp", "octahedralsphere"}, 0));
-    const std::size_t filter =
-        reader.choice("filter", {"bilinear", "point", "trilinear", "EWA", "unfiltered", "ewa"}, 0);
-    stage.filter.kind = static_cast<TextureFilter>(filter == 5 ? 3 : filter);
+    stage.filter.kind = filter_of(source, reader);
     stage.sampler.nearest = stage.filter.kind == TextureFilter::point;
     stage.filter.most_anisotropic = reader.real("maxanisotropy", 8);
     if (!reader.error() && !(stage.filter.most_anisotropic >= 1))

@@ -114,6 +114,8 @@ struct TextureTable::Storage final : TextureLookup {
     Result<TextureId> real_input(const ParameterSet& set, std::string_view name, Real fallback, std::size_t visible);
     Result<TextureId> compile(std::size_t index, SpectrumRole role);
     Result<TextureNode> compile_node(const SceneTexture& source, SpectrumRole role, std::size_t visible);
+    TextureFilter filter_of(const SceneTexture& source, ParameterReader& reader);
+    TextureNode scaled_image(const TextureNode& scaled, bool spectrum);
     Result<TextureNode> compile_image(const SceneTexture& source, SpectrumRole role);
     Result<TextureNode> compile_pattern(const SceneTexture& source, const PatternFactory& factory, SpectrumRole role,
                                         std::size_t visible);

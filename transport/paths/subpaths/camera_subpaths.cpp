@@ -113,8 +113,9 @@ struct CameraSubpaths::Scatterer : WalkVisitor {
     }
     void invalid(std::uint32_t row) { self.record_.reject(row, self.path(row).beta); }
     bool goes_on(std::uint32_t row) {
-        const bool nothing_to_find =
-            self.path(row).counted_depth() >= self.options_.walk.max_depth && !self.options_.light_can_be_hit;
+        const Subpath& path = self.path(row);
+        const bool nothing_to_find = path.counted_depth() >= self.options_.walk.max_depth &&
+                                     !self.options_.light_can_be_hit && self.walk_.counts_in(path.medium);
         if (nothing_to_find) return false;
         const bool worth = self.record_.worth(row);
         if (!worth) self.walk_.counters().count(Pruned::paths);

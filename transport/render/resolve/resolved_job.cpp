@@ -69,7 +69,6 @@ Status resolve_sampler(const SceneEntity& entity, const RenderSettings& settings
                        std::vector<Error>& warnings) {
     auto choice = choose_sampler(entity);
     if (!choice) return choice.error();
-    warnings.insert(warnings.end(), choice->warnings.begin(), choice->warnings.end());
     for (const Parameter* p : entity.parameters.unused())
         warnings.push_back(
             error_at(p->location, "sampler '" + entity.type + "' has no parameter '" + p->name + "'; it is ignored"));

@@ -9,8 +9,9 @@
 
 namespace raylex::transport {
 
-void SplatGate::take(const display::SampleTable& table) {
+void SplatGate::take(display::SampleTable& table) {
     ++taken_;
+    sample_filters_.apply(table);
     const int tile = TileGrid::tile_size;
     // Where a splat's footprint ends may be off by a rounding; half a pixel more makes up for it.
     const Real reach_x = filter_.radius_x() + 1, reach_y = filter_.radius_y() + 1;

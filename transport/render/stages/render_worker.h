@@ -23,13 +23,18 @@ struct WorkerTotals {
 class SplatGate final : public display::RasterSink {
   public:
     SplatGate(const ResolvedJob& job, TileLocks& locks, RenderTarget& target)
-        : grid_(job.grid), filter_(*job.sampling.filter), locks_(locks), target_(target) {}
-    void take(const display::SampleTable& table) override;
+        : grid_(job.grid),
+          filter_(*job.sampling.filter),
+          sample_filters_(job.channels.filters),
+          locks_(locks),
+          target_(target) {}
+    void take(display::SampleTable& table) override;
     [[nodiscard]] std::uint64_t taken() const { return taken_; }  ///< tables so far
 
   private:
     const TileGrid& grid_;
     const display::PixelFilter& filter_;
+    const display::SampleFilterChain& sample_filters_;
     TileLocks& locks_;
     RenderTarget& target_;
     std::uint64_t taken_ = 0;
