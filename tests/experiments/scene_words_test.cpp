@@ -83,6 +83,21 @@ TEST_CASE("a scene's words have its labels, lobes, lights and depth, and no othe
     CHECK(word->has_value());
 }
 
+TEST_CASE("words have no bound where events inside a body do not count, and more of them where mirrors do not") {
+    const auto can = [&](const std::string& expression, const std::string& text) {
+        const auto word = lpe::find_word({"", expression}, words_of({}, text).words);
+        REQUIRE(word.ok());
+        return word->has_value();
+    };
+    const auto with = [](std::string text, const std::string& old, const std::string& now) {
+        return text.replace(text.find(old), old.size(), now);
+    };
+    CHECK(can("C<TD>V{20}<TD>L", scene_text + "Material \"subsurface\" Shape \"sphere\""));
+    const std::string mirrors = with(scene_text, "\"path\"", "\"sppm\"");
+    CHECK(can("CSSSDDDL", mirrors));
+    CHECK_FALSE(can("CSSSSDDDL", mirrors));
+}
+
 TEST_CASE("what makes a channel black is said, with a near miss where there is one") {
     const SceneWords scene = words_of();
     CHECK(never("C.*L", scene).empty());

@@ -130,7 +130,7 @@ Real absolute_noise_sum(const Vec3& p, const Octaves& octaves) {
     Real sum = 0, frequency = 1, height = 1;
     for (int i = 0; i < octaves.count; ++i, frequency *= Real(1.99), height *= octaves.roughness)
         sum += height * std::abs(gradient_noise(p * frequency));
-    return sum;
+    return sum + Real(0.2) * height;  // as pbrt-v4's Turbulence: the mean of the octave that would come
 }
 
 }  // namespace raylex::transport

@@ -122,7 +122,6 @@ std::int32_t MediumTable::add(const Medium& medium, const std::string& name) {
     names_.push_back(name);
     any_ = true;
     any_emits_ = any_emits_ || medium.emits;
-    any_uncounted_ = any_uncounted_ || !medium.counts_depth;
     return static_cast<std::int32_t>(media_.size()) - 1;
 }
 

@@ -31,10 +31,8 @@ struct Medium {
     bool scatters = false;  ///< sigma_s is not black
     bool emits = false;
     std::shared_ptr<const GridMedium>
-        grid;  ///< what it is from place to place; the coefficients above mean nothing then
-    /// False inside subsurface materials: what light does in there, and its way out, is not held against "maxdepth", as
-    /// it is one step of pbrt-v4's paths.
-    bool counts_depth = true;
+        grid;                  ///< what it is from place to place; the coefficients above mean nothing then
+    bool counts_depth = true;  ///< false inside subsurface materials: scatterings are not held against "maxdepth"
 };
 
 /// exp(-sigma_t distance). Colours without extinction pass whole, over an infinite distance too.
@@ -79,12 +77,8 @@ class MediumTable {
     [[nodiscard]] bool any_emits() const { return any_emits_; }
     /// Whether any differs from place to place: shadow rays then draw numbers.
     [[nodiscard]] bool any_grids() const { return any_grids_; }
-    /// Whether events in any are not counted (Medium::counts_depth).
-    [[nodiscard]] bool any_uncounted() const { return any_uncounted_; }
     [[nodiscard]] std::size_t grid_bytes() const;
     [[nodiscard]] const Medium& operator[](std::int32_t index) const { return media_[static_cast<std::size_t>(index)]; }
-    /// Medium::counts_depth; -1 is no medium.
-    [[nodiscard]] bool counts_depth(std::int32_t index) const { return index < 0 || (*this)[index].counts_depth; }
     [[nodiscard]] std::size_t size() const { return media_.size(); }
     /// What events call the medium: its name in the scene.
     [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
@@ -95,7 +89,7 @@ class MediumTable {
     std::vector<Medium> media_;
     std::vector<std::string> names_;
     std::int32_t camera_ = -1;
-    bool any_ = false, any_emits_ = false, any_grids_ = false, any_uncounted_ = false;
+    bool any_ = false, any_emits_ = false, any_grids_ = false;
 };
 
 }  // namespace raylex::transport

@@ -30,9 +30,8 @@ struct Subpath {
     Vec3 from_normal;         ///< its shading normal; zero where there is no surface
     Real travelled = 0;       ///< along the camera ray, over cutouts passed
     std::uint32_t depth = 0;  ///< scattering events so far
-    /// Of these, and of the one that comes next where that is known: those whose segment towards the camera lies in a
-    /// medium that "maxdepth" does not count in (Medium::counts_depth), from whichever end a subpath comes; and the
-    /// mirrors of WalkOptions::counts_first_specular.
+    /// Of these and of the one that comes next: by media whose scatterings "maxdepth" does not count (subsurface), and
+    /// the mirrors of WalkOptions::counts_first_specular.
     std::uint32_t uncounted = 0;
     std::uint32_t segment = 0;  ///< rays so far, those beyond cutouts included: keys choices made once a ray
     std::uint32_t light = 0;    ///< a light subpath's
@@ -49,8 +48,8 @@ struct Subpath {
     bool from_infinity = false;
     bool one_wavelength = false;  ///< has met an interface whose index depends on it (path_wavelengths.h)
 
-    /// What "maxdepth" bounds; -1 where nothing counts, not even the event that comes.
-    [[nodiscard]] std::int64_t counted_depth() const { return std::int64_t{depth} - uncounted; }
+    /// What "maxdepth" bounds.
+    [[nodiscard]] std::uint32_t counted_depth() const { return depth > uncounted ? depth - uncounted : 0; }
 };
 
 /// What each vertex of a subpath draws, from `first` + scattering events so far * `stride` on, and what each ray draws.

@@ -34,7 +34,7 @@
 namespace raylex::transport {
 
 struct WalkOptions {
-    std::uint32_t max_depth = 5;  ///< events of a whole path that count; of a light subpath its connection's among them
+    std::uint32_t max_depth = 5;  ///< scattering events of a whole path; of a light subpath its connection's among them
     Real roulette_below = default_roulette_below;  ///< 0: paths do not end at random
     bool densities = false;                        ///< keep sums()
     bool regularize = false;                       ///< closures are, behind a scattering that is not specular
@@ -53,7 +53,6 @@ class Walk {
           events_(events),
           options_(options),
           in_media_(scene.asks_for_media()),
-          in_bodies_(in_media_ && scene.media->any_uncounted()),
           has_footprints_(mode == TransportMode::radiance && scene.materials->filters_images()),
           paths_(capacity),
           wavelengths_(scene, capacity) {
@@ -108,10 +107,6 @@ class Walk {
         return scene_.geometry->shapes()[vertices_.hits[j].shape].medium_towards(vertices_.points[j].geometric_normal,
                                                                                  direction, current);
     }
-    /// Whether "maxdepth" counts an event whose segment towards the camera lies in that medium (Subpath::uncounted).
-    [[nodiscard]] bool counts_in(std::int32_t medium) const {
-        return !in_bodies_ || scene_.media->counts_depth(medium);
-    }
     void finish(std::uint32_t row) { counters_->count_length(paths_[row].depth); }
 
   private:
@@ -121,12 +116,6 @@ class Walk {
         Real time;
         RayCone cone;
     };
-    /// Whether a direction from vertex j may lead into a medium in which events are not counted.
-    [[nodiscard]] bool may_lead_uncounted(std::size_t j) const {
-        if (!in_bodies_ || j >= vertices_.surfaces) return false;
-        const ShapeGeometry& shape = scene_.geometry->shapes()[vertices_.hits[j].shape];
-        return !counts_in(shape.inside_medium) || !counts_in(shape.outside_medium);
-    }
     static bool is_camera_ray(const Subpath& path) { return mode == TransportMode::radiance && path.depth == 0; }
     template <class Visitor>
     void trace(Visitor& visitor);
@@ -150,7 +139,7 @@ class Walk {
     const SceneView scene_;
     const EventTable& events_;
     const WalkOptions options_;
-    const bool in_media_, in_bodies_, has_footprints_;
+    const bool in_media_, has_footprints_;
     std::span<const PixelSampler> samplers_;  // by row
     IntegratorCounters* counters_ = nullptr;
     std::vector<Subpath> paths_;  // by row
@@ -259,7 +248,7 @@ bool Walk<mode>::flies(std::uint32_t row, const Ray& ray, const FreeFlight& flig
     path.beta *= flight.weight;
     if (!flight.collided) return true;
     visitor.collides(row, flight.distance);
-    if (!counts_in(path.medium)) ++path.uncounted;
+    if (!(*scene_.media)[path.medium].counts_depth) ++path.uncounted;
     if (path.counted_depth() >= options_.max_depth || path.beta.is_black()) finish(row);
     else
         collisions_[collision_count_++] = {row, ray.origin + ray.direction * flight.distance, ray.direction, ray.time,
@@ -358,7 +347,6 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
                 continue;
             }
         }
-        if (mode == TransportMode::radiance && !counts_in(path.medium)) ++path.uncounted;
         if (!visitor.arrives(j)) {
             finish(row);
             continue;
@@ -437,10 +425,7 @@ void Walk<mode>::scatter(Visitor& visitor) {
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
         Subpath& path = paths_[row];
-        // A light subpath's way into a body is not counted, but that it goes there is not known yet.
-        const bool enters = mode == TransportMode::importance && may_lead_uncounted(j);
-        if (path.counted_depth() + kept_back >= options_.max_depth + (enters ? std::int64_t{1} : 0) ||
-            !visitor.worth_scattering(j)) {
+        if (path.counted_depth() + kept_back >= options_.max_depth || !visitor.worth_scattering(j)) {
             counters_->count_length(path.depth + kept_back);
             continue;
         }
@@ -467,16 +452,10 @@ void Walk<mode>::scatter(Visitor& visitor) {
         std::uint32_t rays = 1;
         if constexpr (Visitor::splits) rays = take_branch(path, s);
         leave_vertex<mode>(path, point, s);
-        if (in_media_) path.medium = medium_towards(j, s.wi);
-        if (enters && !counts_in(path.medium)) ++path.uncounted;
         if (mode == TransportMode::radiance && !options_.counts_first_specular && !path.any_non_specular &&
             path.depth < options_.max_depth)
             ++path.uncounted;
         visitor.scatters(j, s.lobes);
-        if (enters && path.counted_depth() + kept_back > options_.max_depth) {
-            finish(row);
-            continue;
-        }
         if (!is_finite(path.beta)) {
             visitor.invalid(row);
             finish(row);
@@ -492,6 +471,7 @@ void Walk<mode>::scatter(Visitor& visitor) {
             sums_[row].leave(s.delta, s.delta ? 1.0 : static_cast<double>(bsdf.pdf(s.wi, point.wo)));
             path.cosine = point.cosine(s.wi);
         }
+        if (in_media_) path.medium = medium_towards(j, s.wi);
         Ray& onward = queue_.next(row);
         make_at(onward, [&] { return ray_from(v, j, s.wi); });
         if (has_footprints_) onward.cone = scattered_cone(*scene_.geometry, v.hits[j], point, s);

@@ -35,6 +35,12 @@ struct SceneTexture : SceneEntity {
     Transform to_world;     ///< current transform at its definition (planar, spherical ... mappings)
 };
 
+/// Whether a texture may use one that is defined after it: pbrt-v4 makes images first, then float textures, then
+/// colours.
+inline bool texture_may_come_later(const SceneTexture& user, const SceneTexture& used) {
+    return used.type == "imagemap" || (user.spectrum && !used.spectrum);
+}
+
 /// By MakeNamedMedium.
 struct SceneMedium : SceneEntity {
     Transform to_world;  ///< current transform at its definition: where its grid stands

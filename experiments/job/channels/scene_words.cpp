@@ -8,6 +8,7 @@
 #include "experiments/job/job_file.h"
 #include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/integrators/integrator.h"
+#include "transport/scene/effects/material_kinds.h"
 
 namespace raylex::experiments {
 
@@ -32,7 +33,9 @@ Result<SceneWords> scene_words(const Job& job, const transport::SceneDescription
     SceneWords result;
     result.alphabet = std::move(*alphabet);
     result.words.alphabet = lpe::Alphabet{result.alphabet.scattering, result.alphabet.terminals};
-    if (traits.max_depth)
+    // What happens inside a subsurface body is in words, and "maxdepth" does not count it.
+    const bool bounded = std::none_of(scene.materials.begin(), scene.materials.end(), transport::is_subsurface);
+    if (traits.max_depth && bounded)
         result.words.max_depth =
             static_cast<int>(std::min<std::int64_t>(*traits.max_depth, std::numeric_limits<int>::max()));
     if (traits.user_events)

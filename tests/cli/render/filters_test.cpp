@@ -215,7 +215,29 @@ Shape "sphere")");
     const auto [splatted, said] = centre("--integrator lighttracer");
     CHECK(splatted[0] == Approx(free[0]));
     CHECK(contains(said, "the film's maxcomponentvalue is ignored: light that paths splat has no samples"));
-    const auto [both, nothing_said] = centre("--integrator bdpt");  // samples and splats, each by itself
+    const auto [both, nothing_said] = centre("--integrator bdpt");
     CHECK(both[0] == clamped[0]);
     CHECK_FALSE(contains(nothing_said, "maxcomponentvalue"));
+
+    // Splats are bounded each by itself: of one scattering there is a splat a light path at most, so that an image's
+    // mean is at most the limit for samples, and once more for splats.
+    folder.write("floor.pbrt", R"(LookAt 0 2 2  0 0 0  0 1 0
+Camera "perspective" "float fov" 40
+Film "rgb" "integer xresolution" 8 "integer yresolution" 8 "float maxcomponentvalue" 0.001
+Integrator "bdpt" "integer maxdepth" 1
+WorldBegin
+LightSource "point" "point3 from" [0 1 0] "rgb I" [1 1 1]
+Shape "disk" "float radius" 3
+AttributeBegin Rotate -90 1 0 0 Shape "disk" "float radius" 3 AttributeEnd)");
+    const auto mean = [&](const std::string& options) {
+        const Outcome outcome = run_raylex(folder, "render floor.pbrt -o floor.exr --spp 16 " + options);
+        INFO(outcome.out << outcome.err);
+        REQUIRE(outcome.code == 0);
+        double sum = 0;
+        for (const float value : plane(folder, "floor.exr", "beauty", "G")) sum += value / 64.0;
+        return sum;
+    };
+    // Of white light Y is G; the filter's noise of 64 pixels' 16 splats each moves their mean by a tenth at most.
+    CHECK(mean("") < 1.1 * 0.002);
+    CHECK(mean("--sample-filter none") > 0.02);
 }

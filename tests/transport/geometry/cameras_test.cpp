@@ -210,7 +210,7 @@ TEST_CASE("a film behind a hole has the irradiance of its solid angle", "[camera
     };
     CHECK((open_at("pentagon", 0, -0.75) && !open_at("pentagon", 0, 0.75)));
     CHECK((open_at("star", -0.9, 0) && !open_at("star", 0.9, 0)));
-    CHECK((open_at("star", 0.29, 0.88) && open_at("star", 0.29, -0.88)));
+    CHECK((open_at("star", -0.29, 0.88) && open_at("star", -0.29, -0.88)));
 }
 
 // A biconvex lens of 50 mm radii, 6 mm thick, index 1.5, and a stop behind it.

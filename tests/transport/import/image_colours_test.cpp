@@ -127,6 +127,10 @@ TEST_CASE("a light without a colour shines in the white of its own colour space"
                               file + "\" AttributeEnd Shape \"sphere\"",
                           "Film \"rgb\" ");  // "L" is not added beside a file
     check_colour(image.lights.environment_radiance(0, {}, {0, 0, 1}), Rgb(2));
+    const Lit by_attribute = lit("AttributeBegin ColorSpace \"aces2065-1\" Attribute \"light\" \"string filename\" \"" +
+                                     file + "\" LightSource \"infinite\" AttributeEnd Shape \"sphere\"",
+                                 "Film \"rgb\" ");
+    check_colour(by_attribute.lights.environment_radiance(0, {}, {0, 0, 1}), Rgb(2));
 }
 
 TEST_CASE("the mean that takes an image's place has its colour, and its sign", "[image][effects]") {

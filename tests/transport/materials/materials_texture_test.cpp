@@ -257,6 +257,21 @@ TEST_CASE("colour images are taken to the rendering space, unbounded ones are no
     CHECK(colour_at(table, scene, "image", 0.25f, 0.75f, SpectrumRole::unbounded) == Rgb(0.25f, 0, 0));
 }
 
+TEST_CASE("images may be defined after those that use them, and numbers after colours, as pbrt makes textures") {
+    const ImageFile file;
+    SceneDescription scene;
+    scene.textures = {colour_texture("scale", "tinted", {texture("tex", "image"), texture("scale", "half")}),
+                      colour_texture("imagemap", "image", {string("filename", file.name()), string("wrap", "clamp")}),
+                      real_texture("scale", "early", {texture("tex", "number")}),
+                      real_texture("constant", "half", {real("value", 0.5)}),
+                      real_texture("imagemap", "number", {string("filename", file.name()), string("wrap", "clamp")})};
+    TextureTable table = build_textures(scene);
+    CHECK(colour_at(table, scene, "tinted", 0.25f, 0.25f) == Rgb(0, 0, 0.25f));
+    CHECK(real_at(table, "early", 0.25f, 0.25f) == Approx(0.5 / 3));
+    scene.textures[2].parameters.parameters = {texture("tex", "half")};  // neither: it is further down
+    CHECK(build_error(scene).hint.find("further down") != std::string::npos);
+}
+
 TEST_CASE("mappings place texture space on the surface") {
     SceneDescription scene;
     const auto board = [](const char* name, std::vector<Parameter> more) {

@@ -221,7 +221,9 @@ Status SceneReader::option(const Directive& directive) {
                                                 "rendercoordsys",
                                                 "seed",
                                                 "wavefront"};
-    const Parameter& parameter = directive.parameters.parameters.front();
+    Parameter parameter = directive.parameters.parameters.front();
+    std::erase_if(parameter.name, [](char c) { return c == '_' || c == '-'; });  // as pbrt-v4 reads them
+    parameter.name = lower_case(parameter.name);
     if (std::find(known.begin(), known.end(), parameter.name) == known.end()) {
         const std::string near = nearest_name(parameter.name, known);
         return error_at(parameter.location, "unknown option '" + parameter.name + "'",

@@ -114,7 +114,10 @@ SceneParameters SceneReader::light_parameters(Directive& directive) const {
     if (state_.color_space == scene_.color_space()) return result;
     ParameterSet white;
     white.parameters.push_back(typed::rgb("I", {1, 1, 1}));
-    if (result.own.find("filename") == nullptr) white.parameters.push_back(typed::rgb("L", {1, 1, 1}));
+    const bool has_image =
+        result.own.find("filename") != nullptr || std::any_of(result.fallbacks.begin(), result.fallbacks.end(),
+                                                              [](const Parameter& p) { return p.name == "filename"; });
+    if (!has_image) white.parameters.push_back(typed::rgb("L", {1, 1, 1}));
     convert_colors(white, scene_.color_space(), state_.color_space, true);
     for (Parameter& parameter : white.parameters) {
         parameter.location = directive.location;

@@ -14,7 +14,7 @@ IntegratorTraits Bdpt::traits() const {
     traits.light_samples = true;
     traits.holdouts = true;
     traits.user_events = true;
-    traits.max_depth = parameters_.max_depth;
+    traits.max_depth = std::uint64_t{parameters_.max_depth} * (count_mirrors_ ? 1 : 2);  // as many mirrors first
     traits.media = true;
     traits.saved_state = SavedState::none;
     traits.raster_splats = true;
@@ -35,7 +35,6 @@ Status Bdpt::prepare(const IntegratorContext& context) {
         if (sampled_.probability(Vec3(), light) > 0)
             sampled_terminals_ |= events.foresight().bit_of(events.terminal(light));
     can_sample_lights_ = !sampled_.empty();
-    in_bodies_ = context.scene.asks_for_media() && context.scene.media->any_uncounted();
     can_emit_ = parameters_.max_depth > 0 && !emitters_.empty() && (context.beauty || events.any());
     if (can_emit_) media_of_lights_ = media_of_lights(context.scene, camera_position(context));
     return success();

@@ -104,10 +104,7 @@ void Bdpt::join_vertices(BdptThread& thread, std::size_t j) const {
     const SurfacePoint& point = v.points[j];
     for (std::uint32_t i = thread.last_vertex[row]; i != LightVertex::none; i = thread.light_vertices[i].previous) {
         const LightVertex& y = thread.light_vertices[i];
-        // A vertex of a light subpath on a surface counts by where the join lies; see Subpath::uncounted.
-        const bool open = in_bodies_ && y.point.material != SurfacePoint::no_material;
-        const std::int64_t depth = path.counted_depth() + y.counted_depth + 2;
-        if (depth - (open ? 1 : 0) > parameters_.max_depth) continue;
+        if (path.counted_depth() + y.counted_depth + 2 > parameters_.max_depth) continue;
         if (!thread.light.worth_joining(thread.camera, j, y.end, y.point.material)) {
             thread.counters.count(Pruned::joins);
             continue;
@@ -116,9 +113,6 @@ void Bdpt::join_vertices(BdptThread& thread, std::size_t j) const {
         const Real d2 = length_squared(between);
         if (!(d2 > 0)) continue;
         const Vec3 direction = between / std::sqrt(d2);
-        if (depth > parameters_.max_depth &&
-            context_.scene.media->counts_depth(thread.camera.medium_towards(j, direction)))
-            continue;
         const JoinedScattering x = evaluate_scattering<TransportMode::radiance>(v.bsdfs[j], point, direction);
         if (x.f.value.is_black()) continue;
         const JoinedScattering z = evaluate_scattering<TransportMode::importance>(y.bsdf, y.point, -direction);

@@ -17,9 +17,8 @@ struct LightVertex {
     static constexpr std::uint32_t none = 0xffffffffu;
     SurfacePoint point;
     Bsdf bsdf;
-    OffsetBound offset{};              ///< SurfaceSource::offset
-    std::uint32_t row = 0, depth = 0;  ///< Subpath's
-    std::int64_t counted_depth = 0;
+    OffsetBound offset{};                                 ///< SurfaceSource::offset
+    std::uint32_t row = 0, depth = 0, counted_depth = 0;  ///< Subpath's
     LightEnd end;
     std::uint32_t previous = none;  ///< of the same subpath
     display::LightForesight::Ahead ahead;
@@ -82,7 +81,7 @@ class Bdpt final : public Integrator {
     std::optional<LightLanguage> language_;  // when channels read words
     LightChooser emitters_, sampled_;        // where light subpaths begin, and light samples go: live lights
     std::uint64_t sampled_terminals_ = 0;    // Foresight's bits of those
-    bool can_emit_ = false, can_sample_lights_ = false, in_bodies_ = false;
+    bool can_emit_ = false, can_sample_lights_ = false;
 };
 
 /// Light that camera subpaths have found by themselves (s = 0).

@@ -12,7 +12,8 @@ Result<std::array<double, 3>> mean_of_image(const SceneTexture& source, const Co
     ParameterReader reader(source.parameters);
     const std::string file = reader.string("filename", ""), encoding = reader.string("encoding", "");
     const std::string filter = reader.string("filter", "");
-    const bool first_channel = !source.spectrum && (filter == "point" || filter == "EWA" || filter == "ewa");
+    const bool means = filter.empty() || filter == "bilinear" || filter == "trilinear" || filter == "unfiltered",
+               first_channel = !source.spectrum && !means;
     const Real scale = reader.real("scale", 1);
     const bool invert = reader.boolean("invert", false);
     if (reader.error()) return *reader.error();

@@ -162,12 +162,18 @@ Result<TextureId> TextureTable::Storage::reference(const Parameter& parameter, c
         return error_at(where, "texture parameter '" + parameter.name + "' must name one " + kind + " texture");
     const std::string& name = parameter.strings.front();
     bool other_kind = false, later = false;
-    if (const auto called = sources_by_name.find(name); called != sources_by_name.end())
+    if (const auto called = sources_by_name.find(name); called != sources_by_name.end()) {
         for (auto i = called->second.rbegin(); i != called->second.rend(); ++i) {
             if (sources[*i].spectrum != spectrum) other_kind = true;
             else if (*i >= visible) later = true;
             else return compile(*i, role);
         }
+        if (later)
+            for (const std::size_t i : called->second)
+                if (i >= visible && sources[i].spectrum == spectrum &&
+                    texture_may_come_later(sources[visible], sources[i]))
+                    return compile(i, role);
+    }
     std::vector<std::string> known;
     for (const SceneTexture& source : sources)
         if (source.spectrum == spectrum) known.push_back(source.name);

@@ -113,9 +113,8 @@ struct CameraSubpaths::Scatterer : WalkVisitor {
     }
     void invalid(std::uint32_t row) { self.record_.reject(row, self.path(row).beta); }
     bool goes_on(std::uint32_t row) {
-        const Subpath& path = self.path(row);
-        const bool nothing_to_find = path.counted_depth() >= self.options_.walk.max_depth &&
-                                     !self.options_.light_can_be_hit && self.walk_.counts_in(path.medium);
+        const bool nothing_to_find =
+            self.path(row).counted_depth() >= self.options_.walk.max_depth && !self.options_.light_can_be_hit;
         if (nothing_to_find) return false;
         const bool worth = self.record_.worth(row);
         if (!worth) self.walk_.counters().count(Pruned::paths);

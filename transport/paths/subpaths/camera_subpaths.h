@@ -183,8 +183,7 @@ struct CameraSubpaths::Visitor : WalkVisitor {
     bool worth_colliding(std::uint32_t row) {
         const Subpath& path = self.path(row);
         if (path.depth == 0) return true;  // the camera ray's depth and opacity are to be found
-        return (path.counted_depth() < self.options_.walk.max_depth || !self.walk_.counts_in(path.medium)) &&
-               self.record_.worth_colliding(row, path.medium);
+        return path.counted_depth() < self.options_.walk.max_depth && self.record_.worth_colliding(row, path.medium);
     }
     void absorbs(std::uint32_t row, Real distance, const Rgb& passed, const Vec2& u) {
         const Subpath& path = self.path(row);

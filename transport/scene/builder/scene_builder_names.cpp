@@ -128,20 +128,27 @@ Error SceneBuilder::no_such_texture(const std::string& name, const SourceLocatio
         near == name ? "'" + name + "' is defined later or with the other value type" : did_you_mean(name, known));
 }
 
-// A texture may use those before it; materials and shapes may use all.
+// A texture may use those before it, and what texture_may_come_later() has; materials and shapes may use all.
 Status SceneBuilder::check_textures() const {
-    const auto check_set = [this](const ParameterSet& set, std::size_t before) -> Status {
+    const auto check_set = [this](const ParameterSet& set, std::size_t before, const SceneTexture* user) -> Status {
+        const auto comes_later = [&](const std::string& name) {
+            return user != nullptr &&
+                   std::any_of(scene_.textures.begin(), scene_.textures.end(), [&](const auto& each) {
+                       return each.name == name && texture_may_come_later(*user, each);
+                   });
+        };
         for (const Parameter& parameter : set.parameters) {
             if (parameter.type != ParameterType::texture) continue;
             for (const std::string& name : parameter.strings)
-                if (!has_texture(name, false, true, before)) return no_such_texture(name, parameter.location, "");
+                if (!has_texture(name, false, true, before) && !comes_later(name))
+                    return no_such_texture(name, parameter.location, "");
         }
         return success();
     };
     for (std::size_t i = 0; i < scene_.textures.size(); ++i)
-        if (Status status = check_set(scene_.textures[i].parameters, i); !status) return status;
+        if (Status status = check_set(scene_.textures[i].parameters, i, &scene_.textures[i]); !status) return status;
     for (const SceneEntity& material : scene_.materials)
-        if (Status status = check_set(material.parameters, scene_.textures.size()); !status) return status;
+        if (Status status = check_set(material.parameters, scene_.textures.size(), nullptr); !status) return status;
     for (const SceneShape& shape : scene_.shapes)
         if (Status status = check_shape(shape); !status) return status;
     for (const SceneObject& object : scene_.objects)

@@ -7,6 +7,7 @@
 #include "transport/scene/effects/effects.h"
 #include "transport/scene/effects/material_kinds.h"
 #include "transport/scene/motion.h"
+#include "transport/scene/typed_parameters.h"
 #include "transport/scene/used_surfaces.h"
 
 namespace raylex::transport {
@@ -59,7 +60,35 @@ void leave_out_lens(SceneDescription& scene) {
     std::erase_if(scene.camera.parameters.parameters, [](const Parameter& each) { return each.name == "lensradius"; });
 }
 
+/// Textures that scale an image by a constant become that image with the factor as its own, as look-ups have it, so
+/// that its mean is taken behind the factor.
+void fold_scales(SceneDescription& scene) {
+    std::vector<SceneTexture>& textures = scene.textures;
+    for (std::size_t i = 0; i < textures.size(); ++i) {
+        if (textures[i].type != "scale") continue;
+        const Parameter *image = textures[i].parameters.find("tex"), *scale = textures[i].parameters.find("scale");
+        if (image == nullptr || image->type != ParameterType::texture || image->strings.size() != 1) continue;
+        if (scale != nullptr && (scale->type != ParameterType::real || scale->numbers.size() != 1)) continue;
+        const double by = scale != nullptr ? scale->numbers[0] : 1;
+        const auto scaled = std::find_if(
+            textures.rend() - static_cast<std::ptrdiff_t>(i), textures.rend(), [&](const SceneTexture& each) {
+                return each.name == image->strings.front() && each.spectrum == textures[i].spectrum;
+            });
+        if (scaled == textures.rend() || scaled->type != "imagemap") continue;
+        SceneTexture folded = *scaled;
+        folded.name = textures[i].name;
+        std::vector<Parameter>& parameters = folded.parameters.parameters;
+        const auto own = std::find_if(parameters.begin(), parameters.end(),
+                                      [](const Parameter& each) { return each.name == "scale"; });
+        if (own == parameters.end()) parameters.push_back(typed::real("scale", by));
+        else
+            for (double& number : own->numbers) number *= by;
+        textures[i] = std::move(folded);
+    }
+}
+
 Status leave_out_images(SceneDescription& scene) {
+    fold_scales(scene);
     for (SceneTexture& texture : scene.textures) {
         if (texture.type != "imagemap") continue;
         auto mean = mean_of_image(texture, scene.color);
