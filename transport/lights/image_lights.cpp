@@ -95,7 +95,7 @@ Result<Sky> read_sky(const SceneLight& source, const std::string& file, double i
     }
     if (const Parameter* p = source.parameters.find("L"))
         return error_at(p->location, "'L' and 'filename' exclude each other in an infinite light");
-    auto scale = source.parameters.real_or("scale", 1);
+    auto scale = light_scale(source);
     if (!scale) return scale.error();
     auto image = read_light_image(source, file, context);
     if (!image) return image.error();
@@ -212,7 +212,7 @@ Result<Light> make_projection(const SceneLight& source, LightContext& context) {
     light.kind = LightKind::projection;
     auto file = required_file(source);
     if (!file) return file.error();
-    auto scale = source.parameters.real_or("scale", 1), power = source.parameters.real_or("power", -1),
+    auto scale = light_scale(source), power = source.parameters.real_or("power", -1),
          fov = source.parameters.real_or("fov", 90);
     for (const auto* each : {&scale, &power, &fov})
         if (!*each) return each->error();
@@ -250,7 +250,7 @@ Result<AreaEmission> make_diffuse_area(const SceneAreaLight& source, LightContex
     if (!two_sided) return two_sided.error();
     auto power = source.parameters.real_or("power", -1);
     if (!power) return power.error();
-    auto scale = source.parameters.real_or("scale", 1);
+    auto scale = light_scale(source);
     if (!scale) return scale.error();
     emission.radiance = file->empty() ? *radiance : Rgb(static_cast<Real>(*scale));
     emission.two_sided = *two_sided;

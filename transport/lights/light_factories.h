@@ -8,6 +8,8 @@
 
 namespace raylex::transport {
 
+/// "scale", not negative.
+Result<double> light_scale(const SceneEntity& light);
 /// The colour parameter `name` times "scale".
 Result<Rgb> scaled_emission(const SceneEntity& light, std::string_view name, const LightContext& context);
 

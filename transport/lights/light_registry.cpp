@@ -166,9 +166,17 @@ Result<Rgb> scaled_emission(const SceneEntity& light, std::string_view name, con
     auto emission = spectrum_or(light.parameters, name, recorded_light(Rgb(1), context.scene.color),
                                 SpectrumRole::illuminant, context.scene.color);
     if (!emission) return emission;
-    auto scale = light.parameters.real_or("scale", 1);
+    auto scale = light_scale(light);
     if (!scale) return scale.error();
     return *emission * static_cast<Real>(*scale);
+}
+
+Result<double> light_scale(const SceneEntity& light) {
+    auto scale = light.parameters.real_or("scale", 1);
+    if (scale && *scale < 0)
+        return error_at(light.parameters.find("scale")->location,
+                        "'scale' is " + std::to_string(*scale) + "; expected 0 or more");
+    return scale;
 }
 
 Registry<LightFactory>& light_registry() {

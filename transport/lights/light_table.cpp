@@ -182,9 +182,18 @@ Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene&
     if (Status s = table.add_area_lights(scene, geometry, context, warnings); !s) return s.error();
     for (const SceneLight& given : scene.lights) {
         SceneLight source = given;
-        source.to_world = geometry.space().placed(given.to_world);
         auto entry = light_registry().require(source.type, source.location);
         if (!entry) return entry.error();
+        source.to_world = geometry.space().placed(given.to_world);
+        if (const Matrix4& matrix = given.to_world.matrix();
+            (source.type == "infinite" || source.type == "distant") && matrix[3] != std::array<double, 4>{0, 0, 0, 1}) {
+            // Directions know no place. pbrt-v4 takes different parts of such a matrix and of its inverse.
+            source.to_world = Matrix34(matrix).transform();
+            warnings.push_back(error_at(source.location,
+                                        "the last row of the " + source.type +
+                                            " light's matrix is not 0 0 0 1; only what it does to directions counts",
+                                        "Transform and ConcatTransform take matrices column by column"));
+        }
         auto light = (*entry)->factory(source, context);
         if (!light) return light.error();
         for (std::size_t i = 0; i < given.parameters.parameters.size(); ++i)  // a look-up marks the copy's

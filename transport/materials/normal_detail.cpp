@@ -37,13 +37,12 @@ const std::vector<ParameterDescription>& normal_detail_parameters() {
 Result<NormalDetail> NormalDetail::read(const SceneEntity& material, TextureTable& textures) {
     NormalDetail detail;
     const ParameterSet& set = material.parameters;
-    const Parameter* map = set.find("normalmap");
-    if (const Parameter* height = set.find("displacement"); height != nullptr) {
+    if (set.find("displacement") != nullptr) {
         const auto id = textures.real_parameter(set, "displacement", 0);
         if (!id) return id.error();
         if (!textures.is_constant(*id)) detail.displacement_ = *id;
-        if (height->type == ParameterType::texture) return detail;
     }
+    const Parameter* map = set.find("normalmap");
     if (map == nullptr) return detail;
     const SourceLocation& where = map->location.line != 0 ? map->location : set.location;
     const auto file = set.string_or("normalmap", "");
@@ -51,6 +50,7 @@ Result<NormalDetail> NormalDetail::read(const SceneEntity& material, TextureTabl
     const auto id = textures.normal_map(*file, where);
     if (!id) return id.error();
     detail.normal_map_ = *id;
+    detail.displacement_ = -1;  // the map alone turns normals, as in pbrt
     return detail;
 }
 

@@ -130,7 +130,7 @@ Result<Medium> make_interior(const SceneEntity& entity, const MaterialContext& c
     std::vector<Error> warnings;
     auto made = (*entry)->factory(medium, {context.scene, nullptr, warnings});
     for (Error& warning : warnings) context.textures.warn(std::move(warning));
-    if (made) made->counts_depth = false;
+    if (made) made->in_body = true;
     return made;
 }
 

@@ -78,6 +78,26 @@ std::size_t GridMedium::bytes() const {
            bounds_.size() * sizeof(CellBounds) + shines_.size() + (parts_.emission ? parts_.emission->bytes() : 0);
 }
 
+std::array<DVec3, 8> GridMedium::corners() const {
+    const Matrix34 from_cells = parts_.frame.to_cells.inverse();
+    const DVec3 &lower = parts_.frame.lower, &upper = parts_.frame.upper;
+    std::array<DVec3, 8> corners;
+    for (std::size_t i = 0; i < 8; ++i)
+        corners[i] =
+            from_cells.point({i & 1 ? upper.x : lower.x, i & 2 ? upper.y : lower.y, i & 4 ? upper.z : lower.z});
+    return corners;
+}
+
+double GridMedium::most_met() const {
+    float most = 0;
+    for (const CellBounds& each : bounds_) most = std::max(most, each.most);
+    const Matrix34 from_cells = parts_.frame.to_cells.inverse();
+    double across = 0;
+    for (const double x : {-1.0, 1.0})
+        for (const double y : {-1.0, 1.0}) across = std::max(across, length(from_cells.vector({x, y, 1})));
+    return static_cast<double>(most) * static_cast<double>(unit_) * across;
+}
+
 /// A cloud has no more than its majorant says.
 Real GridMedium::density(const CellWalk& walk, Real t) const {
     if (!parts_.cloud) return parts_.density.real(walk.cell(), walk.local(t));

@@ -70,6 +70,10 @@ class GridMedium {
     /// Above which no unit of length shines.
     [[nodiscard]] const Rgb& brightest_emission() const { return brightest_; }
     [[nodiscard]] std::size_t bytes() const;
+    /// Corners of what holds anything, in render space.
+    [[nodiscard]] std::array<DVec3, 8> corners() const;
+    /// Particles, null ones too, that a path through the densest cell may meet.
+    [[nodiscard]] double most_met() const;
 
   private:
     [[nodiscard]] bool coloured() const { return !parts_.absorption.empty(); }

@@ -111,6 +111,10 @@ Rgb brightest_glow(const Medium& medium, Real length) {
     return medium.grid != nullptr ? medium.grid->brightest_emission() * length : emission_along(medium, length);
 }
 
+/// Flights go from particle to particle: through so many in milliseconds, and distances within a cell, which have 24
+/// bits, still tell them apart.
+constexpr double most_particles_in_a_cell = 1e5;
+
 std::size_t MediumTable::grid_bytes() const {
     std::size_t bytes = 0;
     for (const Medium& medium : media_) bytes += medium.grid != nullptr ? medium.grid->bytes() : 0;
@@ -122,6 +126,7 @@ std::int32_t MediumTable::add(const Medium& medium, const std::string& name) {
     names_.push_back(name);
     any_ = true;
     any_emits_ = any_emits_ || medium.emits;
+    any_bodies_ = any_bodies_ || medium.in_body;
     return static_cast<std::int32_t>(media_.size()) - 1;
 }
 
@@ -156,6 +161,12 @@ Result<MediumTable> MediumTable::build(const SceneDescription& scene, std::vecto
         if (!entry) return entry.error();
         auto medium = (*entry)->factory(entity, {scene, space, warnings});
         if (!medium) return medium.error();
+        if (medium->grid != nullptr)
+            if (const double met = medium->grid->most_met(); !(met <= most_particles_in_a_cell))
+                return error_at(entity.location, "the densest cell of medium '" + entity.name + "' is " +
+                                                     std::to_string(met) +
+                                                     " mean free paths across; expected at most " +
+                                                     std::to_string(most_particles_in_a_cell));
         for (const Parameter* p : entity.parameters.unused())
             warnings.push_back(error_at(p->location, "parameter '" + p->name + "' means nothing to medium '" +
                                                          entity.name + "' (" + entity.type + ")"));

@@ -31,8 +31,8 @@ struct Medium {
     bool scatters = false;  ///< sigma_s is not black
     bool emits = false;
     std::shared_ptr<const GridMedium>
-        grid;                  ///< what it is from place to place; the coefficients above mean nothing then
-    bool counts_depth = true;  ///< false inside subsurface materials: scatterings are not held against "maxdepth"
+        grid;              ///< what it is from place to place; the coefficients above mean nothing then
+    bool in_body = false;  ///< inside a subsurface material, for what "maxdepth" counts (path_depth.h)
 };
 
 /// exp(-sigma_t distance). Colours without extinction pass whole, over an infinite distance too.
@@ -82,6 +82,8 @@ class MediumTable {
     [[nodiscard]] std::size_t size() const { return media_.size(); }
     /// What events call the medium: its name in the scene.
     [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+    /// Whether any is inside a subsurface material.
+    [[nodiscard]] bool any_bodies() const { return any_bodies_; }
     /// The medium that the camera stands in; -1: none.
     [[nodiscard]] std::int32_t camera() const { return camera_; }
 
@@ -89,7 +91,7 @@ class MediumTable {
     std::vector<Medium> media_;
     std::vector<std::string> names_;
     std::int32_t camera_ = -1;
-    bool any_ = false, any_emits_ = false, any_grids_ = false;
+    bool any_ = false, any_emits_ = false, any_grids_ = false, any_bodies_ = false;
 };
 
 }  // namespace raylex::transport

@@ -6,6 +6,7 @@
 #include "transport/materials/bsdf/scatter.h"
 #include "transport/math/real.h"
 #include "transport/math/vec.h"
+#include "transport/paths/path_depth.h"
 
 namespace raylex::transport {
 
@@ -30,26 +31,27 @@ struct Subpath {
     Vec3 from_normal;         ///< its shading normal; zero where there is no surface
     Real travelled = 0;       ///< along the camera ray, over cutouts passed
     std::uint32_t depth = 0;  ///< scattering events so far
-    /// Of these and of the one that comes next: by media whose scatterings "maxdepth" does not count (subsurface), and
-    /// the mirrors of WalkOptions::counts_first_specular.
-    std::uint32_t uncounted = 0;
-    std::uint32_t segment = 0;  ///< rays so far, those beyond cutouts included: keys choices made once a ray
-    std::uint32_t light = 0;    ///< a light subpath's
-    std::int32_t medium = -1;   ///< what the next ray flies through; -1: nothing
-    std::uint8_t rays = 1;      ///< that leave the vertex at which it stands (splits.h),
-    bool all_lobes = false;     ///< or one by each of its specular lobes,
-    bool split = false;         ///< and whether rays were split before,
-    std::uint8_t followed = 0;  ///< and behind that so many specular vertices
-    std::uint8_t lights = 0;    ///< which of an integrator's choosers took the light sample where it was left,
-    Real light_share = 1;       ///< with which probability there was one at all,
-    Real ray_share = 1;         ///< and the next ray, where that is not specular
-    bool specular = true;       ///< the last direction could not have been found in another way (camera, delta lobes)
+    std::uint32_t uncounted = 0;  ///< of their length (path_depth.h), which "maxdepth" bounds
+    std::uint32_t segment = 0;    ///< rays so far, those beyond cutouts included: keys choices made once a ray
+    std::uint32_t light = 0;      ///< a light subpath's
+    std::int32_t medium = -1;     ///< what the next ray flies through; -1: nothing
+    std::uint8_t rays = 1;        ///< that leave the vertex at which it stands (splits.h),
+    bool all_lobes = false;       ///< or one by each of its specular lobes,
+    bool split = false;           ///< and whether rays were split before,
+    std::uint8_t followed = 0;    ///< and behind that so many specular vertices
+    std::uint8_t lights = 0;      ///< which of an integrator's choosers took the light sample where it was left,
+    Real light_share = 1;         ///< with which probability there was one at all,
+    Real ray_share = 1;           ///< and the next ray, where that is not specular
+    bool specular = true;         ///< the last direction could not have been found in another way (camera, delta lobes)
     bool any_non_specular = false;  ///< of its scatterings
     bool from_infinity = false;
     bool one_wavelength = false;  ///< has met an interface whose index depends on it (path_wavelengths.h)
 
-    /// What "maxdepth" bounds.
-    [[nodiscard]] std::uint32_t counted_depth() const { return depth > uncounted ? depth - uncounted : 0; }
+    /// What "maxdepth" bounds, as in path_depth.h. Walks in bodies can have more events than lengths have room for:
+    /// what is left of both does.
+    [[nodiscard]] std::int32_t length() const {
+        return static_cast<std::int32_t>(depth * static_cast<std::uint32_t>(whole_event) - uncounted);
+    }
 };
 
 /// What each vertex of a subpath draws, from `first` + scattering events so far * `stride` on, and what each ray draws.

@@ -13,6 +13,7 @@
 // scene does not have (media, cutouts) costs a test a batch, what nobody asks for (densities) one a vertex.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -22,6 +23,7 @@
 #include "transport/paths/counters.h"
 #include "transport/paths/event_table.h"
 #include "transport/paths/footprints.h"
+#include "transport/paths/path_depth.h"
 #include "transport/paths/path_wavelengths.h"
 #include "transport/paths/scattering.h"
 #include "transport/paths/splits.h"
@@ -52,6 +54,7 @@ class Walk {
         : scene_(scene),
           events_(events),
           options_(options),
+          depth_limit_(*scene.media, options.max_depth),
           in_media_(scene.asks_for_media()),
           has_footprints_(mode == TransportMode::radiance && scene.materials->filters_images()),
           paths_(capacity),
@@ -107,6 +110,16 @@ class Walk {
         return scene_.geometry->shapes()[vertices_.hits[j].shape].medium_towards(vertices_.points[j].geometric_normal,
                                                                                  direction, current);
     }
+    [[nodiscard]] const DepthLimit& depth_limit() const { return depth_limit_; }
+    /// Whether a path is short enough for an event behind the ray that it came by, in some direction at least.
+    [[nodiscard]] bool may_scatter(std::uint32_t row) const {
+        return depth_limit_.allows(paths_[row].length() + depth_limit_.least(came_within(row)));
+    }
+    /// The same of a collision, which ends in the medium where it began.
+    [[nodiscard]] bool may_collide(std::uint32_t row) const {
+        return depth_limit_.allows(paths_[row].length() + (came_within(row) ? 0 : whole_event));
+    }
+    [[nodiscard]] VertexDepth vertex_depth(std::size_t j) const;
     void finish(std::uint32_t row) { counters_->count_length(paths_[row].depth); }
 
   private:
@@ -116,6 +129,11 @@ class Walk {
         Real time;
         RayCone cone;
     };
+    [[nodiscard]] bool came_within(std::uint32_t row) const {
+        return depth_limit_.has_bodies() && is_within(paths_[row].medium);
+    }
+    [[nodiscard]] bool is_within(std::int32_t medium) const { return medium >= 0 && (*scene_.media)[medium].in_body; }
+    bool stays_short(std::size_t j, const Vec3& direction);
     static bool is_camera_ray(const Subpath& path) { return mode == TransportMode::radiance && path.depth == 0; }
     template <class Visitor>
     void trace(Visitor& visitor);
@@ -139,6 +157,7 @@ class Walk {
     const SceneView scene_;
     const EventTable& events_;
     const WalkOptions options_;
+    const DepthLimit depth_limit_;
     const bool in_media_, has_footprints_;
     std::span<const PixelSampler> samplers_;  // by row
     IntegratorCounters* counters_ = nullptr;
@@ -192,70 +211,6 @@ void Walk<mode>::trace(Visitor& visitor) {
                       {v.sources.data(), v.count});
 }
 
-/// A flight towards a hit or miss at `distance`. False if the subpath ends or collides before.
-template <TransportMode mode>
-template <class Visitor>
-bool Walk<mode>::crosses_medium(std::uint32_t row, const Ray& ray, Real distance, Visitor& visitor) {
-    Subpath& path = paths_[row];
-    const Medium& medium = (*scene_.media)[path.medium];
-    if (medium.grid != nullptr) return crosses_grid(row, ray, distance, visitor);
-    if (mode == TransportMode::radiance && medium.emits) visitor.volume_emits(row, emission_along(medium, distance));
-    const Vec2 u = samplers_[row].get_2d(dimensions.flights + path.segment);
-    if (!medium.scatters || !visitor.worth_colliding(row)) {
-        const Rgb passed = transmittance(medium, distance);
-        visitor.absorbs(row, distance, passed, u);
-        return lets_pass(row, passed);
-    }
-    return flies(row, ray, sample_free_flight(medium, path.beta, distance, u), visitor);
-}
-
-/// The same through a grid. Apart, so that homogeneous media pay one test for it.
-template <TransportMode mode>
-template <class Visitor>
-[[gnu::noinline]] bool Walk<mode>::crosses_grid(std::uint32_t row, const Ray& ray, Real distance, Visitor& visitor) {
-    const Subpath& path = paths_[row];
-    const Medium& medium = (*scene_.media)[path.medium];
-    const MediumSegment segment{ray.origin, ray.direction, distance};
-    const std::uint32_t key = samplers_[row].key(dimensions.null_collisions + path.segment);
-    if (mode == TransportMode::radiance && medium.emits)
-        visitor.volume_emits(row, medium.grid->emission(segment, FlightNumbers(key, 1)));
-    if (medium.scatters && visitor.worth_colliding(row)) {
-        const Vec2 u = samplers_[row].get_2d(dimensions.flights + path.segment);
-        return flies(row, ray, medium.grid->sample_free_flight(segment, path.beta, u, FlightNumbers(key)), visitor);
-    }
-    if (!is_camera_ray(path)) return lets_pass(row, medium.grid->transmittance(segment, FlightNumbers(key)));
-    // Deep images want to know where light is lost, which what is known in closed form does not say: another estimate.
-    Real lost_at = 0;
-    const Rgb passed = medium.grid->transmittance(segment, FlightNumbers(key, 2), lost_at);
-    visitor.absorbs_at(row, lost_at, passed);
-    return lets_pass(row, medium.grid->transmittance(segment, FlightNumbers(key)));
-}
-
-/// What a medium has left of the path, which is not black. False: it ends.
-template <TransportMode mode>
-bool Walk<mode>::lets_pass(std::uint32_t row, const Rgb& passed) {
-    Subpath& path = paths_[row];
-    path.beta *= passed;
-    if (is_camera_ray(path) || !path.beta.is_black()) return true;  // what a camera ray hits is asked for all the same
-    finish(row);
-    return false;
-}
-
-template <TransportMode mode>
-template <class Visitor>
-bool Walk<mode>::flies(std::uint32_t row, const Ray& ray, const FreeFlight& flight, Visitor& visitor) {
-    Subpath& path = paths_[row];
-    path.beta *= flight.weight;
-    if (!flight.collided) return true;
-    visitor.collides(row, flight.distance);
-    if (!(*scene_.media)[path.medium].counts_depth) ++path.uncounted;
-    if (path.counted_depth() >= options_.max_depth || path.beta.is_black()) finish(row);
-    else
-        collisions_[collision_count_++] = {row, ray.origin + ray.direction * flight.distance, ray.direction, ray.time,
-                                           ray.cone.after(flight.distance)};
-    return false;
-}
-
 /// The densities of a vertex follow from the one that its subpath left. Those of free flights are left out: a path of
 /// given vertices has them in every strategy, but for the transmittance along the segment that is joined
 /// (strategies.h).
@@ -269,28 +224,6 @@ void Walk<mode>::arrive(std::uint32_t row, const SurfacePoint& point, Real time,
     sums_[row].arrive(pdf * static_cast<double>(point.cosine(point.wo)) * near,
                       path.from_infinity ? 1 : static_cast<double>(path.cosine) * near);
     if (path.depth == 0) visitor.first_vertex(row, point, time, sums_[row]);
-}
-
-template <TransportMode mode>
-template <class Visitor>
-void Walk<mode>::append_collisions(Visitor& visitor) {
-    VertexBatch& v = vertices_;
-    for (std::size_t k = 0; k < collision_count_; ++k) {
-        const Collision& collision = collisions_[k];
-        const std::int32_t medium = paths_[collision.row].medium;
-        const std::size_t j = v.count++;
-        v.rows[j] = collision.row;
-        SurfacePoint& point = v.points[j];
-        point = SurfacePoint();
-        point.position = collision.position;
-        point.wo = -collision.forward;
-        point.material = SurfacePoint::no_material;
-        v.sources[j] = {{}, events_.medium_label(medium), 0};
-        v.hits[j].time = collision.time;
-        v.hits[j].cone = collision.cone;
-        v.bsdfs[j].set_phase((*scene_.media)[medium].g);
-        arrive(collision.row, point, collision.time, visitor);
-    }
 }
 
 /// Closest hit first, then one counter-based choice: in expectation what alpha blending gives, and what pbrt does.
@@ -330,6 +263,10 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
         Subpath& path = paths_[row];
         SurfacePoint& point = v.points[j];
         arrive(row, point, v.hits[j].time, visitor);
+        // Strategies that come there from the light would find another point: they leave it alone (LightSubpaths), and
+        // count for nothing here.
+        if (options_.densities && mode == TransportMode::radiance && shapes[v.hits[j].shape].faces_rays)
+            sums_[row].forward = std::numeric_limits<double>::infinity();
         if (cutouts && shapes[v.hits[j].shape].alpha >= 0) {
             const ShapeGeometry& shape = shapes[v.hits[j].shape];
             if (shape.interface && shape.first_light != Hit::none) visitor.interface_emits(j);
@@ -416,17 +353,44 @@ std::uint32_t Walk<mode>::take_branch(Subpath& path, const BsdfSample& s) {
 }
 
 template <TransportMode mode>
+VertexDepth Walk<mode>::vertex_depth(std::size_t j) const {
+    VertexDepth vertex{paths_[vertices_.rows[j]].length()};
+    if (!depth_limit_.has_bodies()) return vertex;
+    const SurfacePoint& point = vertices_.points[j];
+    vertex.surface = j < vertices_.surfaces;
+    vertex.came_within = is_within(medium_towards(j, point.wo));
+    vertex.front_within = is_within(medium_towards(j, point.geometric_normal));
+    vertex.back_within = is_within(medium_towards(j, -point.geometric_normal));
+    return vertex;
+}
+
+/// Takes off what does not count of the event at vertex j, which the path has left. False: it is too long for it.
+template <TransportMode mode>
+bool Walk<mode>::stays_short(std::size_t j, const Vec3& direction) {
+    Subpath& path = paths_[vertices_.rows[j]];
+    const bool first_specular = mode == TransportMode::radiance && !options_.counts_first_specular &&
+                                !path.any_non_specular && path.depth < options_.max_depth;
+    const std::int32_t event = first_specular ? 0 : depth_limit_.event(vertex_depth(j), vertices_.points[j], direction);
+    path.uncounted += static_cast<std::uint32_t>(whole_event - event);
+    return depth_limit_.allows(path.length());
+}
+
+template <TransportMode mode>
 template <class Visitor>
 void Walk<mode>::scatter(Visitor& visitor) {
     const VertexBatch& v = vertices_;
     const std::size_t passed_on = queue_.count;  // through cutouts: counted already
-    // A path's last scattering may be its connection to the camera, and a light subpath's always is.
-    constexpr std::uint32_t kept_back = mode == TransportMode::importance ? 1 : 0;
+    // A path's last scattering may be its connection to the camera, and a light subpath's always is: where that may be
+    // nothing, in bodies, it is counted when it comes.
+    constexpr std::uint32_t to_camera = mode == TransportMode::importance ? 1 : 0;
+    const std::int32_t kept_back = to_camera == 1 && !depth_limit_.has_bodies() ? whole_event : 0;
+    const bool counts_whole = !depth_limit_.has_bodies() && options_.counts_first_specular;
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
         Subpath& path = paths_[row];
-        if (path.counted_depth() + kept_back >= options_.max_depth || !visitor.worth_scattering(j)) {
-            counters_->count_length(path.depth + kept_back);
+        if (!depth_limit_.allows(path.length() + depth_limit_.least(came_within(row)) + kept_back) ||
+            !visitor.worth_scattering(j)) {
+            counters_->count_length(path.depth + to_camera);
             continue;
         }
         if constexpr (Visitor::splits)
@@ -452,9 +416,10 @@ void Walk<mode>::scatter(Visitor& visitor) {
         std::uint32_t rays = 1;
         if constexpr (Visitor::splits) rays = take_branch(path, s);
         leave_vertex<mode>(path, point, s);
-        if (mode == TransportMode::radiance && !options_.counts_first_specular && !path.any_non_specular &&
-            path.depth < options_.max_depth)
-            ++path.uncounted;
+        if (!counts_whole && !stays_short(j, s.wi)) {
+            finish(row);
+            continue;
+        }
         visitor.scatters(j, s.lobes);
         if (!is_finite(path.beta)) {
             visitor.invalid(row);
@@ -480,3 +445,5 @@ void Walk<mode>::scatter(Visitor& visitor) {
 }
 
 }  // namespace raylex::transport
+
+#include "transport/paths/walk_flights.h"

@@ -39,8 +39,8 @@ struct WalkVisitor {
     void absorbs(std::uint32_t /*row*/, Real /*distance*/, const Rgb& /*passed*/, const Vec2& /*u*/) {}
     /// The same in a grid, where the flight itself says at which distance light is lost.
     void absorbs_at(std::uint32_t /*row*/, Real /*lost_at*/, const Rgb& /*passed*/) {}
-    /// It met a particle after `distance`.
-    void collides(std::uint32_t /*row*/, Real /*distance*/) {}
+    /// It met a particle after `distance`. False: it ends there.
+    bool collides(std::uint32_t /*row*/, Real /*distance*/, const Ray& /*ray*/) { return true; }
     /// Whether what vertex j scatters could count at all: if not, the subpath ends there and no direction is drawn.
     bool worth_scattering(std::size_t /*j*/) { return true; }
     /// The subpath is scattered at vertex j, by these lobes.

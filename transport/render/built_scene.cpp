@@ -26,6 +26,15 @@ std::vector<std::int32_t> add_interiors(const SceneDescription& scene, const Mat
     return result;
 }
 
+/// Grids that may reach beyond all shapes: those around the camera and outside of what borders them.
+std::set<std::int32_t> open_grids(const EmbreeScene& geometry, const MediumTable& media) {
+    std::set<std::int32_t> open{media.camera()};
+    for (const ShapeGeometry& shape : geometry.shapes())
+        if (shape.inside_medium != shape.outside_medium) open.insert(shape.outside_medium);
+    std::erase_if(open, [&](std::int32_t index) { return index < 0 || media[index].grid == nullptr; });
+    return open;
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescription& description,
@@ -67,6 +76,15 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     for (ShapeGeometry& shape : scene->geometry_->shapes())
         if (const std::int32_t interior = interiors[static_cast<std::size_t>(shape.material)]; interior >= 0)
             shape.inside_medium = interior;
+    for (const std::int32_t index : open_grids(*scene->geometry_, scene->media_)) {
+        Bounds box{Vec3(infinity), Vec3(-infinity)};
+        for (const DVec3& corner : scene->media_[index].grid->corners()) {
+            const Vec3 at = corner.to_real();
+            box.lower = {std::min(box.lower.x, at.x), std::min(box.lower.y, at.y), std::min(box.lower.z, at.z)};
+            box.upper = {std::max(box.upper.x, at.x), std::max(box.upper.y, at.y), std::max(box.upper.z, at.z)};
+        }
+        scene->geometry_->extend_bounds(box);
+    }
     begin("lights");
     auto lights = LightTable::build(description, *scene->geometry_, scene->warnings);
     if (!lights) return lights.error();

@@ -73,4 +73,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
                             const std::function<void(const RenderProgress&)>& progress = {},
                             const std::atomic<bool>* stop = nullptr);
 
+/// Whether a render would begin: an Error is that of its camera, film, filter, sampler, integrator or settings.
+Status check_render(const BuiltScene& scene, const RenderSettings& settings);
+
 }  // namespace raylex::transport

@@ -448,6 +448,8 @@ TEST_CASE("lights with images name what is wrong with them", "[lights]") {
           Case{"LightSource \"projection\" \"float fov\" 180" + wide.parameter(), "between 0 and 180"},
           Case{"LightSource \"projection\" \"float power\" 5" + black.parameter(), "its image is black"},
           Case{"LightSource \"infinite\" \"float illuminance\" 5" + black.parameter(), "its image is black"},
+          Case{"LightSource \"point\" \"float scale\" -1", "expected 0 or more"},
+          Case{"AreaLightSource \"diffuse\" \"float scale\" -1\nShape \"sphere\"", "expected 0 or more"},
           Case{"LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 0]", "four point3"},
           Case{"LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 1 0 1 0]", "not a rectangle"},
           Case{"LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 2 1 0 0 1 0]", "right angles"},
@@ -457,10 +459,9 @@ TEST_CASE("lights with images name what is wrong with them", "[lights]") {
         INFO(each.text);
         const auto made = try_lit(each.text);
         REQUIRE_FALSE(made.ok());
-        const Error& error = made.error();
-        CHECK(error.to_string().find(each.message) != std::string::npos);
-        CHECK(error.file == "test.pbrt");
-        CHECK(error.line == 2);
+        CHECK(made.error().to_string().find(each.message) != std::string::npos);
+        CHECK(made.error().file == "test.pbrt");
+        CHECK(made.error().line == 2);
     }
 }
 

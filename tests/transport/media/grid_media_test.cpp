@@ -291,6 +291,8 @@ TEST_CASE("grids that cannot be are refused where they are written", "[media][gr
         {uniform + "\"float density\" 1 \"point3 p1\" [1 0 1]", "the box from 'p0' to 'p1' is flat"},
         {uniform + "\"float density\" 1 \"float raylex:majorant\" 0.5", "'raylex:majorant' is 0.5"},
         {uniform + "\"float density\" 1 \"float scale\" -1", "expected 0 or more"},
+        // By default 1 across, so that sigma_t is the depth along an axis, and sqrt(3) times that along the diagonal.
+        {uniform + "\"float density\" 1 \"rgb sigma_a\" [6e4 0 0] \"rgb sigma_s\" [0 0 0]", "mean free paths across"},
         {rgb, "has neither 'sigma_a' nor 'sigma_s'"},
         {rgb + "\"rgb sigma_s\" [1 1 1] \"rgb Le\" [1 1 1]", "'Le' without 'sigma_a'"},
         {rgb + "\"rgb sigma_s\" [1 1 1 2 2 2]", "'sigma_s' has 2 values; expected nx x ny x nz = 1"},

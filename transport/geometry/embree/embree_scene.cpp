@@ -166,6 +166,7 @@ Status EmbreeScene::add_curves(const SceneShape& shape, const Transform& placeme
                                                          " segments of curves have no length or no width and are left "
                                                          "out"));
     g.curves.type = shape.curve_type;
+    g.faces_rays = shape.curve_type != CurveType::ribbon;
     g.curves.first_points = placed->first_points;
     g.curves.splits = placed->splits;
     g.curves.extent = placed->extent;
@@ -424,9 +425,20 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
     rtcCommitScene(device.scene);
     RTCBounds b{};
     rtcGetSceneBounds(device.scene, &b);
-    if (b.lower_x <= b.upper_x) result.bounds_ = {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
+    result.is_bounded_ = b.lower_x <= b.upper_x;
+    if (result.is_bounded_) result.bounds_ = {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
     if (!device.log.message.empty()) return error_at({scene.file, 0, 0}, "Embree: " + device.log.message);
     return result;
+}
+
+void EmbreeScene::extend_bounds(const Bounds& box) {
+    const auto each = [](const Vec3& a, const Vec3& b, auto pick) {
+        return Vec3{pick(a.x, b.x), pick(a.y, b.y), pick(a.z, b.z)};
+    };
+    bounds_ = is_bounded_ ? Bounds{each(bounds_.lower, box.lower, [](Real a, Real b) { return std::min(a, b); }),
+                                   each(bounds_.upper, box.upper, [](Real a, Real b) { return std::max(a, b); })}
+                          : box;
+    is_bounded_ = true;
 }
 
 void flush_denormals() {

@@ -54,9 +54,12 @@ struct ShapeGeometry {
     bool interface = false;                       ///< no surface at all: rays pass, and no area light shines there
     bool border = false;                          ///< what passes it changes media: interfaces, also mixed ones
     bool hidden = false;                          ///< alpha is 0 everywhere: no ray ever stops here
-    int label = 0;                                ///< index into object_labels()
-    bool holdout = false;                         ///< see LabelRule
-    std::uint32_t first_light = Hit::none;        ///< set by the light table: the light of primitive 0
+    /// Where it is hit and how it is turned depends on where the ray comes from (flat curves and tubes), so that what a
+    /// subpath finds there one of the other direction does not.
+    bool faces_rays = false;
+    int label = 0;                          ///< index into object_labels()
+    bool holdout = false;                   ///< see LabelRule
+    std::uint32_t first_light = Hit::none;  ///< set by the light table: the light of primitive 0
 
     [[nodiscard]] BilinearPatch patch(std::uint32_t primitive) const;
     struct Interval {
@@ -196,7 +199,10 @@ class EmbreeScene {
     [[nodiscard]] std::size_t top_level_shapes() const { return top_level_shapes_; }
     /// Labels in use; [0] is the empty label.
     [[nodiscard]] const std::vector<std::string>& object_labels() const { return labels_; }
+    /// Of all that light may meet.
     [[nodiscard]] const Bounds& bounds() const { return bounds_; }
+    /// Takes a box into them that is no surface.
+    void extend_bounds(const Bounds& box);
     [[nodiscard]] const std::string& isa() const { return isa_; }
     [[nodiscard]] const RenderSpace& space() const { return space_; }
     [[nodiscard]] const ShutterSpan& shutter() const { return shutter_; }
@@ -250,6 +256,7 @@ class EmbreeScene {
     std::vector<std::string> labels_;
     std::size_t top_level_shapes_ = 0;
     Bounds bounds_;
+    bool is_bounded_ = false;  // false: bounds_ are of nothing
     Real ray_limit_ =
         largest_coordinate;  // of a ray's numbers, so that they stay in range in every instance's own space
     std::string isa_;

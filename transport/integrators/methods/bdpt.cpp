@@ -105,8 +105,8 @@ void Bdpt::keep_light_vertices(BdptThread& thread) const {
         const auto index = static_cast<std::uint32_t>(thread.light_vertices.size());
         const bool holdout = j < v.surfaces && geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
         thread.light_vertices.push_back({v.points[j], v.bsdfs[j], v.sources[j].offset, row, path.depth,
-                                         path.counted_depth(), thread.light.end(j), thread.last_vertex[row], ahead,
-                                         holdout, path.one_wavelength, path.beta, thread.light.sums(row)});
+                                         thread.light.vertex_depth(j), thread.light.end(j), thread.last_vertex[row],
+                                         ahead, holdout, path.one_wavelength, path.beta, thread.light.sums(row)});
         if (ahead.scatters) thread.last_vertex[row] = index;
     }
 }

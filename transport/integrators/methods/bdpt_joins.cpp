@@ -102,9 +102,13 @@ void Bdpt::join_vertices(BdptThread& thread, std::size_t j) const {
     const Subpath& path = thread.camera.path(row);
     const StrategySums& sums = thread.camera.sums(row);
     const SurfacePoint& point = v.points[j];
+    const DepthLimit& limit = thread.camera.depth_limit();
+    const VertexDepth length = thread.camera.vertex_depth(j);
     for (std::uint32_t i = thread.last_vertex[row]; i != LightVertex::none; i = thread.light_vertices[i].previous) {
         const LightVertex& y = thread.light_vertices[i];
-        if (path.counted_depth() + y.counted_depth + 2 > parameters_.max_depth) continue;
+        if (!limit.allows(length.before + limit.least(length.came_within) + y.length.before +
+                          limit.least(y.length.came_within)))
+            continue;
         if (!thread.light.worth_joining(thread.camera, j, y.end, y.point.material)) {
             thread.counters.count(Pruned::joins);
             continue;
@@ -113,6 +117,9 @@ void Bdpt::join_vertices(BdptThread& thread, std::size_t j) const {
         const Real d2 = length_squared(between);
         if (!(d2 > 0)) continue;
         const Vec3 direction = between / std::sqrt(d2);
+        if (limit.has_bodies() && !limit.allows(length.before + limit.event(length, point, direction) +
+                                                y.length.before + limit.event(y.length, y.point, -direction)))
+            continue;
         const JoinedScattering x = evaluate_scattering<TransportMode::radiance>(v.bsdfs[j], point, direction);
         if (x.f.value.is_black()) continue;
         const JoinedScattering z = evaluate_scattering<TransportMode::importance>(y.bsdf, y.point, -direction);
@@ -149,8 +156,8 @@ void Bdpt::connect_to_camera(const CameraBatch& batch, BdptThread& thread, Threa
                               ? batch.samplers[y.row].get_2d(
                                     subpath_dimensions<TransportMode::importance>.of(y.depth, camera_lens_dimension))
                               : Vec2{0, 0};
-        thread.splats.add(view_,
-                          {y.row, y.depth, &y.point, &y.bsdf, y.offset, y.holdout, power, y.end, &y.sums,
+        thread.splats.add(view_, thread.light.depth_limit(),
+                          {y.row, y.depth, y.length, &y.point, &y.bsdf, y.offset, y.holdout, power, y.end, &y.sums,
                            batch.rays[y.row].time, connection_key(context_.scene, batch.samplers[y.row], y.depth)},
                           lens);
     }

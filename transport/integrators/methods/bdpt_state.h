@@ -17,8 +17,9 @@ struct LightVertex {
     static constexpr std::uint32_t none = 0xffffffffu;
     SurfacePoint point;
     Bsdf bsdf;
-    OffsetBound offset{};                                 ///< SurfaceSource::offset
-    std::uint32_t row = 0, depth = 0, counted_depth = 0;  ///< Subpath's
+    OffsetBound offset{};              ///< SurfaceSource::offset
+    std::uint32_t row = 0, depth = 0;  ///< Subpath's
+    VertexDepth length;
     LightEnd end;
     std::uint32_t previous = none;  ///< of the same subpath
     display::LightForesight::Ahead ahead;

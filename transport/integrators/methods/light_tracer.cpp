@@ -111,11 +111,12 @@ void LightTracer::connect(const CameraBatch& batch, LightTracerThread& thread, T
                                     subpath_dimensions<TransportMode::importance>.of(path.depth, camera_lens_dimension))
                               : Vec2{0, 0};
         const bool holdout = j < v.surfaces && geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
-        thread.connections.add(view_,
-                               {row, path.depth, &v.points[j], &v.bsdfs[j], v.sources[j].offset, holdout,
-                                thread.subpaths.throughput(row), thread.subpaths.end(j), nullptr, v.hits[j].time,
-                                connection_key(context_.scene, batch.samplers[row], path.depth)},
-                               lens);
+        thread.connections.add(
+            view_, thread.subpaths.depth_limit(),
+            {row, path.depth, thread.subpaths.vertex_depth(j), &v.points[j], &v.bsdfs[j], v.sources[j].offset, holdout,
+             thread.subpaths.throughput(row), thread.subpaths.end(j), nullptr, v.hits[j].time,
+             connection_key(context_.scene, batch.samplers[row], path.depth)},
+            lens);
     }
     if (!context_.beauty && !geometry.has_alpha()) {
         Record record(*context_.events);
@@ -127,9 +128,12 @@ void LightTracer::connect(const CameraBatch& batch, LightTracerThread& thread, T
 
 std::vector<std::string> LightTracer::omissions() const {
     std::vector<LobeId> lobes;
-    for (const ShapeGeometry& shape : context_.scene.geometry->shapes())
-        if (!shape.interface)
-            context_.scene.materials->material(static_cast<std::size_t>(shape.material))->append_lobes(lobes);
+    bool curves = false;
+    for (const ShapeGeometry& shape : context_.scene.geometry->shapes()) {
+        if (shape.interface) continue;
+        context_.scene.materials->material(static_cast<std::size_t>(shape.material))->append_lobes(lobes);
+        curves = curves || shape.faces_rays;
+    }
     const bool singular = std::any_of(lobes.begin(), lobes.end(),
                                       [](LobeId lobe) { return lobe_kinds()[lobe].scatter == lpe::Scatter::singular; });
     std::vector<std::string> omitted;
@@ -137,6 +141,11 @@ std::vector<std::string> LightTracer::omissions() const {
         omitted.emplace_back(
             "integrator 'lighttracer' finds light that media emit only where the camera sees it directly: "
             "C.+O is missing from the image");
+    if (curves && parameters_.max_depth > 0)
+        omitted.emplace_back(
+            "integrator 'lighttracer' sees flat curves and tubes from where light comes, not from the camera: they "
+            "look "
+            "otherwise than with 'path' or 'bdpt'");
     if (!singular || parameters_.max_depth == 0) return omitted;
     omitted.emplace_back(
         "integrator 'lighttracer' does not find what the camera sees by a mirror or through smooth glass: paths whose "

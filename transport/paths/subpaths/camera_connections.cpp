@@ -6,7 +6,8 @@
 
 namespace raylex::transport {
 
-void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end, const Vec2& lens) {
+void CameraConnections::add(const CameraView& view, const DepthLimit& limit, const LightSubpathEnd& end,
+                            const Vec2& lens) {
     const SurfacePoint& point = *end.point;
     CameraConnection seen;
     if (!end.bsdf->has_density() || !view.camera->connect(point.position, lens, end.time, seen)) return;
@@ -20,6 +21,7 @@ void CameraConnections::add(const CameraView& view, const LightSubpathEnd& end, 
     // rounded cosine would give instead no other strategy finds, and near the camera it adds up.
     if (abs_dot(way, point.geometric_normal) < end.offset.here) return;
     const Vec3 to_camera = normalize(way);
+    if (!limit.allows(end.length.before + limit.event(end.length, point, to_camera))) return;
     const JoinedScattering scattering =
         evaluate_scattering<TransportMode::importance, false>(*end.bsdf, point, to_camera);
     const BsdfEvaluation& f = scattering.f;

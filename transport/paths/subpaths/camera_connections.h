@@ -31,6 +31,7 @@ struct CameraView {
 struct LightSubpathEnd {
     std::uint32_t row = 0;
     std::uint32_t depth = 0;  ///< scattering events before it
+    VertexDepth length;
     const SurfacePoint* point = nullptr;
     const Bsdf* bsdf = nullptr;
     OffsetBound offset{};  ///< SurfaceSource::offset
@@ -52,7 +53,7 @@ class CameraConnections {
   public:
     void clear() { pending_.clear(), shadow_rays_.clear(); }
     /// Whether the camera sees the point is found out by splat(). `lens` in [0, 1)^2.
-    void add(const CameraView& view, const LightSubpathEnd& end, const Vec2& lens);
+    void add(const CameraView& view, const DepthLimit& limit, const LightSubpathEnd& end, const Vec2& lens);
     /// Leaves out what no channel accepts (Law 4): for renders without beauty, and without cutouts, whose events come
     /// before.
     void drop_dead(const Record& record, IntegratorCounters& counters);

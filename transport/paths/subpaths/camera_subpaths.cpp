@@ -113,9 +113,9 @@ struct CameraSubpaths::Scatterer : WalkVisitor {
     }
     void invalid(std::uint32_t row) { self.record_.reject(row, self.path(row).beta); }
     bool goes_on(std::uint32_t row) {
-        const bool nothing_to_find =
-            self.path(row).counted_depth() >= self.options_.walk.max_depth && !self.options_.light_can_be_hit;
-        if (nothing_to_find) return false;
+        // Without bodies, where the next event may be nothing.
+        const bool last = !self.depth_limit().allows(self.path(row).length() + self.depth_limit().least(true));
+        if (last && !self.options_.light_can_be_hit) return false;
         const bool worth = self.record_.worth(row);
         if (!worth) self.walk_.counters().count(Pruned::paths);
         return worth;

@@ -100,10 +100,17 @@ class CameraSubpaths {
     }
     [[nodiscard]] const Record& record() const { return record_; }
     /// Whether vertex j can be connected with light: something scatters there, and a path one event longer is not too
-    /// long.
+    /// long; which in bodies depends on where to.
     [[nodiscard]] bool can_connect(std::size_t j) const {
-        return vertices().bsdfs[j].has_density() && path(vertices().rows[j]).counted_depth() < options_.walk.max_depth;
+        return vertices().bsdfs[j].has_density() && walk_.may_scatter(vertices().rows[j]);
     }
+    [[nodiscard]] bool can_connect(std::size_t j, const Vec3& direction) const {
+        if (!depth_limit().has_bodies()) return true;
+        const VertexDepth vertex = walk_.vertex_depth(j);
+        return depth_limit().allows(vertex.before + depth_limit().event(vertex, vertices().points[j], direction));
+    }
+    [[nodiscard]] const DepthLimit& depth_limit() const { return walk_.depth_limit(); }
+    [[nodiscard]] VertexDepth vertex_depth(std::size_t j) const { return walk_.vertex_depth(j); }
 
     /// Infinite lights that light sampling leaves to scattering, reported as blocked: vertex j hides them.
     void report_hidden_environments(const LightChooser& sampled, std::size_t j) const;
@@ -129,9 +136,8 @@ class CameraSubpaths {
     /// For light that may come there.
     [[nodiscard]] bool worth_shading(std::size_t j) {
         const std::uint32_t row = vertices().rows[j];
-        const Subpath& subpath = path(row);
         if (record_.events().wants_user() && record_.channels_follow(row)) return true;
-        if (subpath.counted_depth() >= options_.walk.max_depth) return false;
+        if (!walk_.may_scatter(row)) return false;
         const bool worth = record_.ahead(row, vertices().sources[j].label, vertices().points[j].material).anything;
         if (!worth) walk_.counters().count(Pruned::paths);
         return worth;
@@ -183,7 +189,7 @@ struct CameraSubpaths::Visitor : WalkVisitor {
     bool worth_colliding(std::uint32_t row) {
         const Subpath& path = self.path(row);
         if (path.depth == 0) return true;  // the camera ray's depth and opacity are to be found
-        return path.counted_depth() < self.options_.walk.max_depth && self.record_.worth_colliding(row, path.medium);
+        return self.walk_.may_collide(row) && self.record_.worth_colliding(row, path.medium);
     }
     void absorbs(std::uint32_t row, Real distance, const Rgb& passed, const Vec2& u) {
         const Subpath& path = self.path(row);
@@ -195,11 +201,12 @@ struct CameraSubpaths::Visitor : WalkVisitor {
         if (path.depth > 0 || !(passed.average() < 1)) return;
         display.add_sample(static_cast<int>(row), {to_float(path.travelled + lost_at), RgbD(Rgb(1) - passed), true});
     }
-    void collides(std::uint32_t row, Real distance) {
+    bool collides(std::uint32_t row, Real distance, const Ray& /*ray*/) {
         const Subpath& path = self.path(row);
-        if (path.depth > 0) return;
+        if (path.depth > 0) return true;
         display.write_distance(static_cast<int>(row), to_float(path.travelled + distance), true);
         display.write_opacity(static_cast<int>(row), raylex::Rgb(1));
+        return true;
     }
 };
 

@@ -23,6 +23,7 @@ inline bool draw_light_sample(const SceneView& scene, const LightChooser& choose
     const Vec2 u = sampler.get_2d(dimensions.of(depth, light_sample_dimension));
     if (!lights.sample(chooser, *scene.geometry, {point.position, point.shading_normal}, u_choice, u, sample))
         return false;
+    if (!subpaths.can_connect(j, sample.wi)) return false;
     if (scene.tests_alpha()) sample.radiance *= emitter_opacity(scene, sample, point.position);
     return true;
 }

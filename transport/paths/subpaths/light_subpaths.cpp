@@ -85,7 +85,20 @@ Rgb LightSubpaths::from_infinity(std::uint32_t row, const EmissionSample& s) con
 struct LightSubpaths::Visitor : WalkVisitor {
     LightSubpaths& self;
 
+    /// Whether a subpath out of a portal's sky has come through the portal: before that its light is nobody's.
+    [[nodiscard]] bool is_in(std::uint32_t row, const Vec3& point, const Vec3& forward) const {
+        const Subpath& path = self.path(row);
+        return path.depth > 0 || self.scene_.lights->lights()[path.light].kind != LightKind::portal_environment ||
+               !self.scene_.lights->environment_radiance(path.light, point, -forward).is_black();
+    }
+    bool collides(std::uint32_t row, Real distance, const Ray& ray) {
+        return is_in(row, ray.origin + ray.direction * distance, ray.direction);
+    }
     bool arrives(std::size_t j) {
+        const VertexBatch& v = self.vertices();
+        if (!is_in(v.rows[j], v.points[j].position, v.rays[j].direction)) return false;
+        // Joined with camera subpaths, which see another surface there (ShapeGeometry::faces_rays).
+        if (self.options_.walk.densities && self.scene_.geometry->shapes()[v.hits[j].shape].faces_rays) return false;
         const bool worth = self.ahead(j).anything();
         if (!worth) self.walk_.counters().count(Pruned::light_paths);
         return worth;

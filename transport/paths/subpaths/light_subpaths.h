@@ -44,6 +44,8 @@ class LightSubpaths {
     [[nodiscard]] const VertexBatch& vertices() const { return walk_.vertices(); }
     [[nodiscard]] const Subpath& path(std::uint32_t row) const { return walk_.path(row); }
     [[nodiscard]] const PixelSampler& sampler(std::uint32_t row) const { return walk_.sampler(row); }
+    [[nodiscard]] const DepthLimit& depth_limit() const { return walk_.depth_limit(); }
+    [[nodiscard]] VertexDepth vertex_depth(std::size_t j) const { return walk_.vertex_depth(j); }
     /// Walk's: the power, and the weight of its wavelength if it is of one.
     [[nodiscard]] Rgb throughput(std::uint32_t row) const { return walk_.throughput(row); }
     /// Of paths that are of one wavelength: its weight.
