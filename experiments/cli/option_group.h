@@ -27,8 +27,8 @@ class OptionGroup {
             ->allow_extra_args(false)
             ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     }
-    void add_flag(const std::string& names, bool& to, const std::string& description) const {
-        command_.add_flag(names, to, description)->group(name_);
+    CLI::Option* add_flag(const std::string& names, bool& to, const std::string& description) const {
+        return command_.add_flag(names, to, description)->group(name_);
     }
 
   private:

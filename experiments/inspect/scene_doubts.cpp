@@ -1,8 +1,12 @@
 #include "experiments/inspect/scene_doubts.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "experiments/program/console.h"
 #include "transport/geometry/shapes/placed_mesh.h"
@@ -54,6 +58,7 @@ Used everything_used(const SceneDescription& scene) {
     for (const auto& each : scene.media) add_references(each, used);
     for (const int medium : media)
         if (medium >= 0) used.media.insert(scene.media[static_cast<std::size_t>(medium)].name);
+    used.textures.erase("");
     return used;
 }
 
@@ -73,8 +78,9 @@ void doubt_unused(const transport::SceneEntity& entity, const char* what, const 
                   Doubts& doubts) {
     if (entity.name.empty() || used.count(entity.name) > 0) return;
     const std::string near = nearest_name(entity.name, {used.begin(), used.end()});
-    doubts.push_back(error_at(entity.location, std::string("the ") + what + " '" + entity.name + "' is used by nothing",
-                              !is_slip(entity.name, near) ? "" : "'" + near + "' is used: was this meant?"));
+    doubts.push_back(
+        error_at(entity.location, std::string("the ") + what + " '" + entity.name + "' is used by nothing",
+                 near.empty() || !is_slip(entity.name, near) ? "" : "'" + near + "' is used: was this meant?"));
 }
 
 void doubt_unused_entities(const SceneDescription& scene, const Used& used, Doubts& doubts) {
@@ -82,6 +88,7 @@ void doubt_unused_entities(const SceneDescription& scene, const Used& used, Doub
     for (const int material : used.materials)
         if (static_cast<std::size_t>(material) < scene.materials.size())
             materials.insert(scene.materials[static_cast<std::size_t>(material)].name);
+    materials.erase("");
     for (const auto& each : scene.materials) doubt_unused(each, "material", materials, doubts);
     for (const auto& each : scene.textures) doubt_unused(each, "texture", used.textures, doubts);
     for (const auto& each : scene.media) doubt_unused(each, "medium", used.media, doubts);
@@ -105,43 +112,91 @@ DVec3 at(const std::vector<transport::StoredVec3>& values, std::uint32_t i) {
     return DVec3(values[i]);
 }
 
+/// Twice the area of a face in texture space, its corners in order; of a triangle the last one comes twice.
+double uv_area(const SceneShape& shape, const std::array<std::uint32_t, 4>& around) {
+    double area = 0;
+    for (std::size_t i = 1; i + 1 < around.size(); ++i) {
+        const auto side = [&](std::size_t corner) {
+            const auto &to = shape.uvs[around[corner]], &from = shape.uvs[around[0]];
+            return std::pair{double(to.x) - from.x, double(to.y) - from.y};
+        };
+        const auto [ux, uy] = side(i);
+        const auto [vx, vy] = side(i + 1);
+        area += std::abs(ux * vy - uy * vx);
+    }
+    return area;
+}
+
 FaceCounts count_faces(const SceneShape& shape) {
     FaceCounts counts;
-    const std::size_t corners = shape.kind == ShapeKind::triangle_mesh ? 3 : 4;
+    const bool triangles = shape.kind == ShapeKind::triangle_mesh;
+    const std::size_t corners = triangles ? 3 : 4;
     counts.faces = shape.indices.size() / corners;
-    const std::vector<std::uint32_t>& indices = shape.indices;
-    if (corners != 3) return counts;
-    for (std::size_t i = 0; i + 3 <= indices.size(); i += 3) {
-        const std::uint32_t a = indices[i], b = indices[i + 1], c = indices[i + 2];
-        if (!shape.uvs.empty()) {
-            const double ux = double(shape.uvs[b].x) - shape.uvs[a].x, uy = double(shape.uvs[b].y) - shape.uvs[a].y;
-            const double vx = double(shape.uvs[c].x) - shape.uvs[a].x, vy = double(shape.uvs[c].y) - shape.uvs[a].y;
-            counts.degenerate_uv += ux * vy - uy * vx == 0;
+    for (std::size_t face = 0; face < counts.faces; ++face) {
+        const std::uint32_t* of = shape.indices.data() + face * corners;
+        const std::array<std::uint32_t, 4> around =
+            triangles ? std::array{of[0], of[1], of[2], of[2]} : std::array{of[0], of[1], of[3], of[2]};
+        // Of a patch by its diagonals, of a triangle, whose last corner comes twice, by two sides.
+        const auto corner = [&](std::size_t i) { return at(shape.positions, around[i]); };
+        const DVec3 n = cross(corner(2) - corner(0), corner(3) - corner(1));
+        if (!shape.uvs.empty()) counts.degenerate_uv += uv_area(shape, around) == 0;
+        bool front = false, back = false;
+        for (std::size_t i = 0; i < corners && !shape.normals.empty(); ++i) {
+            const double side = dot(n, at(shape.normals, around[i]));
+            front = front || side > 0;
+            back = back || side < 0;
         }
-        if (!shape.normals.empty()) {
-            const DVec3 n =
-                cross(at(shape.positions, b) - at(shape.positions, a), at(shape.positions, c) - at(shape.positions, a));
-            bool front = false, back = false;
-            for (const std::uint32_t corner : {a, b, c}) {
-                const double side = dot(n, at(shape.normals, corner));
-                front = front || side > 0;
-                back = back || side < 0;
-            }
-            counts.torn_normals += front && back;
-        }
+        counts.torn_normals += front && back;
     }
     return counts;
 }
 
-bool reads_textures(const SceneDescription& scene, int material) {
-    if (material < 0 || static_cast<std::size_t>(material) >= scene.materials.size()) return false;
-    const auto& parameters = scene.materials[static_cast<std::size_t>(material)].parameters.parameters;
-    return std::any_of(parameters.begin(), parameters.end(), [](const Parameter& parameter) {
-        return parameter.type == ParameterType::texture || parameter.name == "normalmap";
-    });
-}
+/// What goes by texture coordinates of all that a shape's look is made of.
+class TexturedBy {
+  public:
+    explicit TexturedBy(const SceneDescription& scene) : scene_(scene) {
+        for (const transport::SceneTexture& texture : scene.textures) textures_.emplace(texture.name, &texture);
+        for (const transport::SceneEntity& material : scene.materials) materials_.emplace(material.name, &material);
+    }
+    [[nodiscard]] bool coordinates(const SceneShape& shape) {
+        return texture(shape.alpha_texture) || texture(shape.displacement_texture) ||
+               (shape.material >= 0 && static_cast<std::size_t>(shape.material) < scene_.materials.size() &&
+                parameters(scene_.materials[static_cast<std::size_t>(shape.material)]));
+    }
 
-void doubt_shape(const SceneDescription& scene, const SceneShape& shape, Doubts& doubts) {
+  private:
+    bool parameters(const transport::SceneEntity& entity) {
+        if (!seen_.insert(&entity).second) return answers_[&entity];
+        bool& answer = answers_[&entity];
+        for (const Parameter& parameter : entity.parameters.parameters) {
+            answer = answer || parameter.name == "normalmap";
+            for (const std::string& name : parameter.strings) {
+                if (parameter.type == ParameterType::texture) answer = answer || texture(name);
+                if (parameter.name != "materials") continue;
+                const auto part = materials_.find(name);
+                answer = answer || (part != materials_.end() && parameters(*part->second));
+            }
+        }
+        return answer;
+    }
+    bool texture(const std::string& name) {
+        const auto [first, last] = textures_.equal_range(name);
+        return std::any_of(first, last, [&](const auto& each) {
+            const transport::SceneTexture& texture = *each.second;
+            static const std::set<std::string> placed{"imagemap", "checkerboard", "dots", "bilerp"};
+            const auto mapping = texture.parameters.string_or("mapping", "uv");
+            return (placed.count(texture.type) > 0 && mapping && *mapping == "uv") || parameters(texture);
+        });
+    }
+
+    const SceneDescription& scene_;
+    std::multimap<std::string, const transport::SceneTexture*> textures_;
+    std::map<std::string, const transport::SceneEntity*> materials_;
+    std::set<const transport::SceneEntity*> seen_;  // in work or done: mixes may name themselves
+    std::map<const transport::SceneEntity*, bool> answers_;
+};
+
+void doubt_shape(const SceneShape& shape, TexturedBy& textured, Doubts& doubts) {
     if (shape.kind != ShapeKind::triangle_mesh && shape.kind != ShapeKind::bilinear_mesh) return;
     const FaceCounts counts = count_faces(shape);
     const auto doubt = [&](std::size_t count, const std::string& what) {
@@ -150,7 +205,7 @@ void doubt_shape(const SceneDescription& scene, const SceneShape& shape, Doubts&
                                                       " faces of " + transport::mesh_name(shape) + " " + what));
     };
     if (counts.faces == 0) doubts.push_back(error_at(shape.location, transport::mesh_name(shape) + " has no faces"));
-    if (reads_textures(scene, shape.material) || !shape.alpha_texture.empty())
+    if (counts.degenerate_uv > 0 && textured.coordinates(shape))
         doubt(counts.degenerate_uv, "have texture coordinates on a line, and a material that reads textures");
     doubt(counts.torn_normals, "have vertex normals on both of their sides");
 }
@@ -175,16 +230,18 @@ void doubt_lights(const SceneDescription& scene, const transport::BuiltScene& bu
         if (!(lights[primitives + i].power > 0))
             doubts.push_back(
                 error_at(scene.lights[i].location, "this " + scene.lights[i].type + " light gives no light"));
-    if (lights.empty()) doubts.push_back(error_at({scene.file, 0, 0}, "the scene has no light: its image is black"));
+    if (lights.empty() && !built.view().media->any_emits())
+        doubts.push_back(error_at({scene.file, 0, 0}, "the scene has no light: its image is black"));
 }
 
 }  // namespace
 
 std::vector<Error> scene_doubts(const SceneDescription& scene, const transport::BuiltScene& built) {
     Doubts doubts;
-    for (const SceneShape& shape : scene.shapes) doubt_shape(scene, shape, doubts);
+    TexturedBy textured(scene);
+    for (const SceneShape& shape : scene.shapes) doubt_shape(shape, textured, doubts);
     for (const transport::SceneObject& object : scene.objects)
-        for (const SceneShape& shape : object.shapes) doubt_shape(scene, shape, doubts);
+        for (const SceneShape& shape : object.shapes) doubt_shape(shape, textured, doubts);
     doubt_lights(scene, built, doubts);
     doubt_unused_entities(scene, everything_used(scene), doubts);
     return doubts;

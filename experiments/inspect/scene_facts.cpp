@@ -3,8 +3,11 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <set>
+#include <span>
 
 #include "experiments/job/rendering/effect_report.h"
 #include "experiments/program/console.h"
@@ -107,6 +110,20 @@ std::string point_text(const double (&p)[3]) {
     return "(" + number_text(p[0], 6) + ", " + number_text(p[1], 6) + ", " + number_text(p[2], 6) + ")";
 }
 
+/// All but the default one, where every shape has another.
+std::span<const transport::SceneEntity> materials_in_use(const SceneDescription& scene) {
+    const auto by_default = [](const SceneShape& shape) { return shape.material <= 0; };
+    bool used = std::any_of(scene.shapes.begin(), scene.shapes.end(), by_default);
+    for (const transport::SceneObject& object : scene.objects)
+        used = used || std::any_of(object.shapes.begin(), object.shapes.end(), by_default);
+    return std::span(scene.materials).subspan(used || scene.materials.empty() ? 0 : 1);
+}
+
+/// Of a bound, which the intersector keeps a least number away from 0.
+double coordinate(float rendered, double origin) {
+    return (std::abs(rendered) <= std::numeric_limits<float>::min() ? 0.0 : double{rendered}) + origin;
+}
+
 Json json_of(const std::vector<KindCount>& kinds) {
     Json json = Json::object();
     for (const KindCount& each : kinds) json[each.kind] = each.count;
@@ -121,7 +138,7 @@ SceneFacts scene_facts(const SceneDescription& scene) {
     facts.objects = scene.objects.size();
     facts.instances = scene.instances.size();
     add_shapes(scene, facts);
-    facts.materials = by_type(scene.materials);
+    facts.materials = by_type(materials_in_use(scene));
     facts.textures = by_type(scene.textures);
     facts.media = by_type(scene.media);
     facts.lights = by_type(scene.lights);
@@ -155,8 +172,8 @@ void add_built_facts(const transport::BuiltScene& built, SceneFacts& facts) {
     const transport::DVec3& origin = built.space().origin;
     const double to_world[3] = {origin.x, origin.y, origin.z};
     for (int i = 0; i < 3; ++i) {
-        facts.lower[i] = static_cast<double>(bounds.lower[i]) + to_world[i];
-        facts.upper[i] = static_cast<double>(bounds.upper[i]) + to_world[i];
+        facts.lower[i] = coordinate(bounds.lower[i], to_world[i]);
+        facts.upper[i] = coordinate(bounds.upper[i], to_world[i]);
     }
     facts.build_seconds = built.build_seconds;
     facts.grid_bytes = built.view().media->grid_bytes();

@@ -62,6 +62,8 @@ TEST_CASE("raylex scene info counts what a scene holds and says where it stands"
     CHECK(unbuilt.code == 0);
     CHECK_FALSE(contains(unbuilt.out, "bounds"));
     CHECK(run_raylex(folder, "scene info nowhere.pbrt").code == 2);
+    CHECK(facts["materials"] == experiments::Json{{"diffuse", 1}});  // the default one is nobody's
+    CHECK(contains(run_raylex(folder, "scene info room.pbrt --picture room.jpg").err, "expected a PNG file name"));
 }
 
 TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, and exits with 1") {
@@ -102,6 +104,70 @@ TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, 
         CHECK_FALSE(contains(run_raylex(folder, "scene check doubtful.pbrt").out, "was this meant"));
     }
     check(sky + face + "\nObjectBegin \"leaf\"\nShape \"sphere\"\nObjectEnd\n", "the object 'leaf' has no instance");
+
+    // Media may be all that shines.
+    check(
+        "MakeNamedMedium \"fire\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1]\nMediumInterface \"fire\" \"\"\n" +
+            face,
+        "");
+    // A short name is no slip for one that is not there.
+    check(sky + face + "\nTexture \"a\" \"float\" \"constant\"\n", "the texture 'a' is used by nothing");
+    CHECK_FALSE(contains(run_raylex(folder, "scene check doubtful.pbrt").out, "was this meant"));
+}
+
+TEST_CASE("raylex scene check asks for texture coordinates where something goes by them, in mixes and patches too") {
+    const Folder folder;
+    const auto doubts = [&](const std::string& textures, const std::string& material, bool patch) {
+        folder.write("uv.pbrt",
+                     "WorldBegin\nLightSource \"infinite\"\n" + textures + "\n" + material + "\nShape " +
+                         (patch ? "\"bilinearmesh\" \"point3 P\" [0 0 5  1 0 5  0 1 5  1 1 5]"
+                                  " \"point2 uv\" [0 0  1 1  2 2  3 3]\n"
+                                : "\"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 5  1 0 5  0 1 5]"
+                                  " \"point2 uv\" [0 0  1 1  2 2]\n"));
+        const Outcome outcome = run_raylex(folder, "scene check uv.pbrt");
+        CAPTURE(textures, material, outcome.out, outcome.err);
+        CHECK(outcome.code == (contains(outcome.out, "have texture coordinates on a line") ? 1 : 0));
+        return outcome.code == 1;
+    };
+    const std::string by_a = "Material \"diffuse\" \"texture reflectance\" \"a\"";
+    const std::string checks = "Texture \"a\" \"spectrum\" \"checkerboard\" ";
+    CHECK(doubts(checks, by_a, false));
+    CHECK(doubts(checks, by_a, true));
+    CHECK_FALSE(doubts(checks + "\"string mapping\" \"planar\"", by_a, false));
+    CHECK_FALSE(doubts("Texture \"a\" \"spectrum\" \"marble\"", by_a, false));
+    CHECK(
+        doubts("Texture \"b\" \"spectrum\" \"checkerboard\"\n"
+               "Texture \"a\" \"spectrum\" \"scale\" \"texture tex\" \"b\" \"float scale\" .5",
+               by_a, false));
+    CHECK(doubts(checks,
+                 "MakeNamedMaterial \"x\" \"string type\" \"diffuse\" \"texture reflectance\" \"a\"\n"
+                 "MakeNamedMaterial \"y\" \"string type\" \"diffuse\"\n"
+                 "Material \"mix\" \"string materials\" [\"x\" \"y\"]",
+                 false));
+}
+
+TEST_CASE("raylex scene check refuses what a render would refuse, and its options what they do not go with") {
+    const Folder folder;
+    for (const char* line :
+         {"Camera \"realistic\"", "Camera \"foo\"", "Camera \"perspective\" \"float fov\" 200",
+          "PixelFilter \"gaussian\" \"float xradius\" -1", "Sampler \"halton\" \"integer pixelsamples\" 0",
+          "Integrator \"path\" \"integer maxdepth\" -1", "Film \"rgb\" \"integer xresolution\" 0"}) {
+        folder.write("refused.pbrt", std::string(line) + "\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n");
+        CAPTURE(line);
+        const Outcome checked = run_raylex(folder, "scene check refused.pbrt");
+        CAPTURE(checked.out, checked.err);
+        CHECK(checked.code == 2);
+        CHECK(contains(checked.err, "refused.pbrt:1"));
+        const Outcome told = run_raylex(folder, "scene info refused.pbrt");
+        CHECK(told.code == 0);
+        CHECK(contains(told.err, "cannot be rendered as it is: refused.pbrt:1"));
+    }
+    folder.write("room.pbrt", counted_scene);
+    CHECK(run_raylex(folder, "scene check room.pbrt --only film-size").code == 2);
+    const Outcome onto_itself = run_raylex(folder, "scene write room.pbrt -o room.pbrt");
+    CHECK(onto_itself.code == 2);
+    CHECK(contains(onto_itself.err, "this is the scene that is read"));
+    CHECK(folder.read("room.pbrt") == counted_scene);
 }
 
 TEST_CASE("raylex scene check tells all files that are missing, each at its line with the folders searched") {

@@ -95,8 +95,10 @@ class PbrtWriter {
     }
 
     void head() {
-        if (scene_.color.scene_space != ColorSpace::srgb)
+        if (scene_.color.scene_space != ColorSpace::srgb) {
             line("ColorSpace " + quoted(space_names[static_cast<std::size_t>(scene_.color.scene_space)]));
+            if (scene_.film.type.empty()) line("Film \"rgb\"");  // readers take the scene's space at its film
+        }
         entity("Film", scene_.film);
         entity("PixelFilter", scene_.filter);
         entity("Sampler", scene_.sampler);
@@ -109,12 +111,12 @@ class PbrtWriter {
             if (placed) line("Identity");
         }
         if (scene_.camera_medium >= 0) line("MediumInterface \"\" " + medium_name(scene_.camera_medium));
+        if (scene_.transform_times != std::array<double, 2>{0, 1}) {
+            std::string text = "TransformTimes ";
+            for (const double time : scene_.transform_times) append_number(text, time);
+            line(text);
+        }
         if (!scene_.camera.type.empty()) {
-            if (scene_.transform_times != std::array<double, 2>{0, 1}) {
-                std::string text = "TransformTimes ";
-                for (const double time : scene_.transform_times) append_number(text, time);
-                line(text);
-            }
             camera_place(scene_.camera_to_world);
             if (scene_.camera_moved_to) {
                 line("ActiveTransform EndTime");

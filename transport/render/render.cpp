@@ -57,4 +57,9 @@ Result<RenderOutput> render(const SceneDescription& description, const BuiltScen
     return render(scene, identified, progress, stop);
 }
 
+Status check_render(const BuiltScene& scene, const RenderSettings& settings) {
+    const auto resolved = ResolvedJob::resolve(scene, settings);
+    return resolved ? success() : resolved.error();
+}
+
 }  // namespace raylex::transport

@@ -39,6 +39,9 @@ int write_scene(const WriteOptions& options) {
     const auto scene = transport::import_pbrt(options.input);
     if (!scene) return report_error(scene.error());
     print_warnings(*scene);
+    std::error_code none;
+    if (fs::equivalent(options.input, options.output, none))
+        return report_error(error_at({options.output, 0, 0}, "this is the scene that is read", "another file's name"));
     const auto left_out = transport::write_pbrt(*scene, options.output);
     if (!left_out) return report_error(left_out.error());
     for (const std::string& each : *left_out) print_warning(each);
@@ -112,11 +115,14 @@ int check_scene(const SceneCheckOptions& options) {
         if (!scene) return report_error(scene.error());
         print_warnings(*scene);
         if (!built) return report_error(built.error());
+        if (const Status can = transport::check_render(**built, {}); !can) return report_error(can.error());
         const std::vector<Error> doubts = scene_doubts(*scene, **built);
         for (const Error& doubt : doubts) print_line(doubt.to_string());
         const std::size_t objects = scene->objects.size();
-        print_line(options.input + ": " + counted(scene->shapes.size(), "shape") + ", " + counted(objects, "object") +
-                   ", " + counted(scene->instances.size(), "instance") + ", " +
+        std::size_t shapes = scene->shapes.size();
+        for (const transport::SceneObject& object : scene->objects) shapes += object.shapes.size();
+        print_line(options.input + ": " + counted(shapes, "shape") + ", " + counted(objects, "object") + ", " +
+                   counted(scene->instances.size(), "instance") + ", " +
                    counted(scene->lights.size() + scene->area_lights.size(), "light") + ", " +
                    counted(scene->warnings.size(), "warning") + ", " + counted(doubts.size(), "doubt") +
                    (scene->placeholders.empty()
@@ -147,8 +153,9 @@ void add_check_command(CLI::App& scene, CommandContext& context) {
     auto options = std::make_shared<SceneCheckOptions>();
     command->add_option("SCENE.pbrt", options->input, "the scene")->required();
     const OptionGroup group(*command, "Options");
-    group.add_flag("--invariants", options->invariants, "renders it and variants of it, small, and prints a table");
-    group.add_repeated("--only", options->check.only, "NAME", "one of the invariants below");
+    auto* invariants =
+        group.add_flag("--invariants", options->invariants, "renders it and variants of it, small, and prints a table");
+    group.add_repeated("--only", options->check.only, "NAME", "one of the invariants below")->needs(invariants);
     group.add("--seed", options->check.seed, "N", "of samples and of the expressions that split the light; default 0");
     group.add("--pixels", options->check.most_pixels, "N", "of an image at most; default 64");
     group.add("--samples", options->check.most_samples, "N", "a pixel at most where bits are compared; default 4");

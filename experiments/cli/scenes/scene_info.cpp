@@ -1,6 +1,7 @@
 // raylex scene info: what a scene holds, and what it looks like.
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 
 #include "display/output/atomic_file.h"
@@ -65,6 +66,9 @@ int tell_of(const SceneInfoOptions& options) {
         built = *made;
         add_built_facts(*built, facts);
     }
+    if (built)
+        if (const Status can = transport::check_render(*built, {}); !can)
+            facts.warnings.push_back("cannot be rendered as it is: " + can.error().to_string());
     loading.finish();
     for (const std::string& line : lines_of(facts)) print_line(line);
     for (const std::string& warning : facts.warnings) print_warning(warning);
@@ -89,7 +93,12 @@ void add_scene_info_command(CLI::App& scene, CommandContext& context) {
     command->add_option("SCENE.pbrt", options->input, "the scene")->required();
     command->add_option("--json", options->json, "the same for programs")->option_text("FILE");
     auto* picture = command->add_option("--picture", options->picture, "what its camera sees, small: a PNG file")
-                        ->option_text("FILE.png");
+                        ->option_text("FILE.png")
+                        ->check([](const std::string& name) {
+                            return std::filesystem::path(name).extension() == ".png"
+                                       ? std::string()
+                                       : "picture '" + name + "' has no name ending in .png; expected a PNG file name";
+                        });
     command->add_option("--picture-side", options->picture_side, "its longer side in pixels; default 400")
         ->option_text("N")
         ->check(CLI::Range(1, 8192))
@@ -104,7 +113,9 @@ void add_scene_info_command(CLI::App& scene, CommandContext& context) {
         ->excludes(picture);
     add_plugin_option(*command, options->plugins);
     command->footer(
-        "Primitives are counted as memory holds them; rays meet those of an object once for every instance.\n"
+        "Primitives are counted as the file has them, displaced meshes before they are divided; rays meet those of an "
+        "object "
+        "once for every instance.\n"
         "Exit codes: 0 told, 2 bad usage or input, 130 after Ctrl-C.");
     command->callback([options, &context] { context.exit_code = tell_of(*options); });
 }

@@ -155,3 +155,31 @@ TEST_CASE("pbrt writer: numbers read back as themselves", "[pbrt-writer]") {
         CHECK(static_cast<float>(std::strtod(text.c_str(), nullptr)) == value);
     }
 }
+
+TEST_CASE("pbrt writer: what stands beside cameras and films comes back without them", "[pbrt-writer]") {
+    const Folder folder;
+    const auto comes_back = [&](const std::string& text) {
+        folder.write("scene.pbrt", text);
+        const SceneDescription scene = read(folder.path("scene.pbrt"));
+        const SceneDescription twin = again(scene, folder);
+        CHECK(scene_hash(twin) == scene_hash(scene));
+        CHECK(twin.transform_times == scene.transform_times);
+        CHECK(twin.color.scene_space == scene.color.scene_space);
+        CHECK((image_of(twin) == image_of(scene)));
+    };
+    comes_back(R"(TransformTimes 0 4
+        WorldBegin
+        LightSource "infinite"
+        AttributeBegin ActiveTransform EndTime Translate 3 0 0 ActiveTransform All Translate 0 0 5 Shape "sphere" AttributeEnd
+    )");
+    const std::string in_code_only = R"(
+        WorldBegin
+        LightSource "infinite" "rgb L" [.2 .9 .1]
+        Translate 0 0 5 Material "diffuse" "rgb reflectance" [.9 .1 .1] Shape "sphere"
+    )";
+    // Files set a scene's space at their film; code sets it by itself.
+    folder.write("scene.pbrt", in_code_only);
+    SceneDescription scene = read(folder.path("scene.pbrt"));
+    scene.color.scene_space = ColorSpace::rec2020;
+    CHECK(again(scene, folder).color.scene_space == ColorSpace::rec2020);
+}
