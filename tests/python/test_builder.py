@@ -37,6 +37,8 @@ class Parameters(Written):
         builder = raylex.SceneBuilder()
         builder.film("rgb", xresolution=np.int64(8), yresolution=8, cropwindow=[0, 1, 0, 1])
         builder.camera("perspective", eye=(0, 0, -4), look=(0, 0, 0), fov=40)
+        builder.integrator("path", maxdepth=3.0)
+        builder.material("dielectric", eta="glass-BK7")
         builder.light("distant", L=2, parameters={"from": (0, 4, -4), "to": [0, 0, 0]})
         grey = builder.material("diffuse", reflectance=0.5)
         metal = builder.material("conductor", eta="metal-Au-eta", k="metal-Au-k")
@@ -44,7 +46,7 @@ class Parameters(Written):
         builder.shape("trianglemesh", P=[[5, 0, 0], [6, 0, 0], [5, 1, 0]], indices=[0, 1, 2], material=metal)
         text = self.text(builder)
         for part in ('"float fov" [ 40 ]', '"integer xresolution" [ 8 ]', '"float cropwindow" [ 0 1 0 1 ]',
-                     '"rgb L" [ 2 2 2 ]', '"point3 from" [ 0 4 -4 ]', '"point3 to" [ 0 0 0 ]',
+                     '"integer maxdepth" [ 3 ]', '"spectrum eta" [ "glass-BK7" ]', '"rgb L" [ 2 2 2 ]', '"point3 from" [ 0 4 -4 ]', '"point3 to" [ 0 0 0 ]',
                      '"rgb reflectance" [ 0.5 0.5 0.5 ]', '"spectrum eta" [ "metal-Au-eta" ]'):
             self.assertIn(part, text)
         self.assertIsNone(re.search(r'"integer (fov|radius|alpha)"|"float (L|reflectance)"', text), text)
@@ -121,6 +123,12 @@ class Refused(Case):
                      reflectance=("texture", 1))
         self.refuses("has the type 'colour'; expected one of bool", b.material, "diffuse",
                      reflectance=("colour", (1, 1, 1)))
+        self.refuses("'pixelsamples' is 2.5 .*; expected whole numbers", b.sampler, "halton", pixelsamples=2.5)
+        self.refuses("'materials' has no values", b.material, "mix", materials=[])
+        self.refuses("'roughness' is 'map' .*; expected a number", b.material, "conductor", roughness="map")
+        error = self.assertRaylexError("'reflectance' is 'checks' .*; expected a colour", b.material, "diffuse",
+                                       reflectance="checks")
+        self.assertIn("('texture', 'checks')", error.hint)
         self.refuses("'parameters' is 5", b.film, "rgb", parameters=5)
         self.refuses("a parameter is called 5", b.film, "rgb", parameters={5: 1})
         self.refuses("'iso' is given in `parameters` and as a keyword", b.film, "rgb", parameters={"iso": 1}, iso=2)
@@ -154,6 +162,9 @@ class Refused(Case):
         triangle, mesh = np.eye(3), self.builder.mesh
         self.refuses("indices has 1.5; expected whole numbers", mesh, triangle, [[0, 1.5, 2]])
         self.refuses("indices has nan; expected whole numbers", mesh, triangle, [[0, np.nan, 2]])
+        self.refuses("indices has 9223372036854775808, and there are 3", mesh, triangle, [[0, 1, 2**63]])
+        self.refuses("indices has -1, and there are 3", mesh, triangle, [[0, 1, -1]])
+        self.refuses(r"to_world has shape \(3, 3\)", mesh, triangle, [[0, 1, 2]], to_world=np.eye(3))
         self.refuses("indices is an array of bool", mesh, triangle, np.array([[True, False, True]]))
         self.refuses("indices is an array of complex128", mesh, triangle, [[0, 1j, 2]])
         self.refuses("positions is an array of complex128", mesh, triangle * 1j, [[0, 1, 2]])
@@ -175,6 +186,7 @@ class Refused(Case):
         self.refuses("expected finite ones", b.transform_times, -np.inf, 1)
         self.refuses("expected the earlier one first", b.transform_times, 1, 0)
         self.refuses("is not above 0", b.scale_displacement_edges, 0)
+        self.refuses("eye has nan", b.camera, "perspective", eye=(0, np.nan, 0), look=(0, 1, 0))
         self.refuses("'up' lies along", b.look_at, (0, 0, 0), (0, 1, 0))
 
     def test_a_builder_that_failed_is_spent(self):

@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <cmath>
 #include <optional>
 
 #include "experiments/python/bindings/scene.h"
@@ -49,6 +50,10 @@ std::unique_ptr<Builder> make_builder(const std::string& name, const std::option
 }
 
 transport::Transform view_of(const Point& eye, const Point& look, const Point& up) {
+    for (const auto& [what, point] : {std::pair("eye", &eye), std::pair("look", &look), std::pair("up", &up)})
+        for (const double x : *point)
+            if (!std::isfinite(x))
+                fail_here(std::string(what) + " has " + std::to_string(x) + "; expected finite numbers");
     const transport::Transform view = transport::Transform::look_at(eye, look, up);
     if (!view.invertible())
         fail_here("'up' lies along the direction of view, or eye and look are one; expected another direction");

@@ -66,10 +66,10 @@ void add_mesh(Builder& self, const py::object& positions, const py::object& indi
     SceneBuilder& scene = self.open();
     transport::MeshData mesh;
     mesh.positions = triples(positions, "positions");
-    const Array<std::int64_t> faces = indices_of(indices, "indices", mesh.positions.size(), "positions");
+    const Array<double> faces = indices_of(indices, "indices", mesh.positions.size(), "positions");
     mesh.patches = faces.ndim() == 2 && faces.shape(1) == 4;
     if (!mesh.patches)
-        check_shape(faces, static_cast<std::size_t>(faces.ndim() > 0 ? faces.shape(0) : 0), 3, "indices");
+        check_shape_here(faces, static_cast<std::size_t>(faces.ndim() > 0 ? faces.shape(0) : 0), 3, "indices");
     for (py::ssize_t i = 0; i < faces.size(); ++i) mesh.indices.push_back(static_cast<std::uint32_t>(faces.data()[i]));
     if (!normals.is_none()) mesh.normals = triples(normals, "normals");
     if (!uvs.is_none()) mesh.uvs = pairs(uvs, "uvs");
@@ -89,9 +89,10 @@ void add_curves(Builder& self, const py::object& points, const py::object& first
     else if (type == "ribbon") curves.type = transport::CurveType::ribbon;
     else if (type != "flat") fail_here("curves of type '" + type + "'; expected flat, cylinder or ribbon");
     curves.points = triples(points, "points");
-    const Array<std::int64_t> firsts = indices_of(first_points, "first_points", curves.points.size(), "points");
-    check_shape(firsts, static_cast<std::size_t>(firsts.size()), 0, "first_points");
-    curves.first_points.assign(firsts.data(), firsts.data() + firsts.size());
+    const Array<double> firsts = indices_of(first_points, "first_points", curves.points.size(), "points");
+    check_shape_here(firsts, static_cast<std::size_t>(firsts.size()), 0, "first_points");
+    for (py::ssize_t i = 0; i < firsts.size(); ++i)
+        curves.first_points.push_back(static_cast<std::uint32_t>(firsts.data()[i]));
     curves.widths = pairs(widths, "widths");
     if (!normals.is_none()) curves.normals = triples(normals, "normals");
     take(scene.add_curves(

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "transport/color/spectral_data.h"
 #include "transport/import/pbrt/known_types.h"
 
 namespace raylex::python {
@@ -149,8 +150,7 @@ class ParameterMaker {
             if (list)
                 for (const py::handle each : value) parameter.strings.push_back(py::str(each));
             else parameter.strings = {value.cast<std::string>()};
-            const bool by_name = known == ParameterType::texture || known == ParameterType::spectrum;
-            parameter.type = said.value_or(by_name ? *known : ParameterType::string);
+            parameter.type = said ? *said : type_of_text(parameter, value, known);
             const bool fits = parameter.type == ParameterType::string || parameter.type == ParameterType::texture ||
                               parameter.type == ParameterType::spectrum;
             if (!fits) fail_type(parameter, value);
@@ -169,12 +169,32 @@ class ParameterMaker {
             fail_here("parameter '" + parameter.name + "' is " + shown(value) +
                           "; expected a bool, int, float or str, a list of str, or an array of numbers",
                       value.is_none() ? "what is left out has pbrt-v4's default" : "");
+        if (array.size() == 0) fail_here("parameter '" + parameter.name + "' has no values; expected at least one");
         parameter.type = said.value_or(type_of_numbers(array, known));
         if (parameter.type == ParameterType::boolean || parameter.type == ParameterType::string ||
             parameter.type == ParameterType::texture)
             fail_type(parameter, value);
         const Array<double> numbers = array_of<double>(array, "parameter '" + parameter.name + "'");
         parameter.numbers.assign(numbers.data(), numbers.data() + numbers.size());
+        // 5.0 is as good as 5; what is none is refused here, and not when it is read.
+        if (said || known != ParameterType::integer) return;
+        parameter.type = ParameterType::integer;
+        for (const double number : parameter.numbers)
+            if (number != std::floor(number))
+                fail_here("parameter '" + parameter.name + "' is " + shown(value) + "; expected whole numbers");
+    }
+
+    /// The type of text that comes without one, read already. Errors: numbers are known to be expected.
+    static ParameterType type_of_text(const Parameter& parameter, const py::handle& value,
+                                      std::optional<ParameterType> known) {
+        if (known == ParameterType::texture || known == ParameterType::spectrum) return *known;
+        if (known != ParameterType::real && known != ParameterType::rgb) return ParameterType::string;
+        transport::VisibleSpectrum spectrum{};
+        const std::string& text = parameter.strings.front();
+        if (transport::find_named_spectrum(text, spectrum)) return ParameterType::spectrum;
+        fail_here("parameter '" + parameter.name + "' is " + shown(value) + "; expected " +
+                      (known == ParameterType::real ? "a number" : "a colour"),
+                  "('texture', '" + text + "') is what the texture of that name gives");
     }
 
     [[noreturn]] static void fail_type(const Parameter& parameter, const py::handle& value) {
@@ -221,7 +241,7 @@ transport::SceneParameters parameters_of(transport::EntityKind kind, const std::
 transport::Transform transform_of(const py::object& object, const char* what) {
     if (object.is_none()) return {};
     const Array<double> array = numbers_of<double>(object, what);
-    check_shape(array, 4, 4, what);
+    check_shape_here(array, 4, 4, what);
     transport::Matrix4 matrix{};
     for (std::size_t i = 0; i < 16; ++i) {
         matrix[i / 4][i % 4] = array.data()[i];
@@ -241,7 +261,7 @@ std::optional<transport::Transform> transform_or_none(const py::object& object, 
 
 std::vector<transport::StoredVec3> triples(const py::object& object, const std::string& what) {
     const Array<float> array = numbers_of<float>(object, what);
-    check_shape(array, static_cast<std::size_t>(array.ndim() > 0 ? array.shape(0) : 0), 3, what);
+    check_shape_here(array, static_cast<std::size_t>(array.ndim() > 0 ? array.shape(0) : 0), 3, what);
     std::vector<transport::StoredVec3> values(static_cast<std::size_t>(array.shape(0)));
     for (std::size_t i = 0; i < values.size(); ++i)
         values[i] = {array.data()[3 * i], array.data()[3 * i + 1], array.data()[3 * i + 2]};
@@ -250,28 +270,22 @@ std::vector<transport::StoredVec3> triples(const py::object& object, const std::
 
 std::vector<transport::StoredVec2> pairs(const py::object& object, const std::string& what) {
     const Array<float> array = numbers_of<float>(object, what);
-    check_shape(array, static_cast<std::size_t>(array.ndim() > 0 ? array.shape(0) : 0), 2, what);
+    check_shape_here(array, static_cast<std::size_t>(array.ndim() > 0 ? array.shape(0) : 0), 2, what);
     std::vector<transport::StoredVec2> values(static_cast<std::size_t>(array.shape(0)));
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = {array.data()[2 * i], array.data()[2 * i + 1]};
     return values;
 }
 
-Array<std::int64_t> indices_of(const py::object& object, const std::string& what, std::size_t end,
-                               const std::string& of) {
-    const py::array given = as_array(object);
-    if (given && given.dtype().kind() == 'f') {
-        const Array<double> numbers = numbers_of<double>(object, what);
-        for (py::ssize_t i = 0; i < numbers.size(); ++i)
-            if (numbers.data()[i] != std::floor(numbers.data()[i]))
-                fail_here(what + " has " + std::string(py::repr(py::float_(numbers.data()[i]))) +
-                          "; expected whole numbers");
-    }
-    Array<std::int64_t> indices = numbers_of<std::int64_t>(object, what);
+Array<double> indices_of(const py::object& object, const std::string& what, std::size_t end, const std::string& of) {
+    Array<double> indices = numbers_of<double>(object, what);
     for (py::ssize_t i = 0; i < indices.size(); ++i) {
-        const std::int64_t index = indices.data()[i];
-        if (index < 0 || index >= static_cast<std::int64_t>(end))
-            fail_here(what + " has " + std::to_string(index) + ", and there are " + std::to_string(end) + " " + of +
-                      "; expected 0 to " + std::to_string(end - 1));
+        const double index = indices.data()[i];
+        if (index >= 0 && index < static_cast<double>(end) && index == std::floor(index)) continue;
+        const bool whole = index == std::floor(index) && std::isfinite(index);
+        const std::string text = whole ? py::str(py::int_(py::float_(index))) : py::repr(py::float_(index));
+        if (!whole) fail_here(what + " has " + text + "; expected whole numbers");
+        fail_here(what + " has " + text + ", and there are " + std::to_string(end) + " " + of + "; expected " +
+                  (end > 0 ? "0 to " + std::to_string(end - 1) : "none"));
     }
     return indices;
 }

@@ -28,8 +28,14 @@ std::optional<transport::Transform> transform_or_none(const py::object& object, 
 /// (N, 3) and (N, 2). Errors: other shapes, and what are no real numbers.
 std::vector<transport::StoredVec3> triples(const py::object& object, const std::string& what);
 std::vector<transport::StoredVec2> pairs(const py::object& object, const std::string& what);
-/// Whole numbers from 0 to below `end`, as an array of any shape. Errors name the first other one.
-Array<std::int64_t> indices_of(const py::object& object, const std::string& what, std::size_t end,
-                               const std::string& of);
+/// Whole numbers from 0 to below `end`, which is how many `of` there are, as an array of any shape.
+Array<double> indices_of(const py::object& object, const std::string& what, std::size_t end, const std::string& of);
+/// check_shape() with the place of the call.
+template <class T>
+void check_shape_here(const Array<T>& array, std::size_t rows, std::size_t columns, const std::string& what) {
+    try {
+        check_shape(array, rows, columns, what);
+    } catch (const Failure& failure) { fail_here(failure.error.message); }
+}
 
 }  // namespace raylex::python

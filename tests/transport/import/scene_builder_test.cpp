@@ -201,7 +201,8 @@ TEST_CASE("SceneBuilder: what is not finite is refused by its name", "[scene-bui
             "value 1 of parameter 'reflectance' is not a number");
     refused(scene.add_shape("sphere", {typed::real("radius", 1e300)}),
             "parameter 'radius' is beyond the range of float");
-    refused(scene.set_sampler("halton", {typed::integer("pixelsamples", std::int64_t{1} << 40)}), "of 32 bits");
+    refused(scene.set_sampler("halton", {typed::integer("pixelsamples", std::int64_t{1} << 40)}),
+            "is 1099511627776; expected an integer of 32 bits");
     refused(scene.set_sampler("halton", {typed::numbers("pixelsamples", raylex::ParameterType::integer, {1.5})}),
             "of 32 bits");
     refused(scene.set_sampler("halton", {typed::numbers("pixelsamples", raylex::ParameterType::integer, {})}),

@@ -74,12 +74,11 @@ void use_known_types(EntityKind kind, const std::string& type, bool float_textur
         const bool color = texture ? !float_texture && !factor && (*known == T::texture || *known == T::spectrum)
                                    : *known == T::rgb || *known == T::spectrum;
         const bool number = texture && !color && *known != T::integer;
-        if (color && parameter.numbers.size() == 1) {
-            const bool bounded = texture || (kind == EntityKind::material && *known == T::rgb);
-            if (parameter.numbers.front() >= 0 && (!bounded || parameter.numbers.front() <= 1)) become_grey(parameter);
-        } else if (*known == T::real || *known == T::texture || number) {
-            parameter.type = T::real;
-        }
+        const bool bounded = texture || (kind == EntityKind::material && *known == T::rgb);
+        const bool grey = color && parameter.numbers.size() == 1 && parameter.numbers.front() >= 0 &&
+                          (!bounded || parameter.numbers.front() <= 1);
+        if (grey) become_grey(parameter);
+        else if (color || number || *known == T::real || *known == T::texture) parameter.type = T::real;
     }
 }
 

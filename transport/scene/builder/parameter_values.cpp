@@ -1,5 +1,7 @@
 #include "transport/scene/builder/parameter_values.h"
 
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -23,6 +25,12 @@ std::size_t numbers_of_one(ParameterType type) {
     }
 }
 
+std::string shortest(double number) {
+    std::array<char, 32> text{};
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), number);
+    return {text.data(), end.ptr};
+}
+
 Status check_numbers(const Parameter& parameter) {
     const std::vector<double>& numbers = parameter.numbers;
     const auto refused = [&](std::size_t i, const std::string& what) {
@@ -37,7 +45,7 @@ Status check_numbers(const Parameter& parameter) {
         if (std::abs(number) <= static_cast<double>(std::numeric_limits<float>::max())) {
             if (integers && !(number == std::floor(number) &&
                               std::abs(number) <= static_cast<double>(std::numeric_limits<std::int32_t>::max())))
-                return refused(i, std::to_string(number) + "; expected an integer of 32 bits");
+                return refused(i, shortest(number) + "; expected an integer of 32 bits");
             continue;
         }
         if (repaired) continue;
