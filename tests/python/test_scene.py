@@ -86,7 +86,7 @@ class Built(Case):
         self.assertRaylexError("no array of numbers", builder.mesh, "mesh", [[0, 1, 2]])
         self.assertRaylexError("no inverse", builder.shape, "sphere", to_world=np.zeros((4, 4)))
         self.assertRaylexError("'up' lies along", builder.camera, "perspective", eye=(0, 0, 0), look=(0, 1, 0))
-        self.assertRaylexError("expected float, integer", builder.material, "diffuse",
+        self.assertRaylexError("expected one of bool, integer, float", builder.material, "diffuse",
                                reflectance=("colour", (1, 1, 1)))
         builder.shape("sphere", material="nobody")
         self.assertRaylexError("nobody", builder.finish)

@@ -35,6 +35,12 @@ namespace raylex::transport::typed {
     parameter.strings = {std::move(value)};
     return parameter;
 }
+/// A list, as the "materials" of a mix.
+[[nodiscard]] inline Parameter texts(std::string name, std::vector<std::string> values) {
+    Parameter parameter = numbers(std::move(name), ParameterType::string, {});
+    parameter.strings = std::move(values);
+    return parameter;
+}
 /// In the scene's colour space, linear.
 [[nodiscard]] inline Parameter rgb(std::string name, const std::array<double, 3>& value) {
     return numbers(std::move(name), ParameterType::rgb, {value.begin(), value.end()});
@@ -50,6 +56,18 @@ namespace raylex::transport::typed {
 }
 [[nodiscard]] inline Parameter point3(std::string name, const std::array<double, 3>& value) {
     return numbers(std::move(name), ParameterType::point3, {value.begin(), value.end()});
+}
+[[nodiscard]] inline Parameter point2(std::string name, const std::array<double, 2>& value) {
+    return numbers(std::move(name), ParameterType::point2, {value.begin(), value.end()});
+}
+[[nodiscard]] inline Parameter vector2(std::string name, const std::array<double, 2>& value) {
+    return numbers(std::move(name), ParameterType::vector2, {value.begin(), value.end()});
+}
+[[nodiscard]] inline Parameter vector3(std::string name, const std::array<double, 3>& value) {
+    return numbers(std::move(name), ParameterType::vector3, {value.begin(), value.end()});
+}
+[[nodiscard]] inline Parameter normal(std::string name, const std::array<double, 3>& value) {
+    return numbers(std::move(name), ParameterType::normal, {value.begin(), value.end()});
 }
 /// What a texture of that name gives.
 [[nodiscard]] inline Parameter texture(std::string name, std::string texture_name) {

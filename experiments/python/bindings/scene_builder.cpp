@@ -1,243 +1,218 @@
 // Scenes from arrays: transport/scene/builder/scene_builder.h with Python's values as parameters.
+#include "experiments/python/bindings/scene_builder.h"
+
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
-#include <algorithm>
+#include <cmath>
+#include <optional>
 
-#include "experiments/python/bindings/arrays.h"
 #include "experiments/python/bindings/scene.h"
-#include "transport/scene/builder/scene_builder.h"
+#include "transport/media/medium_parameters.h"
 
 namespace raylex::python {
 
 using namespace pybind11::literals;
+using transport::EntityKind;
 using transport::SceneBuilder;
+
+transport::MediumHandle medium_of(SceneBuilder& scene, const py::object& medium, const char* what) {
+    if (medium.is_none()) return {};
+    if (py::isinstance<py::str>(medium)) return scene.medium_named(medium.cast<std::string>(), caller());
+    if (py::isinstance<transport::MediumHandle>(medium)) return medium.cast<transport::MediumHandle>();
+    fail_here(std::string(what) + " is " + shown(medium) +
+              "; expected a Medium as SceneBuilder.medium() gives it, the name of one, or None for vacuum");
+}
 
 namespace {
 
-/// Where in Python the call stands: "scene.py", line 12.
-SourceLocation caller() {
-    const py::object frame = py::module_::import("sys").attr("_getframe")();
-    return {py::str(frame.attr("f_code").attr("co_filename")), frame.attr("f_lineno").cast<int>(), 0};
+using Point = std::array<double, 3>;
+
+std::unique_ptr<Builder> make_builder(const std::string& name, const std::optional<std::filesystem::path>& folder,
+                                      const std::string& missing_files, const std::string& color_space) {
+    transport::SearchPath search;
+    if (folder) search = {*folder, *folder};
+    auto builder = std::make_unique<Builder>(name, search);
+    if (missing_files == "placeholders") builder->scene.set_missing_files(transport::MissingFiles::placeholders);
+    else if (missing_files != "refused")
+        fail_here("missing_files is '" + missing_files + "'; expected 'refused' or 'placeholders'");
+    constexpr std::pair<const char*, transport::ColorSpace> spaces[] = {
+        {"srgb", transport::ColorSpace::srgb},
+        {"dci-p3", transport::ColorSpace::dci_p3},
+        {"rec2020", transport::ColorSpace::rec2020},
+        {"aces2065-1", transport::ColorSpace::aces2065_1}};
+    for (const auto& [word, space] : spaces)
+        if (color_space == word) {
+            builder->scene.set_color_space(space);
+            return builder;
+        }
+    fail_here("color_space is '" + color_space + "'; expected srgb, dci-p3, rec2020 or aces2065-1");
 }
 
-struct Builder {
-    explicit Builder(const std::string& name) : scene(name) {}
-    SceneBuilder scene;
-    bool finished = false;
-    SceneBuilder& open() {
-        if (finished) fail("the builder's scene is finished; expected a new SceneBuilder");
-        return scene;
-    }
-};
-
-ParameterType type_of_numbers(const std::string& type, const std::string& name) {
-    constexpr std::pair<const char*, ParameterType> known[] = {
-        {"float", ParameterType::real},        {"integer", ParameterType::integer},
-        {"rgb", ParameterType::rgb},           {"blackbody", ParameterType::blackbody},
-        {"spectrum", ParameterType::spectrum}, {"point2", ParameterType::point2},
-        {"vector2", ParameterType::vector2},   {"point3", ParameterType::point3},
-        {"vector3", ParameterType::vector3},   {"normal", ParameterType::normal}};
-    for (const auto& [word, value] : known)
-        if (type == word) return value;
-    fail("parameter '" + name + "' has the type '" + type +
-         "'; expected float, integer, bool, string, rgb, blackbody, spectrum, point2, vector2, point3, vector3, normal "
-         "or "
-         "texture");
+transport::Transform view_of(const Point& eye, const Point& look, const Point& up) {
+    for (const auto& [what, point] : {std::pair("eye", &eye), std::pair("look", &look), std::pair("up", &up)})
+        for (const double x : *point)
+            if (!std::isfinite(x))
+                fail_here(std::string(what) + " has " + std::to_string(x) + "; expected finite numbers");
+    const transport::Transform view = transport::Transform::look_at(eye, look, up);
+    if (!view.invertible())
+        fail_here("'up' lies along the direction of view, or eye and look are one; expected another direction");
+    return view;
 }
 
-/// What the Python value says: bool, int, float, str, or three numbers for a colour. ("type", value) says another type.
-Parameter parameter_of(const std::string& name, py::handle value) {
-    Parameter parameter;
-    parameter.name = name;
-    parameter.location = caller();
-    std::string type;
-    if (py::isinstance<py::tuple>(value) && py::len(value) == 2 && py::isinstance<py::str>(value[py::int_(0)])) {
-        type = value[py::int_(0)].cast<std::string>();
-        value = py::reinterpret_borrow<py::tuple>(value)[1];
-    }
-    if (py::isinstance<py::bool_>(value) && (type.empty() || type == "bool")) {
-        parameter.type = ParameterType::boolean;
-        parameter.booleans = {static_cast<std::uint8_t>(value.cast<bool>())};
-    } else if (py::isinstance<py::str>(value)) {
-        parameter.strings = {value.cast<std::string>()};
-        parameter.type = type == "texture"                  ? ParameterType::texture
-                         : type == "spectrum"               ? ParameterType::spectrum
-                         : type.empty() || type == "string" ? ParameterType::string
-                                                            : type_of_numbers(type, name);
-    } else {
-        const Array<double> numbers = array_of<double>(value, "parameter '" + name + "'");
-        parameter.numbers.assign(numbers.data(), numbers.data() + numbers.size());
-        const bool whole = py::isinstance<py::int_>(value);
-        const bool color = numbers.ndim() == 1 && numbers.size() == 3;
-        parameter.type = !type.empty() ? type_of_numbers(type, name)
-                         : color       ? ParameterType::rgb
-                         : whole       ? ParameterType::integer
-                                       : ParameterType::real;
-    }
-    return parameter;
+py::array look_at(const Point& eye, const Point& look, const Point& up) {
+    const transport::Transform view = view_of(eye, look, up);
+    std::vector<double> values;
+    for (const auto& row : view.matrix()) values.insert(values.end(), row.begin(), row.end());
+    return owning_array(std::move(values), {4, 4});
 }
 
-transport::SceneParameters parameters_of(const py::dict& values) {
-    ParameterSet set;
-    set.location = caller();
-    for (const auto& [name, value] : values) set.parameters.push_back(parameter_of(name.cast<std::string>(), value));
-    return set;
-}
-
-/// Row-major (4, 4), points are columns; None is the identity.
-transport::Transform transform_of(const py::object& object) {
-    if (object.is_none()) return {};
-    const Array<double> array = array_of<double>(object, "the transform");
-    check_shape(array, 4, 4, "the transform");
-    transport::Matrix4 matrix{};
-    for (std::size_t i = 0; i < 16; ++i) matrix[i / 4][i % 4] = array.data()[i];
-    const transport::Transform transform(matrix);
-    if (!transform.invertible()) fail("the transform has no inverse; expected one that does not flatten space");
-    return transform;
-}
-
-std::vector<transport::StoredVec3> triples(const py::object& object, const std::string& what) {
-    const Array<float> array = array_of<float>(object, what);
-    check_shape(array, static_cast<std::size_t>(array.ndim() > 0 ? array.shape(0) : 0), 3, what);
-    std::vector<transport::StoredVec3> values(static_cast<std::size_t>(array.shape(0)));
-    for (std::size_t i = 0; i < values.size(); ++i)
-        values[i] = {array.data()[3 * i], array.data()[3 * i + 1], array.data()[3 * i + 2]};
-    return values;
-}
-
-std::vector<transport::StoredVec2> pairs(const py::object& object, const std::string& what) {
-    const Array<float> array = array_of<float>(object, what);
-    check_shape(array, static_cast<std::size_t>(array.ndim() > 0 ? array.shape(0) : 0), 2, what);
-    std::vector<transport::StoredVec2> values(static_cast<std::size_t>(array.shape(0)));
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = {array.data()[2 * i], array.data()[2 * i + 1]};
-    return values;
-}
-
-transport::MeshData mesh_of(const py::object& positions, const py::object& indices, const py::object& normals,
-                            const py::object& uvs) {
-    transport::MeshData mesh;
-    mesh.positions = triples(positions, "positions");
-    const Array<std::int64_t> faces = array_of<std::int64_t>(indices, "indices");
-    mesh.patches = faces.ndim() == 2 && faces.shape(1) == 4;
-    if (!mesh.patches)
-        check_shape(faces, static_cast<std::size_t>(faces.ndim() > 0 ? faces.shape(0) : 0), 3, "indices");
-    for (py::ssize_t i = 0; i < faces.size(); ++i) {
-        const std::int64_t index = faces.data()[i];
-        if (index < 0 || index >= static_cast<std::int64_t>(mesh.positions.size()))
-            fail("indices has " + std::to_string(index) + ", and there are " + std::to_string(mesh.positions.size()) +
-                 " positions; expected 0 to " + std::to_string(mesh.positions.size() - 1));
-        mesh.indices.push_back(static_cast<std::uint32_t>(index));
-    }
-    if (!normals.is_none()) mesh.normals = triples(normals, "normals");
-    if (!uvs.is_none()) mesh.uvs = pairs(uvs, "uvs");
-    return mesh;
-}
-
-transport::ShapePlacement placement_of(SceneBuilder& scene, const py::object& material, const py::object& area_light,
-                                       const py::object& to_world, const std::string& label, bool reverse) {
-    transport::ShapePlacement placement;
-    placement.to_world = transform_of(to_world);
-    if (py::isinstance<py::str>(material))
-        placement.material = scene.material_named(material.cast<std::string>(), caller());
-    else if (!material.is_none()) placement.material = material.cast<transport::MaterialHandle>();
-    if (!area_light.is_none()) placement.area_light = area_light.cast<transport::AreaLightHandle>();
-    placement.label = label;
-    placement.reverse_orientation = reverse;
-    return placement;
+void set_camera(Builder& self, const std::string& type, const std::optional<Point>& eye,
+                const std::optional<Point>& look, const Point& up, const py::object& world_to_camera,
+                const py::object& moved_to, const py::object& medium, const py::object& parameters,
+                const py::kwargs& keywords) {
+    SceneBuilder& scene = self.open();
+    if (eye.has_value() != look.has_value() || eye.has_value() != world_to_camera.is_none())
+        fail_here("the camera's place is not given once; expected either 'eye' and 'look' or 'world_to_camera'");
+    const transport::Transform view = eye ? view_of(*eye, *look, up) : transform_of(world_to_camera, "world_to_camera");
+    const transport::MediumHandle around = medium_of(scene, medium, "medium");
+    transport::SceneParameters given = parameters_of(EntityKind::camera, type, parameters, keywords);
+    if (const auto last = transform_or_none(moved_to, "moved_to"))
+        take(scene.set_moving_camera(type, std::move(given), view, *last, around, caller()));
+    else take(scene.set_camera(type, std::move(given), view, around, caller()));
 }
 
 void add_settings(py::class_<Builder>& builder) {
     using Setter = Status (SceneBuilder::*)(const std::string&, transport::SceneParameters, const SourceLocation&);
-    const auto add = [&](const char* name, Setter setter, const char* help) {
+    const auto add = [&](const char* name, Setter setter, EntityKind kind, const char* help) {
         builder.def(
             name,
-            [setter](Builder& self, const std::string& type, const py::kwargs& parameters) {
-                take((self.open().*setter)(type, parameters_of(parameters), caller()));
+            [setter, kind](Builder& self, const std::string& type, const py::object& parameters,
+                           const py::kwargs& keywords) {
+                take((self.open().*setter)(type, parameters_of(kind, type, parameters, keywords), caller()));
             },
-            "type"_a, help);
+            "type"_a, py::kw_only(), "parameters"_a = py::none(), help);
     };
-    add("film", &SceneBuilder::set_film, "film('rgb', xresolution=640, yresolution=480)");
-    add("filter", &SceneBuilder::set_filter, "filter('gaussian', xradius=1.5)");
-    add("sampler", &SceneBuilder::set_sampler, "sampler('independent', pixelsamples=16)");
-    add("integrator", &SceneBuilder::set_integrator, "integrator('path', maxdepth=5)");
+    add("film", &SceneBuilder::set_film, EntityKind::film, "film('rgb', xresolution=640, yresolution=480): pixels.");
+    add("filter", &SceneBuilder::set_filter, EntityKind::pixel_filter, "filter('gaussian', xradius=1.5): pixels.");
+    add("sampler", &SceneBuilder::set_sampler, EntityKind::sampler, "sampler('independent', pixelsamples=16)");
+    add("integrator", &SceneBuilder::set_integrator, EntityKind::integrator, "integrator('path', maxdepth=5)");
+    builder.def("camera", &set_camera, "type"_a, py::kw_only(), "eye"_a = py::none(), "look"_a = py::none(),
+                "up"_a = Point{0, 1, 0}, "world_to_camera"_a = py::none(), "moved_to"_a = py::none(),
+                "medium"_a = py::none(), "parameters"_a = py::none(),
+                "camera('perspective', eye=(0, 0, 4), look=(0, 0, 0), fov=40): world units, fov in degrees of the "
+                "shorter side.\n"
+                "Instead of eye and look, world_to_camera is a (4, 4) matrix as look_at() gives it: in camera space x "
+                "points right, y up\n"
+                "and z where the camera looks. moved_to is another one, where the camera is at the end of "
+                "transform_times().\n"
+                "medium is what the camera stands in: a Medium or its name. Errors: a place given twice or not at "
+                "all, a matrix without\n"
+                "an inverse.");
+    builder.def_static("look_at", &look_at, "eye"_a, "look"_a, "up"_a = Point{0, 1, 0},
+                       "From world to camera as a (4, 4) matrix, for world_to_camera and moved_to of camera(). Errors: "
+                       "'up' along the\n"
+                       "direction of view.");
     builder.def(
-        "camera",
-        [](Builder& self, const std::string& type, const std::array<double, 3>& eye, const std::array<double, 3>& look,
-           const std::array<double, 3>& up, const py::kwargs& parameters) {
-            const transport::Transform view = transport::Transform::look_at(eye, look, up);
-            if (!view.invertible())
-                fail("'up' lies along the direction of view, or eye and look are one; expected another direction");
-            take(self.open().set_camera(type, parameters_of(parameters), view, {}, caller()));
-        },
-        "type"_a, py::kw_only(), "eye"_a, "look"_a, "up"_a = std::array<double, 3>{0, 1, 0},
-        "camera('perspective', eye=(0, 0, 4), look=(0, 0, 0), fov=40): world units, fov in degrees of the shorter "
-        "side.");
+        "transform_times",
+        [](Builder& self, double start, double end) { take(self.open().set_transform_times(start, end, caller())); },
+        "start"_a, "end"_a,
+        "When what has moved_to leaves and when it has arrived, by the clock of the camera's shutteropen and "
+        "shutterclose;\n"
+        "0 and 1 by default. Errors: times that are not finite or do not follow one another.");
+    builder.def(
+        "disable_texture_filtering", [](Builder& self) { self.open().disable_texture_filtering(); },
+        "All images are read as they are, whatever their textures' 'filter' says.");
+    builder.def(
+        "scale_displacement_edges",
+        [](Builder& self, double factor) { take(self.open().scale_displacement_edges(factor, caller())); }, "factor"_a,
+        "Times the 'edgelength' of all displaced meshes: below 1 is finer. Errors: a factor that is not above 0.");
 }
 
-void add_materials_and_lights(py::class_<Builder>& builder) {
+transport::MaterialHandle add_material(Builder& self, const std::string& type, const std::string& name,
+                                       const py::object& parameters, const py::kwargs& keywords) {
+    SceneBuilder& scene = self.open();
+    transport::SceneParameters given = parameters_of(EntityKind::material, type, parameters, keywords);
+    // pbrt's parameter of the same name chooses a measured medium: who writes one's name here means that.
+    const bool preset = type == "subsurface" && given.own.find("name") == nullptr;
+    if (preset && transport::measured_coefficients(name, {}).ok())
+        fail_here("name='" + name + "' would name the material and not choose the measured medium",
+                  "expected parameters={'name': '" + name + "'} for the medium, or another name for the material");
+    return take(name.empty() ? scene.add_material(type, std::move(given), caller())
+                             : scene.add_named_material(name, type, std::move(given), caller()));
+}
+
+void add_texture(Builder& self, const std::string& name, const std::string& value, const std::string& type,
+                 const py::object& to_world, const py::object& parameters, const py::kwargs& keywords) {
+    if (value != "float" && value != "spectrum")
+        fail_here("a texture is 'float' or 'spectrum', not '" + value + "'; expected one of them as second argument");
+    const auto kind = value == "float" ? transport::TextureValue::real : transport::TextureValue::spectrum;
+    take(self.open().add_texture(name, kind, type, parameters_of(EntityKind::texture, type, parameters, keywords),
+                                 transform_of(to_world, "to_world"), caller()));
+}
+
+void add_materials(py::class_<Builder>& builder) {
+    builder.def("material", &add_material, "type"_a, py::kw_only(), "name"_a = "", "parameters"_a = py::none(),
+                "material('diffuse', name='floor', reflectance=(0.5, 0.5, 0.5)): the name is the LPE label of what it "
+                "is on.\n"
+                "Gives a Material. A mix takes names: material('mix', materials=['floor', 'wall'], amount=0.3). "
+                "Subsurface's own\n"
+                "parameter `name` is given as parameters={'name': 'Skin1'}. Errors: a name that is taken, parameters "
+                "that the type\n"
+                "does not have.");
     builder.def(
-        "material",
-        [](Builder& self, const std::string& type, const std::string& name, const py::kwargs& parameters) {
-            SceneBuilder& scene = self.open();
-            return take(name.empty() ? scene.add_material(type, parameters_of(parameters), caller())
-                                     : scene.add_named_material(name, type, parameters_of(parameters), caller()));
+        "medium",
+        [](Builder& self, const std::string& name, const std::string& type, const py::object& to_world,
+           const py::object& parameters, const py::kwargs& keywords) {
+            return take(self.open().add_medium(name, type,
+                                               parameters_of(EntityKind::medium, type, parameters, keywords),
+                                               transform_of(to_world, "to_world"), caller()));
         },
-        "type"_a, py::kw_only(), "name"_a = "",
-        "material('diffuse', name='floor', reflectance=(0.5, 0.5, 0.5)): the name is the LPE label of what it is on.");
-    builder.def(
-        "texture",
-        [](Builder& self, const std::string& name, const std::string& value, const std::string& type,
-           const py::kwargs& parameters) {
-            if (value != "float" && value != "spectrum")
-                fail("a texture is 'float' or 'spectrum', not '" + value + "'");
-            const auto kind = value == "float" ? transport::TextureValue::real : transport::TextureValue::spectrum;
-            take(self.open().add_texture(name, kind, type, parameters_of(parameters), {}, caller()));
-        },
-        "name"_a, "value"_a, "type"_a,
-        "texture('checks', 'spectrum', 'checkerboard'); used as reflectance=('texture', 'checks').");
+        "name"_a, "type"_a, py::kw_only(), "to_world"_a = py::none(), "parameters"_a = py::none(),
+        "medium('fog', 'homogeneous', sigma_a=(0, 0, 0), sigma_s=(0.2, 0.2, 0.2)): coefficients per world unit. Gives "
+        "a Medium,\n"
+        "for `inside` and `outside` of shapes and `medium` of the camera; its name does as well, before or after this "
+        "call.\n"
+        "to_world, a (4, 4) matrix, is where a grid's box stands. Errors: a name that is taken.");
+}
+
+void add_textures(py::class_<Builder>& builder) {
+    py::options options;
+    options.disable_function_signatures();  // there are two, and the text has the one that matters
+    // By position the words are the method's, and as keywords they are left to pbrt's parameters of these names.
+    builder.def("texture", &add_texture, py::arg(), py::arg(), py::arg(), py::kw_only(), "to_world"_a = py::none(),
+                "parameters"_a = py::none());
+    builder.def("texture", &add_texture, "name"_a, "value"_a, "type"_a, py::kw_only(), "to_world"_a = py::none(),
+                "parameters"_a = py::none(),
+                "texture(name, value, type, *, to_world=None, parameters=None, **parameters)\n\n"
+                "texture('checks', 'spectrum', 'checkerboard'); used as reflectance=('texture', 'checks'). value is "
+                "'float' or\n"
+                "'spectrum'. to_world, a (4, 4) matrix, is the space of mappings other than uv. With all three "
+                "given by position,\n"
+                "keywords are the texture's own: texture('grey', 'float', 'constant', value=0.5).");
+}
+
+void add_lights(py::class_<Builder>& builder) {
     builder.def(
         "light",
         [](Builder& self, const std::string& type, const std::string& group, const py::object& to_world,
-           const py::kwargs& parameters) {
-            take(self.open().add_light(type, parameters_of(parameters), transform_of(to_world), group, caller()));
+           const py::object& parameters, const py::kwargs& keywords) {
+            take(self.open().add_light(type, parameters_of(EntityKind::light, type, parameters, keywords),
+                                       transform_of(to_world, "to_world"), group, caller()));
         },
-        "type"_a, py::kw_only(), "group"_a = "", "to_world"_a = py::none(),
-        "light('point', I=(10, 10, 10)), light('infinite', L=(1, 1, 1)); names in the `from` of lights: **{'from': "
-        "...}.");
+        "type"_a, py::kw_only(), "group"_a = "", "to_world"_a = py::none(), "parameters"_a = py::none(),
+        "light('point', I=(10, 10, 10)), light('infinite', L=(1, 1, 1)); pbrt's `from`, which Python keeps for itself, "
+        "as\n"
+        "parameters={'from': (0, 4, 0)}. group is the LPE light group; to_world a (4, 4) matrix.");
     builder.def(
         "area_light",
-        [](Builder& self, const std::string& type, const std::string& group, const py::kwargs& parameters) {
-            return take(self.open().add_area_light(type, parameters_of(parameters), group, caller()));
+        [](Builder& self, const std::string& type, const std::string& group, const py::object& parameters,
+           const py::kwargs& keywords) {
+            return take(self.open().add_area_light(
+                type, parameters_of(EntityKind::area_light, type, parameters, keywords), group, caller()));
         },
-        "type"_a = "diffuse", py::kw_only(), "group"_a = "",
-        "area_light(L=(5, 5, 5)): radiance; given to shapes, it makes them shine.");
-}
-
-void add_shapes(py::class_<Builder>& builder) {
-    builder.def(
-        "shape",
-        [](Builder& self, const std::string& type, const py::object& material, const py::object& area_light,
-           const py::object& to_world, const std::string& label, bool reverse, const py::kwargs& parameters) {
-            SceneBuilder& scene = self.open();
-            take(scene.add_shape(type, parameters_of(parameters),
-                                 placement_of(scene, material, area_light, to_world, label, reverse), caller()));
-        },
-        "type"_a, py::kw_only(), "material"_a = py::none(), "area_light"_a = py::none(), "to_world"_a = py::none(),
-        "label"_a = "", "reverse_orientation"_a = false, "shape('sphere', radius=1, material=floor)");
-    builder.def(
-        "mesh",
-        [](Builder& self, const py::object& positions, const py::object& indices, const py::object& normals,
-           const py::object& uvs, const py::object& material, const py::object& area_light, const py::object& to_world,
-           const std::string& label, bool reverse) {
-            SceneBuilder& scene = self.open();
-            take(scene.add_mesh(mesh_of(positions, indices, normals, uvs),
-                                placement_of(scene, material, area_light, to_world, label, reverse), caller()));
-        },
-        "positions"_a, "indices"_a, py::kw_only(), "normals"_a = py::none(), "uvs"_a = py::none(),
-        "material"_a = py::none(), "area_light"_a = py::none(), "to_world"_a = py::none(), "label"_a = "",
-        "reverse_orientation"_a = false,
-        "A mesh: positions (V, 3) float32, indices (F, 3) triangles or (F, 4) bilinear patches p00 p10 p01 p11,\n"
-        "normals (V, 3), uvs (V, 2).");
+        "type"_a = "diffuse", py::kw_only(), "group"_a = "", "parameters"_a = py::none(),
+        "area_light(L=(5, 5, 5)): radiance. Gives an AreaLight, which makes the shapes shine that it is given to.");
 }
 
 }  // namespace
@@ -245,24 +220,41 @@ void add_shapes(py::class_<Builder>& builder) {
 void add_scene_builder(py::module_& module) {
     py::class_<transport::MaterialHandle>(module, "Material", "A material of one SceneBuilder.");
     py::class_<transport::AreaLightHandle>(module, "AreaLight", "An area light of one SceneBuilder.");
-    py::class_<Builder> builder(module, "SceneBuilder",
-                                "Makes a scene in code. Types, parameters and defaults are those of pbrt-v4's files "
-                                "and of plugins. A Python bool,\n"
-                                "int, float or str is that type, three numbers are a colour; ('point3', value) says "
-                                "another type. to_world is a\n"
-                                "(4, 4) matrix, points are columns.");
-    builder.def(py::init<const std::string&>(), "name"_a = "scene");
+    py::class_<transport::MediumHandle>(module, "Medium", "A medium of one SceneBuilder.");
+    py::class_<transport::ObjectHandle>(module, "Object", "Shapes of one SceneBuilder that instances place.");
+    py::class_<Builder> builder(
+        module, "SceneBuilder",
+        "Makes a scene in code. Types, parameters and defaults are those of pbrt-v4's files and of plugins; numbers "
+        "become the\n"
+        "type that a parameter is known to have. A list of str is several strings, three numbers are a colour where "
+        "nothing\n"
+        "else is known, ('point3', value) says another type, ('texture', name) a texture. Every call takes parameters "
+        "as\n"
+        "keywords and, for words that are Python's or the method's own, as parameters={'from': ...}. Matrices are (4, "
+        "4),\n"
+        "points are columns; moved_to is where something is at the end of transform_times(). Errors name the line of "
+        "the call.");
+    builder.def(py::init(&make_builder), "name"_a = "scene", py::kw_only(), "folder"_a = py::none(),
+                "missing_files"_a = "refused", "color_space"_a = "srgb",
+                "name is what the scene goes by in messages. Relative names of files are looked for in folder, by "
+                "default the current\n"
+                "one; missing_files='placeholders' puts something magenta in the place of those that are not there. "
+                "rgb stands in\n"
+                "color_space: srgb, dci-p3, rec2020 or aces2065-1, linear.");
     add_settings(builder);
-    add_materials_and_lights(builder);
+    add_materials(builder);
+    add_textures(builder);
+    add_lights(builder);
     add_shapes(builder);
     builder.def(
         "finish",
         [](Builder& self) {
-            auto description = take(self.open().finish());
+            SceneBuilder& scene = self.open();
             self.finished = true;
+            auto description = take(scene.finish(caller()));
             return Scene{std::make_shared<const transport::SceneDescription>(std::move(description))};
         },
-        "The Scene; the builder is spent. Errors: a name that nothing has.");
+        "The Scene; the builder is spent, also after an error: a name that nothing has, a mesh that cannot be read.");
 }
 
 }  // namespace raylex::python

@@ -130,8 +130,31 @@ const std::vector<ParameterDescription>* declared_by(const Registry<Factory>& re
     return entry != nullptr ? &entry->parameters : nullptr;
 }
 
-/// What a plugin or an in-tree type says that it takes; null when it is not registered.
-const std::vector<ParameterDescription>* declared(EntityKind kind, const std::string& type) {
+const char* kind_name(EntityKind kind) {
+    constexpr std::array<const char*, 12> names{"accelerator",  "area light", "camera",   "film",
+                                                "integrator",   "light",      "material", "medium",
+                                                "pixel filter", "sampler",    "shape",    "texture"};
+    return names[static_cast<std::size_t>(kind)];
+}
+
+/// One value as a scene file writes it; empty when there are several.
+std::string value_text(const Parameter& parameter) {
+    if (parameter.strings.size() + parameter.booleans.size() + parameter.numbers.size() != 1) return {};
+    if (!parameter.strings.empty()) return parameter.strings.front();
+    if (!parameter.booleans.empty()) return parameter.booleans.front() != 0 ? "true" : "false";
+    std::array<char, 32> text{};
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), parameter.numbers.front());
+    return {text.data(), end.ptr};
+}
+
+template <class List>
+bool holds(const List& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+}  // namespace
+
+const std::vector<ParameterDescription>* declared_parameters(EntityKind kind, const std::string& type) {
     switch (kind) {
         case EntityKind::area_light:
             return declared_by(area_light_registry(), type);
@@ -158,30 +181,6 @@ const std::vector<ParameterDescription>* declared(EntityKind kind, const std::st
     }
 }
 
-const char* kind_name(EntityKind kind) {
-    constexpr std::array<const char*, 12> names{"accelerator",  "area light", "camera",   "film",
-                                                "integrator",   "light",      "material", "medium",
-                                                "pixel filter", "sampler",    "shape",    "texture"};
-    return names[static_cast<std::size_t>(kind)];
-}
-
-/// One value as a scene file writes it; empty when there are several.
-std::string value_text(const Parameter& parameter) {
-    if (parameter.strings.size() + parameter.booleans.size() + parameter.numbers.size() != 1) return {};
-    if (!parameter.strings.empty()) return parameter.strings.front();
-    if (!parameter.booleans.empty()) return parameter.booleans.front() != 0 ? "true" : "false";
-    std::array<char, 32> text{};
-    const auto end = std::to_chars(text.data(), text.data() + text.size(), parameter.numbers.front());
-    return {text.data(), end.ptr};
-}
-
-template <class List>
-bool holds(const List& names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-}  // namespace
-
 Error unknown_parameter(const std::string& kind, const std::string& type, const Parameter& parameter,
                         const std::vector<std::string>& known) {
     std::string list;
@@ -198,7 +197,7 @@ Error unknown_parameter(const std::string& kind, const std::string& type, const 
 Status ParameterChecker::check(EntityKind kind, const std::string& type, ParameterSet& set, std::size_t own,
                                std::vector<Error>& warnings) {
     const Row* row = find_row(kind, type);
-    const std::vector<ParameterDescription>* entry = declared(kind, type);
+    const std::vector<ParameterDescription>* entry = declared_parameters(kind, type);
     if (row == nullptr && entry == nullptr) return success();
     std::vector<std::string_view> read, known;  // this is asked for every shape of a scene
     if (entry != nullptr)

@@ -29,6 +29,9 @@ enum class EntityKind : std::uint8_t {
 Error unknown_parameter(const std::string& kind, const std::string& type, const Parameter& parameter,
                         const std::vector<std::string>& known);
 
+/// What a plugin or an in-tree type says that it takes; null when it is not registered.
+const std::vector<ParameterDescription>* declared_parameters(EntityKind kind, const std::string& type);
+
 /// Judges the parameters of one scene. What a type takes is what its registry entry declares and what the table in
 /// known_parameters.cpp adds; a type that neither knows is left to whoever refuses it by name.
 class ParameterChecker {

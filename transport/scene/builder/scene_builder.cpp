@@ -1,11 +1,14 @@
 #include "transport/scene/builder/scene_builder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "transport/cameras/aperture.h"
 #include "transport/color/spectral_data.h"
+#include "transport/import/pbrt/known_types.h"
 #include "transport/math/animated_transform.h"
+#include "transport/scene/builder/parameter_values.h"
 #include "transport/scene/builder/settled_transform.h"
 
 namespace raylex::transport {
@@ -44,7 +47,8 @@ SceneBuilder::SceneBuilder(std::string file, SearchPath search) : search_(std::m
 
 /// All parameters, known ones alone, the own ones first.
 Result<ParameterSet> SceneBuilder::checked(const std::string& type, EntityKind kind, SceneParameters parameters,
-                                           const SourceLocation& where) {
+                                           const SourceLocation& where, bool float_texture) {
+    if (Status s = check_open(where); !s) return s.error();
     ParameterSet set = std::move(parameters.own);
     if (set.location.file.empty()) set.location = where;
     for (Parameter& parameter : set.parameters)
@@ -54,7 +58,10 @@ Result<ParameterSet> SceneBuilder::checked(const std::string& type, EntityKind k
         if (std::none_of(set.parameters.begin(), set.parameters.end(),
                          [&](const Parameter& p) { return p.name == fallback.name; }))
             set.parameters.push_back(std::move(fallback));
+    for (const Parameter& parameter : set.parameters)
+        if (Status s = check_values(parameter); !s) return s.error();
     if (Status s = parameters_.check(kind, type, set, own, scene_.warnings); !s) return s.error();
+    use_known_types(kind, type, float_texture, set);
     return set;
 }
 
@@ -63,7 +70,7 @@ Result<SceneEntity> SceneBuilder::make_entity(const std::string& type, EntityKin
     SceneEntity entity;
     entity.type = type;
     entity.location = where;
-    Result<ParameterSet> set = checked(type, kind, std::move(parameters), where);
+    Result<ParameterSet> set = checked(type, kind, std::move(parameters), where, float_texture);
     if (!set) return set.error();
     entity.parameters = std::move(*set);
     if (Status status = resolve_entity(entity, float_texture); !status) return status.error();
@@ -125,6 +132,7 @@ Status SceneBuilder::set_integrator(const std::string& type, SceneParameters par
 
 Status SceneBuilder::set_camera(const std::string& type, SceneParameters parameters, const Transform& world_to_camera,
                                 MediumHandle medium, const SourceLocation& where) {
+    if (Status s = check_handle(medium, "medium", where); !s) return s;
     const Result<Transform> transform = settled_camera(world_to_camera, where);
     if (!transform) return transform.error();
     if (Status s = settings(scene_.camera, EntityKind::camera, type, std::move(parameters), where); !s) return s;
@@ -148,15 +156,17 @@ Status SceneBuilder::set_moving_camera(const std::string& type, SceneParameters 
 }
 
 Status SceneBuilder::set_transform_times(double start, double end, const SourceLocation& where) {
-    if (!(start < end))
-        return error_at(where, "the times of transformations are " + std::to_string(start) + " and " +
-                                   std::to_string(end) + "; expected the earlier one first");
+    const std::string times =
+        "the times of transformations are " + std::to_string(start) + " and " + std::to_string(end);
+    if (!std::isfinite(start) || !std::isfinite(end)) return error_at(where, times + "; expected finite ones");
+    if (!(start < end)) return error_at(where, times + "; expected the earlier one first");
     scene_.transform_times = {start, end};
     return success();
 }
 
 Status SceneBuilder::scale_displacement_edges(double factor, const SourceLocation& where) {
-    if (!(factor > 0)) return error_at(where, "the scale of displaced meshes' edges is not above 0");
+    if (!(factor > 0) || !std::isfinite(factor))
+        return error_at(where, "the scale of displaced meshes' edges is not above 0 and finite");
     edge_scale_ = factor;
     return success();
 }
@@ -167,7 +177,7 @@ Result<MaterialHandle> SceneBuilder::add_material(const std::string& type, Scene
     if (!entity) return entity.error();
     scene_.materials.push_back(std::move(*entity));
     material_references_.push_back({static_cast<int>(scene_.materials.size()) - 1, {}, {}});
-    return MaterialHandle{static_cast<int>(material_references_.size()) - 1};
+    return handle<MaterialHandle>(static_cast<int>(material_references_.size()) - 1);
 }
 
 Result<MaterialHandle> SceneBuilder::add_named_material(const SceneName& name, const std::string& type,
@@ -185,7 +195,7 @@ Result<MaterialHandle> SceneBuilder::add_named_material(const SceneName& name, c
 
 MaterialHandle SceneBuilder::material_named(const SceneName& name, const SourceLocation& where) {
     material_references_.push_back({-1, name.text, name.place(where)});
-    return {static_cast<int>(material_references_.size()) - 1};
+    return handle<MaterialHandle>(static_cast<int>(material_references_.size()) - 1);
 }
 
 Result<MediumHandle> SceneBuilder::add_medium(const SceneName& name, const std::string& type,
@@ -209,7 +219,7 @@ Result<MediumHandle> SceneBuilder::add_medium(const SceneName& name, const std::
 MediumHandle SceneBuilder::medium_named(const SceneName& name, const SourceLocation& where) {
     const auto [found, fresh] = medium_reference_of_.emplace(name.text, static_cast<int>(media_references_.size()));
     if (fresh) media_references_.push_back({-1, name.text, name.place(where)});
-    return {found->second};
+    return handle<MediumHandle>(found->second);
 }
 
 Status SceneBuilder::add_texture(const SceneName& name, TextureValue value, const std::string& type,
@@ -255,7 +265,7 @@ Result<AreaLightHandle> SceneBuilder::add_area_light(const std::string& type, Sc
     static_cast<SceneEntity&>(light) = std::move(*entity);
     light.group = group;
     scene_.area_lights.push_back(std::move(light));
-    return AreaLightHandle{static_cast<int>(scene_.area_lights.size()) - 1};
+    return handle<AreaLightHandle>(static_cast<int>(scene_.area_lights.size()) - 1);
 }
 
 }  // namespace raylex::transport

@@ -53,18 +53,23 @@ struct SceneParameters {
     std::vector<Parameter> fallbacks;  ///< fill gaps; what means nothing to the type is left out (pbrt's Attribute)
 };
 
-/// What calls hand out, for other calls of the same builder. The values are its own business.
+/// What calls hand out, for other calls of the same builder: any other refuses it. The values are its own business;
+/// what a caller makes is the default, which is every builder's.
 struct MaterialHandle {
-    int reference = 0;  ///< by default the first material: diffuse, reflectance 0.5
+    int reference = 0;          ///< by default the first material: diffuse, reflectance 0.5
+    std::uint32_t builder = 0;  ///< who handed it out; 0: nobody
 };
 struct MediumHandle {
     int reference = -1;  ///< vacuum
+    std::uint32_t builder = 0;
 };
 struct AreaLightHandle {
-    int index = -1;  ///< dark
+    int reference = -1;  ///< dark
+    std::uint32_t builder = 0;
 };
 struct ObjectHandle {
     int reference = -1;  ///< none: shapes stand in the scene itself
+    std::uint32_t builder = 0;
 };
 
 enum class TextureValue : std::uint8_t { real, spectrum };
@@ -106,6 +111,12 @@ class SceneBuilder {
     /// `file` is what the scene goes by in messages. Relative names of files are looked for in `search`: by default in
     /// the current folder.
     explicit SceneBuilder(std::string file, SearchPath search = {});
+    // A copy's handles would be those of the original, though each goes its own way.
+    SceneBuilder(const SceneBuilder&) = delete;
+    SceneBuilder& operator=(const SceneBuilder&) = delete;
+    SceneBuilder(SceneBuilder&&) = default;
+    SceneBuilder& operator=(SceneBuilder&&) = default;
+    ~SceneBuilder() = default;
     void set_search(SearchPath search) { search_ = std::move(search); }
     /// What a file that is not there does; by default it is refused.
     void set_missing_files(MissingFiles missing) { missing_ = missing; }
@@ -189,9 +200,9 @@ class SceneBuilder {
     /// How many threads read meshes; 0: all. `progress`, if any, is told how many there are and how many are read.
     void set_loading(int threads, LoadingProgress* progress) { threads_ = threads, progress_ = progress; }
 
-    /// Reads mesh files, resolves names and hands over the scene; the builder is spent. Errors: a mesh that cannot be
-    /// read, a name that nothing has and a shape, the camera or another entity uses.
-    Result<SceneDescription> finish();
+    /// Reads mesh files, resolves names and hands over the scene. Errors: a mesh that cannot be read, a name that
+    /// nothing has and a shape, the camera or another entity uses. The builder is spent either way, and refuses more.
+    Result<SceneDescription> finish(const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
 
   private:
     struct Reference {
@@ -200,6 +211,17 @@ class SceneBuilder {
         SourceLocation location;
     };
 
+    // scene_builder_handles.cpp
+    /// A handle as calls hand it out.
+    template <typename Handle>
+    [[nodiscard]] Handle handle(int reference) const {
+        return {reference, id_};
+    }
+    template <typename Handle>
+    Status check_handle(const Handle& handle, const char* what, const SourceLocation& where) const;
+    Status check_open(const SourceLocation& where) const;
+    Status check_placement(const ShapePlacement& placement, const SourceLocation& where) const;
+    Status check_instance(ObjectHandle object, const Transform& to_world, const SourceLocation& where) const;
     // scene_builder.cpp
     Status settings(SceneEntity& target, EntityKind kind, const std::string& type, SceneParameters parameters,
                     const SourceLocation& where);
@@ -207,7 +229,7 @@ class SceneBuilder {
     Result<SceneEntity> make_entity(const std::string& type, EntityKind kind, SceneParameters parameters,
                                     const SourceLocation& where, bool float_texture = false);
     Result<ParameterSet> checked(const std::string& type, EntityKind kind, SceneParameters parameters,
-                                 const SourceLocation& where);
+                                 const SourceLocation& where, bool float_texture = false);
     Status resolve_files(ParameterSet& set) const;
     /// Resolves an entity's files, or puts something magenta in its place, with a warning.
     Status resolve_entity(SceneEntity& entity, bool float_texture);
@@ -250,6 +272,10 @@ class SceneBuilder {
         SourceLocation location;
     };
 
+    static std::uint32_t next_id();
+
+    std::uint32_t id_ = next_id();
+    bool spent_ = false;
     SceneDescription scene_;
     SearchPath search_;
     MissingFiles missing_ = MissingFiles::refused;

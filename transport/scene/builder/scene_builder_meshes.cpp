@@ -53,7 +53,7 @@ Status SceneBuilder::read_meshes() {
         const SourceLocation& where = mesh.parameters.location;
         const auto target = shapes_of(mesh.placement, where);
         if (!target) return target.error();
-        if (*target != &scene_.shapes && mesh.placement.area_light.index >= 0)
+        if (*target != &scene_.shapes && mesh.placement.area_light.reference >= 0)
             read[i].warnings.push_back(
                 error_at(where, "area lights do not emit from object instances (pbrt's rule); this shape is dark"));
         shapes[*target].emplace_back(mesh.shapes_before, std::move(placed));

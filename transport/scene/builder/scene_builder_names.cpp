@@ -26,17 +26,26 @@ Status for_each_shape(SceneDescription& scene, const Function& function) {
 
 }  // namespace
 
-Result<SceneDescription> SceneBuilder::finish() {
-    for (Status (SceneBuilder::*step)() :
-         {&SceneBuilder::read_meshes, &SceneBuilder::place_moving_parts, &SceneBuilder::resolve_materials,
-          &SceneBuilder::resolve_media, &SceneBuilder::resolve_objects})
-        if (Status status = (this->*step)(); !status) return status.error();
-    if (Status status = check_textures(); !status) return status.error();
+Result<SceneDescription> SceneBuilder::finish(const SourceLocation& where) {
+    if (Status status = check_open(where); !status) return status.error();
+    const auto settle = [this]() -> Status {
+        for (Status (SceneBuilder::*step)() :
+             {&SceneBuilder::read_meshes, &SceneBuilder::place_moving_parts, &SceneBuilder::resolve_materials,
+              &SceneBuilder::resolve_media, &SceneBuilder::resolve_objects})
+            if (Status status = (this->*step)(); !status) return status;
+        return check_textures();
+    };
+    const Status settled = settle();
+    spent_ = true;  // what fails leaves names half resolved and meshes read
+    if (!settled) return settled.error();
     const auto sensor = read_sensor(scene_.film, scene_.camera, scene_.color.scene_space, scene_.warnings);
     if (!sensor) return sensor.error();
     scene_.color.sensor = sensor->recorded;
     scene_.color.measured = sensor->measured;
     if (unfiltered_) read_images_unfiltered(scene_);
+    for (auto* names : {&named_materials_, &named_media_, &named_objects_})
+        names->clear();  // what they lead to is gone
+    for (auto& names : named_textures_) names.clear();
     return std::move(scene_);
 }
 

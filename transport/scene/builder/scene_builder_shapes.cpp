@@ -1,6 +1,7 @@
 // Shapes, objects and instances of a SceneBuilder. Mesh files are only named here: read_meshes() reads them all at the
 // end, at once.
 #include <algorithm>
+#include <cmath>
 
 #include "transport/geometry/shapes/curve.h"
 #include "transport/geometry/shapes/placed_mesh.h"
@@ -12,8 +13,26 @@
 
 namespace raylex::transport {
 
+namespace {
+
+/// As those of mesh files.
+void set_broken_uvs(SceneShape& mesh, std::vector<Error>& warnings) {
+    std::size_t broken = 0;
+    for (StoredVec2& uv : mesh.uvs) {
+        if (std::isfinite(uv.x) && std::isfinite(uv.y)) continue;
+        uv = {0, 0};
+        ++broken;
+    }
+    if (broken > 0)
+        warnings.push_back(error_at(mesh.location, std::to_string(broken) + " of the texture coordinates of the mesh "
+                                                                            "are not finite and were set to 0"));
+}
+
+}  // namespace
+
 Status SceneBuilder::add_shape(const std::string& type, SceneParameters parameters, const ShapePlacement& placement,
                                const SourceLocation& where) {
+    if (Status s = check_placement(placement, where); !s) return s;
     if (placement.moved_to) {
         const auto still = as_moving_object(placement, where);
         if (!still) return still.error();
@@ -71,6 +90,7 @@ Status SceneBuilder::add_flattened(const std::string& type, const ParameterSet& 
 }
 
 Status SceneBuilder::add_mesh(const MeshData& mesh, const ShapePlacement& placement, const SourceLocation& where) {
+    if (Status s = check_placement(placement, where); !s) return s;
     if (placement.moved_to) {
         const auto still = as_moving_object(placement, where);
         if (!still) return still.error();
@@ -91,6 +111,9 @@ Status SceneBuilder::add_mesh(const MeshData& mesh, const ShapePlacement& placem
         if (index >= vertices)
             return error_at(where, "mesh index " + std::to_string(index) + " is out of range; there are " +
                                        std::to_string(vertices) + " vertices");
+    for (std::size_t i = 0; i < vertices; ++i)
+        if (!is_finite(mesh.positions[i]))
+            return error_at(where, "position " + std::to_string(i) + " of the mesh is not finite");
     SceneShape shape;
     shape.kind = mesh.patches ? ShapeKind::bilinear_mesh : ShapeKind::triangle_mesh;
     shape.location = where;
@@ -98,6 +121,7 @@ Status SceneBuilder::add_mesh(const MeshData& mesh, const ShapePlacement& placem
     shape.normals = mesh.normals;
     shape.uvs = mesh.uvs;
     shape.indices = mesh.indices;
+    set_broken_uvs(shape, scene_.warnings);
     Result<std::vector<SceneShape>> shapes = finish_mesh(
         std::move(shape), "the mesh", {*transform, placement.reverse_orientation, search_}, scene_.warnings);
     if (!shapes) return shapes.error();
@@ -105,6 +129,7 @@ Status SceneBuilder::add_mesh(const MeshData& mesh, const ShapePlacement& placem
 }
 
 Status SceneBuilder::add_curves(const CurveData& curves, const ShapePlacement& placement, const SourceLocation& where) {
+    if (Status s = check_placement(placement, where); !s) return s;
     if (placement.moved_to) {
         const auto still = as_moving_object(placement, where);
         if (!still) return still.error();
@@ -129,7 +154,7 @@ Status SceneBuilder::add_curves(const CurveData& curves, const ShapePlacement& p
 /// A shape that moves is an object that has one instance: its placement in that object.
 Result<ShapePlacement> SceneBuilder::as_moving_object(const ShapePlacement& placement, const SourceLocation& where) {
     const bool in_object = placement.object.reference >= 0;
-    if (placement.area_light.index >= 0 && !in_object)
+    if (placement.area_light.reference >= 0 && !in_object)
         return error_at(where, "an area light moves; expected lights that stand still",
                         "the camera and everything else can move past it");
     std::string name;
@@ -174,7 +199,7 @@ Result<std::vector<SceneShape>*> SceneBuilder::shapes_of(const ShapePlacement& p
 
 Status SceneBuilder::place(std::vector<SceneShape> shapes, const ShapePlacement& placement,
                            const SourceLocation& where) {
-    if (placement.object.reference >= 0 && placement.area_light.index >= 0)
+    if (placement.object.reference >= 0 && placement.area_light.reference >= 0)
         warn(error_at(where, "area lights do not emit from object instances (pbrt's rule); this shape is dark"));
     const auto target = shapes_of(placement, where);
     if (!target) return target.error();
@@ -191,7 +216,7 @@ void SceneBuilder::append(std::vector<SceneShape>& target, std::vector<SceneShap
         shape.material = placement.material.reference;  // references until finish()
         shape.inside_medium = placement.inside.reference;
         shape.outside_medium = placement.outside.reference;
-        shape.area_light = placement.object.reference >= 0 ? -1 : placement.area_light.index;
+        shape.area_light = placement.object.reference >= 0 ? -1 : placement.area_light.reference;
         shape.label = placement.label;
         const auto same_material = [&](const SceneShape& other) {
             return named(other).index == named(shape).index && named(other).name == named(shape).name;
@@ -202,6 +227,7 @@ void SceneBuilder::append(std::vector<SceneShape>& target, std::vector<SceneShap
 }
 
 Result<ObjectHandle> SceneBuilder::add_object(const SceneName& name, const SourceLocation& where) {
+    if (Status s = check_open(where); !s) return s.error();
     if (!named_objects_.emplace(name.text, static_cast<int>(scene_.objects.size())).second)
         return error_at(name.place(where), "object '" + name.text + "' is defined twice");
     scene_.objects.push_back({name.text, {}});
@@ -212,11 +238,11 @@ ObjectHandle SceneBuilder::object_named(const SceneName& name, const SourceLocat
     // A million instances of a few objects need a few references.
     const auto [found, fresh] = object_reference_of_.emplace(name.text, static_cast<int>(object_references_.size()));
     if (fresh) object_references_.push_back({-1, name.text, name.place(where)});
-    return {found->second};
+    return handle<ObjectHandle>(found->second);
 }
 
 Status SceneBuilder::add_instance(ObjectHandle object, const Transform& to_world, const SourceLocation& where) {
-    if (object.reference < 0) return error_at(where, "an instance of no object; expected one that was added or named");
+    if (Status s = check_instance(object, to_world, where); !s) return s;
     if (!to_world.invertible()) {
         warn(error_at(where, "its transformation cannot be inverted: the instance has no extent and is left out"));
         return success();
@@ -233,6 +259,7 @@ Status SceneBuilder::add_instance(ObjectHandle object, const Transform& to_world
 
 Status SceneBuilder::add_moving_instance(ObjectHandle object, const Transform& to_world, const Transform& moved_to,
                                          const SourceLocation& where) {
+    if (Status s = check_instance(object, to_world, where); !s) return s;
     const Result<Transform> last = settled(moved_to, where);
     if (!last) return last.error();
     if (!to_world.invertible()) return add_instance(object, to_world, where);

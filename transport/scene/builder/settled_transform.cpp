@@ -1,5 +1,7 @@
 #include "transport/scene/builder/settled_transform.h"
 
+#include <cmath>
+
 namespace raylex::transport {
 
 namespace {
@@ -10,7 +12,16 @@ bool is_affine(const Matrix4& m) {
 
 }  // namespace
 
+Status check_finite(const Transform& transform, const SourceLocation& where) {
+    for (const auto& row : transform.matrix())
+        for (const double value : row)
+            if (!std::isfinite(value))
+                return error_at(where, "its transformation has an element that is not finite; expected finite numbers");
+    return success();
+}
+
 Result<Transform> settled(const Transform& transform, const SourceLocation& where) {
+    if (Status s = check_finite(transform, where); !s) return s.error();
     if (transform.is_identity()) return Transform();
     Transform result(transform.matrix());
     if (!transform.invertible() || !result.invertible())
@@ -19,6 +30,7 @@ Result<Transform> settled(const Transform& transform, const SourceLocation& wher
 }
 
 Result<Transform> settled_camera(const Transform& world_to_camera, const SourceLocation& where) {
+    if (Status s = check_finite(world_to_camera, where); !s) return s.error();
     const Matrix4 camera_to_world = world_to_camera.inverse().matrix();
     if (!world_to_camera.invertible() || !is_affine(world_to_camera.matrix()) || !is_affine(camera_to_world))
         return settled(world_to_camera, where);

@@ -7,6 +7,9 @@
 
 namespace raylex::transport {
 
+/// Errors: a matrix with something that is no number, or infinite.
+Status check_finite(const Transform& transform, const SourceLocation& where);
+
 /// As its matrix says: the inverse follows from it and from nothing else. Errors: there is none.
 Result<Transform> settled(const Transform& transform, const SourceLocation& where);
 

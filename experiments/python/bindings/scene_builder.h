@@ -1,0 +1,28 @@
+// What the files of the Python SceneBuilder share.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "experiments/python/bindings/scene_parameters.h"
+#include "transport/scene/builder/scene_builder.h"
+
+namespace raylex::python {
+
+struct Builder {
+    Builder(const std::string& name, transport::SearchPath search) : scene(name, std::move(search)) {}
+    transport::SceneBuilder scene;
+    bool finished = false;
+    transport::SceneBuilder& open() {
+        if (finished) fail_here("the builder's scene is finished; expected a new SceneBuilder");
+        return scene;
+    }
+};
+
+/// A medium by its handle or name; None is vacuum. `what` it is stands in errors.
+transport::MediumHandle medium_of(transport::SceneBuilder& scene, const py::object& medium, const char* what);
+
+/// Shapes, objects and instances.
+void add_shapes(py::class_<Builder>& builder);
+
+}  // namespace raylex::python
