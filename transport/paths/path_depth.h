@@ -20,7 +20,8 @@ inline constexpr std::int32_t whole_event = 1024;
 
 /// A vertex from which a path may go on or be joined: how long the path is that leads there, and what is around.
 struct VertexDepth {
-    std::int32_t before = 0;  ///< length of its subpath
+    std::int32_t before = 0;  ///< length of its subpath,
+    std::int32_t least = 0;   ///< and with the least that an event there may count
     bool surface = false;
     bool came_within = false;                        ///< the subpath came through a body,
     bool front_within = false, back_within = false;  ///< and on the side of the geometric normal or on the other is one

@@ -354,19 +354,22 @@ std::uint32_t Walk<mode>::take_branch(Subpath& path, const BsdfSample& s) {
 
 template <TransportMode mode>
 VertexDepth Walk<mode>::vertex_depth(std::size_t j) const {
-    VertexDepth vertex{paths_[vertices_.rows[j]].length()};
+    VertexDepth vertex;
+    vertex.before = paths_[vertices_.rows[j]].length();
+    vertex.least = vertex.before + whole_event;
     if (!depth_limit_.has_bodies()) return vertex;
     const SurfacePoint& point = vertices_.points[j];
     vertex.surface = j < vertices_.surfaces;
     vertex.came_within = is_within(medium_towards(j, point.wo));
     vertex.front_within = is_within(medium_towards(j, point.geometric_normal));
     vertex.back_within = is_within(medium_towards(j, -point.geometric_normal));
+    vertex.least = vertex.before + depth_limit_.least(vertex.came_within);
     return vertex;
 }
 
 /// Takes off what does not count of the event at vertex j, which the path has left. False: it is too long for it.
 template <TransportMode mode>
-bool Walk<mode>::stays_short(std::size_t j, const Vec3& direction) {
+[[gnu::noinline]] bool Walk<mode>::stays_short(std::size_t j, const Vec3& direction) {
     Subpath& path = paths_[vertices_.rows[j]];
     const bool first_specular = mode == TransportMode::radiance && !options_.counts_first_specular &&
                                 !path.any_non_specular && path.depth < options_.max_depth;

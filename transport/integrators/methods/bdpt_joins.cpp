@@ -106,9 +106,7 @@ void Bdpt::join_vertices(BdptThread& thread, std::size_t j) const {
     const VertexDepth length = thread.camera.vertex_depth(j);
     for (std::uint32_t i = thread.last_vertex[row]; i != LightVertex::none; i = thread.light_vertices[i].previous) {
         const LightVertex& y = thread.light_vertices[i];
-        if (!limit.allows(length.before + limit.least(length.came_within) + y.length.before +
-                          limit.least(y.length.came_within)))
-            continue;
+        if (!limit.allows(length.least + y.length.least)) continue;
         if (!thread.light.worth_joining(thread.camera, j, y.end, y.point.material)) {
             thread.counters.count(Pruned::joins);
             continue;
