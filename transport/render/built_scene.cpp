@@ -56,6 +56,13 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     scene->warnings = scene->textures_.warnings();
     const std::vector<Error>& dropped = scene->geometry_->warnings();
     scene->warnings.insert(scene->warnings.end(), dropped.begin(), dropped.end());
+    if (shutter->swapped) {
+        const Parameter* open = description.camera.parameters.find("shutteropen");
+        const Parameter* close = description.camera.parameters.find("shutterclose");
+        scene->warnings.push_back(error_at((open != nullptr ? open : close)->location,
+                                           "'shutteropen' is later than 'shutterclose'; the two are swapped, as in "
+                                           "pbrt-v4"));
+    }
     if (scene->materials_.size() == 0)
         return error_at({description.file, 0, 0},
                         "the scene has no material; expected at least the default one at index 0");
