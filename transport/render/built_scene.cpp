@@ -5,6 +5,7 @@
 
 #include "transport/materials/textures/tee.h"
 #include "transport/render/clock.h"
+#include "transport/render/dark_lights.h"
 
 namespace raylex::transport {
 
@@ -78,6 +79,7 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     auto lights = LightTable::build(description, *scene->geometry_, scene->warnings);
     if (!lights) return lights.error();
     scene->lights_ = *std::move(lights);
+    scene->dark_lights = find_dark_lights(description, scene->lights_, scene->media_);
     scene->general_code_ = description.general_code;
     if (scene->materials_.disperses() || description.general_code.contains(Effect::dispersion))
         scene->wavelengths_ = std::make_unique<const WavelengthDistribution>(description.color);
