@@ -43,6 +43,21 @@ const char* type_name(ParameterType type) {
 
 namespace {
 
+/// Nobody types longer names, and comparing costs the product of the lengths.
+constexpr std::size_t longest_compared = 256;
+/// Longer messages quote what no reader reads to its end; lists of what was expected stay below.
+constexpr std::size_t longest_message = 4000;
+
+/// The beginning and the end of a text that is too long, cut between characters of UTF-8.
+void shorten(std::string& text) {
+    if (text.size() <= longest_message) return;
+    const auto within = [&](std::size_t i) { return (static_cast<unsigned char>(text[i]) & 0xc0) == 0x80; };
+    std::size_t begin = 200, end = text.size() - 400;
+    while (begin > 0 && within(begin)) --begin;
+    while (end < text.size() && within(end)) ++end;
+    text.replace(begin, end - begin, "...[" + std::to_string(end - begin) + " bytes]...");
+}
+
 std::size_t value_count(const Parameter& parameter) {
     if (parameter.type == ParameterType::boolean) return parameter.booleans.size();
     return parameter.numbers.size() + parameter.strings.size();
@@ -67,7 +82,10 @@ char lower(char c) {
 
 }  // namespace
 
+/// Longer names are the same or differ in all of their letters.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
+    if (std::max(a.size(), b.size()) > longest_compared)
+        return lower_case(a) == lower_case(b) ? 0 : std::max(a.size(), b.size());
     const std::size_t columns = b.size() + 1;
     std::vector<std::size_t> before(columns), above(columns), row(columns);
     std::iota(above.begin(), above.end(), std::size_t{0});
@@ -88,10 +106,12 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 Error error_at(const SourceLocation& where, std::string message, std::string hint) {
     Error error;
     error.message = std::move(message);
+    shorten(error.message);
     error.file = where.file;
     error.line = where.line;
     error.column = where.column;
     error.hint = std::move(hint);
+    shorten(error.hint);
     return error;
 }
 
@@ -160,8 +180,6 @@ std::vector<const Parameter*> ParameterSet::unused() const {
     return result;
 }
 
-// A likely slip costs at most a third of the word's letters, and always at least one is allowed, but never all of them.
-// Ties go to the candidate listed first.
 std::string lower_case(std::string_view text) {
     std::string result(text);
     for (char& c : result)
@@ -169,10 +187,15 @@ std::string lower_case(std::string_view text) {
     return result;
 }
 
+// A likely slip costs at most a third of the word's letters, and always at least one is allowed, but never all of them.
+// Ties go to the candidate listed first.
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates) {
     std::string best;
     std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
     for (const std::string& candidate : candidates) {
+        // At least as many letters are added or left out.
+        const auto [shorter, longer] = std::minmax(word.size(), candidate.size());
+        if (longer - shorter >= best_distance) continue;
         const std::size_t distance = edit_distance(word, candidate);
         if (distance >= best_distance || distance >= std::max(word.size(), candidate.size())) continue;
         best_distance = distance;

@@ -81,6 +81,29 @@ TEST_CASE("near misses are slips, not guesses", "[parameters]") {
     CHECK(nearest_name("anything", {}).empty());
 }
 
+TEST_CASE("names of any length are compared in no time, and quoted in part", "[parameters][law7]") {
+    const std::string endless(5'000'000, 'a');
+    CHECK(nearest_name(endless, {"gaussian", endless + "b"}).empty());
+    CHECK(nearest_name("gaussian", {endless}).empty());
+    CHECK(edit_distance(endless, endless + "b") == endless.size() + 1);
+    CHECK(edit_distance(endless, endless) == 0);
+    const std::string list(3900, 'x');
+    CHECK(error_at({}, list, list).message == list);
+    const Error error = error_at({}, "no filter is called '" + endless + "'; expected box", endless);
+    CHECK(error.message.size() < 700);
+    CHECK(error.hint.size() < 700);
+    CHECK(error.message.starts_with("no filter is called 'aaa"));
+    CHECK(error.message.ends_with("aaa'; expected box"));
+    // Cut between characters, each of two bytes here.
+    std::string accents = "'";
+    for (int i = 0; i < 3000; ++i) accents += "\u00e9";
+    const std::string shown = error_at({}, accents).message;
+    const std::size_t cut = shown.find("...[");
+    REQUIRE(cut != std::string::npos);
+    CHECK(cut % 2 == 1);
+    CHECK(shown.substr(shown.find("]...") + 4).size() % 2 == 0);
+}
+
 TEST_CASE("an unknown name lists what there is and the near miss", "[registry][law7]") {
     Registry<int> registry("widget");
     registry.add({"cube", "", {}, 1});

@@ -9,6 +9,28 @@
 #include "transport/math/sampling.h"
 
 namespace raylex::transport {
+namespace {
+
+/// The power of two at or below a positive number: dividing by it changes no digit.
+double power_below(double value) {
+    return std::isfinite(value) && value > 0 ? std::ldexp(1.0, std::ilogb(value)) : 1;
+}
+
+/// What turns directions, in another unit of length: their squares are floats, however the camera is scaled.
+Transform for_directions(const Transform& camera_to_world) {
+    Matrix4 m = camera_to_world.matrix();
+    double largest = 0;
+    for (std::size_t r = 0; r < 3; ++r)
+        for (std::size_t c = 0; c < 3; ++c) largest = std::max(largest, std::abs(m[r][c]));
+    const double unit = power_below(largest);
+    for (std::size_t r = 0; r < 3; ++r) {
+        for (std::size_t c = 0; c < 3; ++c) m[r][c] /= unit;
+        m[r][3] = 0;
+    }
+    return Transform(m);
+}
+
+}  // namespace
 
 Result<std::unique_ptr<Camera>> PerspectiveCamera::build(const SceneEntity& entity, const CameraPlacement& placement) {
     const int width = placement.width, height = placement.height;
@@ -39,6 +61,9 @@ Result<std::unique_ptr<Camera>> PerspectiveCamera::build(const SceneEntity& enti
     camera->corner_ = DVec3{screen[0] * tangent, screen[3] * tangent, 1}.to_real();
     camera->lens_radius_ = static_cast<Real>(std::max(lens->radius, 0.0));
     camera->focal_distance_ = static_cast<Real>(lens->focal_distance);
+    const double focal_unit = power_below(lens->focal_distance);
+    camera->focal_in_unit_ = static_cast<Real>(lens->focal_distance / focal_unit);
+    camera->lens_in_unit_ = static_cast<Real>(std::max(lens->radius, 0.0) / focal_unit);
     camera->raster_density_ =
         std::abs(camera->to_camera_.determinant() / (static_cast<double>(step_x.x) * static_cast<double>(step_y.y)));
     return std::unique_ptr<Camera>(std::move(camera));
@@ -48,6 +73,7 @@ PerspectiveCamera::PerspectiveCamera(const Transform& camera_to_world, const Mat
                                      const Vec2& pixel_size, bool has_lens)
     : Camera(camera_to_world, projection, pixel_size, has_lens),
       camera_to_world_(camera_to_world),
+      for_directions_(for_directions(camera_to_world)),
       origin_(camera_to_world.point({0, 0, 0})),
       pixel_angle_(std::sqrt(pixel_size.x * pixel_size.y)),
       to_camera_(world_to_camera()) {
@@ -64,15 +90,15 @@ Ray PerspectiveCamera::ray(Real x, Real y, const Vec2& lens) const {
     ray.cone.spread = pixel_angle_;
     if (!has_lens()) {
         ray.origin = origin_;
-        ray.direction = normalize(camera_to_world_.vector(through));
+        ray.direction = normalize(for_directions_.vector(through));
         return ray;
     }
     // Every point of the lens sees the plane z = focal distance in the same place.
     const Vec2 d = sample_disk(lens);
     const Vec3 on_lens{d.x * lens_radius_, d.y * lens_radius_, 0};
     ray.origin = camera_to_world_.point(on_lens);
-    ray.direction =
-        normalize(camera_to_world_.vector(lens_radius_ > 0 ? through * focal_distance_ - on_lens : through));
+    const Vec3 in_unit{d.x * lens_in_unit_, d.y * lens_in_unit_, 0};
+    ray.direction = normalize(for_directions_.vector(lens_radius_ > 0 ? through * focal_in_unit_ - in_unit : through));
     return ray;
 }
 

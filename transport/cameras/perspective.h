@@ -21,11 +21,12 @@ class PerspectiveCamera final : public Camera {
     PerspectiveCamera(const Transform& camera_to_world, const Matrix4& projection, const Vec2& pixel_size,
                       bool has_lens);
     [[nodiscard]] Real importance_at(double depth, const Vec3& point, const Vec3& position) const;
-    Transform camera_to_world_;
+    Transform camera_to_world_, for_directions_;
     Vec3 corner_, step_x_, step_y_;  // camera space, at z = 1: raster (0, 0) and one pixel right and down
     Vec3 origin_;                    // world
     Real lens_radius_ = 0, focal_distance_ = 1e6f, pixel_angle_ = 0;
     Matrix34 to_camera_;
+    Real focal_in_unit_ = 1, lens_in_unit_ = 0;  // in units of a power of two near the focal distance
     double raster_density_ = 0;  // pixels for each area on the plane at distance 1, in volume units of the world
 };
 

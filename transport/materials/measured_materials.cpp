@@ -33,6 +33,9 @@ Result<std::unique_ptr<Material>> make_measured(const SceneEntity& entity, const
     if (!table)
         return error_at(reader.where(*parameter), "measured material '" + file + "': " + table.error().message,
                         table.error().hint);
+    if (!(*table)->warning.empty())
+        context.textures.warn(
+            error_at(reader.where(*parameter), "measured material '" + file + "': " + (*table)->warning));
     return std::unique_ptr<Material>(std::make_unique<MeasuredMaterial>(*std::move(table)));
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "display/services/short_number.h"
 #include "lpe/budgets.h"
 #include "transport/color/spectrum.h"
 #include "transport/media/medium_parameters.h"
@@ -311,6 +312,20 @@ Result<Medium> finish_grid_medium(const SceneMedium& entity, const MediumContext
     if (context.space == nullptr) return medium;
     parts.majorant_factor = *factor;
     medium.grid = std::make_shared<const GridMedium>(std::move(parts));
+    // Rays are up to 1e18 long, and their optical depths are floats.
+    constexpr Real most = 1e20f;
+    if (!(medium.grid->largest_majorant() <= most))
+        return error_at(
+            entity.location,
+            "medium '" + entity.name + "': what its densities and coefficients make of extinction reaches " +
+                short_number(medium.grid->largest_majorant()) + " per unit of length; expected at most 1e20",
+            "another unit of length, or smaller values, bring it into range");
+    if (const Rgb& brightest = medium.grid->brightest_emission(); !(brightest.max() <= Real(1e30f)))
+        return error_at(entity.location,
+                        "medium '" + entity.name + "' gives up to " + short_number(brightest.max()) +
+                            " of light per unit of length; expected at most 1e30, of which sums "
+                            "along rays are floats",
+                        "smaller values bring it into range");
     return medium;
 }
 

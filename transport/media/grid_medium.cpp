@@ -73,6 +73,12 @@ GridMedium::GridMedium(GridMediumParts parts) : parts_(std::move(parts)), sigma_
     if (!coloured()) brightest_ *= parts_.sigma_a;
 }
 
+Real GridMedium::largest_majorant() const {
+    float most = 0;
+    for (const CellBounds& bounds : bounds_) most = std::max(most, bounds.most);
+    return static_cast<Real>(most) * unit_;
+}
+
 std::size_t GridMedium::bytes() const {
     return parts_.density.bytes() + parts_.absorption.bytes() + parts_.scattering.bytes() +
            bounds_.size() * sizeof(CellBounds) + shines_.size() + (parts_.emission ? parts_.emission->bytes() : 0);

@@ -67,6 +67,8 @@ class GridMedium {
     [[nodiscard]] MediumPoint at(const Vec3& point) const;
     /// A majorant there, of all colours, and 0 outside.
     [[nodiscard]] Real majorant(const Vec3& point) const;
+    /// Of all its points.
+    [[nodiscard]] Real largest_majorant() const;
     /// Above which no unit of length shines.
     [[nodiscard]] const Rgb& brightest_emission() const { return brightest_; }
     [[nodiscard]] std::size_t bytes() const;

@@ -5,6 +5,7 @@
 
 #include "transport/materials/textures/tee.h"
 #include "transport/render/clock.h"
+#include "transport/render/dark_lights.h"
 
 namespace raylex::transport {
 
@@ -65,6 +66,13 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     scene->warnings = scene->textures_.warnings();
     const std::vector<Error>& dropped = scene->geometry_->warnings();
     scene->warnings.insert(scene->warnings.end(), dropped.begin(), dropped.end());
+    if (shutter->swapped) {
+        const Parameter* open = description.camera.parameters.find("shutteropen");
+        const Parameter* close = description.camera.parameters.find("shutterclose");
+        scene->warnings.push_back(error_at((open != nullptr ? open : close)->location,
+                                           "'shutteropen' is later than 'shutterclose'; the two are swapped, as in "
+                                           "pbrt-v4"));
+    }
     if (scene->materials_.size() == 0)
         return error_at({description.file, 0, 0},
                         "the scene has no material; expected at least the default one at index 0");
@@ -89,6 +97,7 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     auto lights = LightTable::build(description, *scene->geometry_, scene->warnings);
     if (!lights) return lights.error();
     scene->lights_ = *std::move(lights);
+    scene->dark_lights = find_dark_lights(description, scene->lights_, scene->media_);
     scene->general_code_ = description.general_code;
     if (scene->materials_.disperses() || description.general_code.contains(Effect::dispersion))
         scene->wavelengths_ = std::make_unique<const WavelengthDistribution>(description.color);

@@ -40,6 +40,7 @@ class BuiltScene {
     std::shared_ptr<const CameraMotion> camera_motion;  ///< null: it stands still
     std::string file;
     std::vector<Error> warnings;
+    std::vector<Error> dark_lights;  ///< warnings to those who ask for light (dark_lights.h)
     double build_seconds = 0, build_cpu_seconds = 0;
 
   private:

@@ -22,6 +22,7 @@ Result<ShutterSpan> shutter_span(const SceneDescription& scene) {
         return error_at(scene.camera.location, "the times of transformations are " + std::to_string(start) + " and " +
                                                    std::to_string(end) + "; expected the earlier one first");
     ShutterSpan span;
+    span.swapped = *open > *close;
     span.open = (std::min(*open, *close) - start) / (end - start);
     span.close = (std::max(*open, *close) - start) / (end - start);
     span.first = std::clamp(span.open, 0.0, 1.0);

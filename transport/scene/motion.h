@@ -18,6 +18,7 @@ namespace raylex::transport {
 struct ShutterSpan {
     double first = 0, last = 1;
     double open = 0, close = 1;
+    bool swapped = false;  ///< the camera's parameters name the later one first
 
     [[nodiscard]] bool moves() const { return first < last; }
     /// Ray::time of a share `u` of the shutter's time.

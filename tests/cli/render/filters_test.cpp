@@ -71,6 +71,21 @@ TEST_CASE("sample filters apply in the order of job and flags, and splits still 
     check_render_refused(folder, "render room.pbrt --sample-filter grade:offset=1", {"no longer sum"});
 }
 
+TEST_CASE("no sample filter is one that every integrator takes", "[filters]") {
+    const SceneFolder folder;
+    for (const char* integrator : {"path", "lighttracer", "pssmlt"}) {
+        CAPTURE(integrator);
+        const std::string render = std::string("render room.pbrt --spp 1 --integrator ") + integrator;
+        const Outcome outcome = run_raylex(folder, render + " --sample-filter none -o with.exr");
+        INFO(outcome.err);
+        CHECK(outcome.code == 0);
+        REQUIRE(run_raylex(folder, render + " -o without.exr").code == 0);
+        CHECK(plane(folder, "with.exr", "beauty", "G") == plane(folder, "without.exr", "beauty", "G"));
+    }
+    check_render_refused(folder, "render room.pbrt --integrator lighttracer --sample-filter none --sample-filter clamp",
+                         {"takes no sample filters ('clamp')"});
+}
+
 TEST_CASE("a filter that changes one layer of a partition takes the partition out, and says so", "[filters][law1]") {
     const SceneFolder folder;
     const Outcome outcome = run_raylex(

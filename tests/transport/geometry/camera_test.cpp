@@ -56,6 +56,35 @@ TEST_CASE("a camera sees a point of its ray where the ray began, one by one and 
     }
 }
 
+TEST_CASE("rays have directions however far the focus is and whatever the camera's unit of length", "[camera]") {
+    const auto rays_of = [](double focus, double unit) {
+        transport::SceneEntity entity = thin_lens();
+        entity.parameters.parameters.back().numbers = {focus};
+        transport::CameraPlacement placement = aside();
+        placement.camera_to_world = placement.camera_to_world * transport::Transform::scale(unit, unit, unit);
+        std::vector<Error> warnings;
+        const auto camera = transport::make_camera(entity, placement, warnings);
+        REQUIRE(camera.ok());
+        std::vector<transport::Ray> rays;
+        for (int i = 0; i < 20; ++i) {
+            const auto t = static_cast<float>(i) / 20;
+            rays.push_back((*camera)->generate(transport::CameraSample{64 * t, 48 * (1 - t), {t, t * t}}));
+        }
+        return rays;
+    };
+    // From 1e6 on all rays of a pixel are parallel in float.
+    const std::vector<transport::Ray> far = rays_of(1e9, 1);
+    for (const auto& [focus, unit] : {std::pair(1e18, 1.0), std::pair(3e19, 1.0), std::pair(3.4e38, 1.0),
+                                      std::pair(1e9, 1e-20), std::pair(1e9, 1e20), std::pair(1e9, 1e-35)}) {
+        CAPTURE(focus, unit);
+        const std::vector<transport::Ray> rays = rays_of(focus, unit);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            CHECK(length(rays[i].direction) == Approx(1));
+            CHECK(length(rays[i].direction - far[i].direction) < 1e-6f);
+        }
+    }
+}
+
 TEST_CASE("cameras that cannot be are refused by name, and unknown parameters are warnings", "[camera]") {
     std::vector<Error> warnings;
     transport::SceneEntity entity = thin_lens();

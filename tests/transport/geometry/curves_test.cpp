@@ -417,3 +417,21 @@ Rotate 90 1 0 0
     // The same rays: what is left is a sample or two of 64 that meet a silhouette or a terminator within rounding.
     CHECK(worst < 2.0 / 64 * brightest);
 }
+
+TEST_CASE("ribbons wider than Embree traces are refused, others are not", "[curves][law7]") {
+    const auto built = [](const std::string& curve) {
+        return BuiltScene::build(scene_of("WorldBegin\nTranslate 0 0 5\nShape \"curve\" " + curve));
+    };
+    const std::string points = " \"point3 P\" [-1 0 0 0 1 0 .5 0 0 1 1 0]", ribbon = "\"string type\" \"ribbon\" ",
+                      normals = " \"normal N\" [0 0 1 0 0 1]";
+    const auto refused = built(ribbon + normals + points + " \"float width\" 1e6");
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().line == 3);
+    CHECK(contains(refused.error().message,
+                   "segment 0 of ribbon 0 is more than 10^5 times as wide (1e+06) as it is long (2)"));
+    CHECK(built(ribbon + normals + points + " \"float width\" 1e5").ok());
+    CHECK(built(points + " \"float width\" 1e6").ok());  // flat, which Embree has no trouble with
+    const auto dot = built(ribbon + normals + " \"point3 P\" [1 1 0 1 1 0 1 1 0 1 1 0]");
+    REQUIRE(dot.ok());
+    CHECK(contains((*dot)->warnings.front().message, "have no length"));
+}

@@ -237,6 +237,23 @@ TEST_CASE("motion: the shutter and the transformations' times choose what is see
     CHECK(std::abs(covered("TransformTimes 0 4", "\"float shutterclose\" 4") - 0.5) <= error);
 }
 
+TEST_CASE("motion: a shutter that closes before it opens is turned round, with a word", "[motion]") {
+    const auto built = [](const std::string& shutter) {
+        auto scene = transport::BuiltScene::build(
+            scene_of("LookAt 0 0 -9  0 0 0  0 1 0\nCamera \"perspective\"\n" + shutter + "\nWorldBegin\n"));
+        REQUIRE(scene.ok());
+        return (*scene)->warnings;
+    };
+    for (const char* shutter :
+         {"\"float shutteropen\" 1 \"float shutterclose\" 0", "\"float shutterclose\" -1", "\"float shutteropen\" 2"}) {
+        const std::vector<raylex::Error> warnings = built(shutter);
+        REQUIRE(warnings.size() == 1);
+        CHECK(warnings[0].line == 3);
+        CHECK(import_test::contains(warnings[0].message, "'shutteropen' is later than 'shutterclose'"));
+    }
+    CHECK(built("\"float shutteropen\" 1").empty());
+}
+
 TEST_CASE("motion: stopped, all stands halfway", "[motion][effects]") {
     using raylex::transport::Effect;
     transport::SceneDescription scene =

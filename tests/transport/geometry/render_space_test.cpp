@@ -147,9 +147,9 @@ TEST_CASE("a vertex that leaves float where it stands is an error at its shape",
     CHECK(built.error().line == 2);
     CHECK(import_test::contains(built.error().message, "vertex 1 is not finite after the current transformation"));
     // A face that falls together where it stands is left out, and counted: floats at 1e9 are 64 apart.
-    const transport::RenderOutput output = render_of(
-        scene_of("Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2\nWorldBegin Shape \"sphere\"\n"
-                 "Translate 1e9 0 0\nShape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]"));
+    const transport::RenderOutput output = render_of(scene_of(
+        "Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2\nWorldBegin LightSource \"infinite\" "
+        "Shape \"sphere\"\nTranslate 1e9 0 0\nShape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]"));
     REQUIRE(output.warnings.size() == 1);
     CHECK(output.warnings[0].line == 4);
     CHECK(import_test::contains(output.warnings[0].message, "1 of the faces of the mesh have no area in single"));

@@ -143,6 +143,7 @@ TEST_CASE("What is no number ends a list with line, column and what was expected
         {"1 [2", "float", 1, 24, "found '['; expected a number"},
         {"1 true", "float", 1, 24, "found 'true'; expected a number"},
         {"1 2147483648", "integer", 1, 26, "found '2147483648'; expected an integer for 'integer v' of 32 bits"},
+        {"1 -2147483649", "integer", 1, 26, "found '-2147483649'; expected an integer for 'integer v' of 32 bits"},
         {"1 99999999999999999999", "integer", 1, 26, "expected an integer for 'integer v' of 32 bits"},
         {"1 1.5", "integer", 1, 26, "found '1.5'; expected an integer"},
         {"1 2 3 4", "point3", 1, 11, "has 4 numbers; expected a multiple of 3"},
@@ -155,9 +156,9 @@ TEST_CASE("What is no number ends a list with line, column and what was expected
         CHECK(error.column == slip.column);
         CHECK(contains(error.message, slip.message));
     }
-    const auto limits = list_of("-2147483647 2147483647 1e3 2.0", "integer");
+    const auto limits = list_of("-2147483648 2147483647 1e3 2.0", "integer");
     REQUIRE(limits);
-    CHECK(*limits == std::vector<double>{-2147483647., 2147483647., 1000, 2});
+    CHECK(*limits == std::vector<double>{-2147483648., 2147483647., 1000, 2});
 }
 
 TEST_CASE("A list without its end is named where it begins, with its vertex where a vertex is wrong",

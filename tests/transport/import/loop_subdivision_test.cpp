@@ -1,6 +1,7 @@
 // Loop's subdivision against what is known of its limit.
 #include <catch2/catch.hpp>
 
+#include <chrono>
 #include <cmath>
 #include <set>
 
@@ -132,6 +133,44 @@ TEST_CASE("a flat mesh stays flat, its boundary becomes the B-spline of its corn
     const SubdividedMesh coarse = subdivided(positions, faces, 0);
     CHECK(coarse.positions[0] == to_float(BasicVec3<double>{0.2, 0.2, 0}));
     CHECK(coarse.positions[1] == StoredVec3{1, 0, 0});
+}
+
+TEST_CASE("many levels and vertices of many faces take no longer than their triangles", "[loopsubdiv][release-only]") {
+    const std::vector<StoredVec3> corners{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+    const std::vector<MeshFace> tetrahedron{{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
+    const auto seconds = [](const std::vector<StoredVec3>& positions, const std::vector<MeshFace>& faces, int levels) {
+        const auto begin = std::chrono::steady_clock::now();
+        CHECK(subdivided(positions, faces, levels).indices.size() == 3 * faces.size() << (2 * levels));
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    };
+    CHECK(seconds(corners, tetrahedron, 9) < 5);  // a million triangles
+    std::vector<StoredVec3> around{{0, 0, 1}};
+    std::vector<MeshFace> fan;
+    constexpr std::uint32_t spokes = 100'000;
+    for (std::uint32_t i = 0; i < spokes; ++i) {
+        const double angle = 6.283185307179586 * i / spokes;
+        around.push_back(to_float(BasicVec3<double>{std::cos(angle), std::sin(angle), 0}));
+        fan.push_back({0, i + 1, (i + 1) % spokes + 1});
+    }
+    CHECK(seconds(around, fan, 1) < 5);  // 100,000 squared steps take ten
+}
+
+TEST_CASE("a point keeps its limit from level to level, on folds and where faces go around differently too",
+          "[loopsubdiv]") {
+    // A triangle with two sides, and a tetrahedron of which one face goes around the other way.
+    const std::vector<StoredVec3> positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {3, 0, 0},
+                                            {4, 0, 0}, {3, 1, 0}, {3, 0, 2}};
+    const std::vector<MeshFace> faces{{0, 1, 2}, {0, 2, 1}, {3, 4, 5}, {3, 5, 6}, {3, 6, 4}, {4, 5, 6}};
+    const SubdividedMesh coarse = subdivided(positions, faces, 0);
+    for (const int levels : {1, 2, 4}) {
+        const SubdividedMesh fine = subdivided(positions, faces, levels);
+        CHECK(fine.odd_edges == 3);
+        REQUIRE(fine.indices.size() == coarse.indices.size() << (2 * levels));
+        for (std::size_t v = 0; v < coarse.positions.size(); ++v) {
+            CAPTURE(levels, v);
+            CHECK(length(DVec3(fine.positions[v]) - DVec3(coarse.positions[v])) < 1e-6);
+        }
+    }
 }
 
 TEST_CASE("loopsubdiv: parameters, warnings and errors", "[loopsubdiv][import][law7]") {

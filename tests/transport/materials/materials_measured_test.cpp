@@ -195,3 +195,24 @@ TEST_CASE("a measured file that is missing or damaged is an error that says so",
     REQUIRE_FALSE(refused.ok());
     CHECK(refused.error().to_string().find("filename") != std::string::npos);
 }
+
+TEST_CASE("values that no measurement has are taken as 0, with a word", "[materials][measured][law6]") {
+    const Folder folder;
+    Resolution small;
+    small.normals = 8;
+    small.square = 4;
+    std::string bytes = file_of(measured_test::lambert(0.5), small);
+    // The spectra stand last: four values of them, the largest float, no number, infinite, and one that is fine.
+    const char bad[] = "\xff\xff\x7f\x7f\x00\x00\xc0\x7f\x00\x00\x80\xff\x00\x00\x00\x3f";
+    bytes.replace(bytes.size() - 16, 16, bad, 16);
+    const auto scene = raylex::transport::import_pbrt_text("WorldBegin\nMaterial \"measured\" \"string filename\" \"" +
+                                                               folder.write("bad.bsdf", bytes) + "\"\nShape \"sphere\"",
+                                                           "test.pbrt");
+    REQUIRE(scene.ok());
+    const auto built = BuiltScene::build(*scene);
+    REQUIRE(built.ok());
+    REQUIRE((*built)->warnings.size() == 1);
+    CHECK((*built)->warnings[0].line == 2);
+    CHECK((*built)->warnings[0].message.find("3 values not finite or beyond 1e9, first number ") != std::string::npos);
+    CHECK((*built)->warnings[0].message.find("; taken as 0") != std::string::npos);
+}

@@ -112,6 +112,12 @@ TEST_CASE("conductor reflectance agrees with the complex Fresnel equations") {
             }
     CHECK(fresnel_conductor(Real(1), Real(1), conductor_k_from_reflectance(0.7f)) == Approx(0.7).epsilon(1e-5));
     CHECK(fresnel_dielectric(1, 1.5f) == Approx(0.04).epsilon(1e-5));
+    for (const float huge : {1e6f, 9e8f, 1.1e9f, 1e19f, 3e38f})  // no power of them is a float
+        for (const auto& [eta, k] : {std::pair(huge, 1.0f), std::pair(1.0f, huge), std::pair(huge, huge)})
+            for (const float cosine : {1.0f, 0.3f, 0.01f}) {
+                CAPTURE(eta, k, cosine);
+                CHECK(fresnel_conductor(cosine, eta, k) == Approx(1).margin(5e-4));
+            }
 }
 
 TEST_CASE("ideal glass reflects and transmits everything, on both sides and at every angle") {

@@ -293,6 +293,10 @@ TEST_CASE("grids that cannot be are refused where they are written", "[media][gr
         {uniform + "\"float density\" 1 \"float scale\" -1", "expected 0 or more"},
         // By default 1 across, so that sigma_t is the depth along an axis, and sqrt(3) times that along the diagonal.
         {uniform + "\"float density\" 1 \"rgb sigma_a\" [6e4 0 0] \"rgb sigma_s\" [0 0 0]", "mean free paths across"},
+        {uniform + "\"float density\" 1e38", "reaches 2e+38 per unit of length; expected at most 1e20"},
+        {uniform + "\"float density\" 1 \"float scale\" 1e21", "expected at most 1e20"},
+        {uniform + "\"float density\" 1e15 \"rgb Le\" [1e20 1e20 1e20]", "expected at most 1e30"},
+        {rgb + "\"rgb sigma_s\" [1e38 1 1]", "reaches 1e+38 per unit of length"},
         {rgb, "has neither 'sigma_a' nor 'sigma_s'"},
         {rgb + "\"rgb sigma_s\" [1 1 1] \"rgb Le\" [1 1 1]", "'Le' without 'sigma_a'"},
         {rgb + "\"rgb sigma_s\" [1 1 1 2 2 2]", "'sigma_s' has 2 values; expected nx x ny x nz = 1"},

@@ -1,22 +1,16 @@
 #include "transport/geometry/embree/scene_limits.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
+
+#include "display/services/short_number.h"
 
 namespace raylex::transport {
 namespace {
 
 bool finite(const StoredVec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-std::string short_number(double value) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.3g", value);
-    return text.data();
 }
 
 Error too_far(const SceneShape& shape, double distance) {
@@ -31,16 +25,30 @@ double largest_of(const BasicVec3<double>& v) {
 }
 
 /// Embree inverts an instance's matrix in single precision by its adjoint and determinant: both must be floats.
-bool invertible_as_float(const Matrix34& matrix) {
-    const auto& m = matrix.m;
-    double largest_minor = 0;
+/// Nothing, or what they are instead.
+std::string not_invertible_as_float(const Matrix34& matrix) {
+    Matrix34 rounded;  // as Embree gets it
+    for (std::size_t r = 0; r < 3; ++r)
+        for (std::size_t c = 0; c < 4; ++c) rounded.m[r][c] = static_cast<double>(static_cast<float>(matrix.m[r][c]));
+    const auto& m = rounded.m;
+    double largest_minor = 0, products = 0;  // the six of the determinant, without their signs
     for (std::size_t r = 0; r < 3; ++r)
         for (std::size_t c = 0; c < 3; ++c) {
             const std::size_t r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
-            largest_minor = std::max(largest_minor, std::abs(m[r1][c1] * m[r2][c2]) + std::abs(m[r1][c2] * m[r2][c1]));
+            const double minor = std::abs(m[r1][c1] * m[r2][c2]) + std::abs(m[r1][c2] * m[r2][c1]);
+            largest_minor = std::max(largest_minor, minor);
+            if (r == 0) products += std::abs(m[r][c]) * minor;
         }
-    const double determinant = std::abs(matrix.determinant());
-    return largest_minor < 1e36 && determinant > 1e-30 && determinant < 1e30;
+    const double determinant = std::abs(rounded.determinant());
+    if (!(largest_minor < 1e36 && determinant > 1e-30 && determinant < 1e30))
+        return "its determinant is " + short_number(matrix.determinant()) + "; expected 1e-30 to 1e30";
+    // Five roundings of 2^-24 lie between these products and their sum in float: four times as much leaves three
+    // quarters of it, and the inverse no more than a third too large.
+    constexpr double least = 20.0 / (1 << 24);
+    if (!(determinant > least * products))
+        return "its determinant is " + short_number(determinant) + ", the sum of products as large as " +
+               short_number(products) + "; expected at least " + short_number(least) + " of that";
+    return {};
 }
 
 double reach_of(const Matrix34& to_world, const Bounds& b) {
@@ -142,14 +150,15 @@ double extent_without_shapes(const SceneDescription& scene, const RenderSpace& s
 
 namespace {
 
+/// Light from infinity begins within three extents of the scene, and a shadow ray is as long as two.
+constexpr double extents_of_rays = 4;
+
 /// How far from the world's origin rays may begin, of which those of the instance's object may as far as `in_object`
 /// from its own. The scene's begin as far as `rays`.
 Result<Real> limit_in_world(const SceneInstance& instance, const Transform& to_world, double rays, double in_object) {
     const Placement placement(to_world);
-    if (!invertible_as_float(placement.to_world))
-        return error_at(instance.location,
-                        "the instance's transform is beyond what single precision inverts: its determinant is " +
-                            short_number(placement.to_world.determinant()) + "; expected 1e-30 to 1e30",
+    if (const std::string what = not_invertible_as_float(placement.to_world); !what.empty())
+        return error_at(instance.location, "the instance's transform is beyond what single precision inverts: " + what,
                         "a shape's own transform has no such bound: place the shapes without an instance");
     double stretch = 0, shift = 0;
     for (const auto& row : placement.to_object.m) {
@@ -164,11 +173,35 @@ Result<Real> limit_in_world(const SceneInstance& instance, const Transform& to_w
     return static_cast<Real>((in_object - shift) / stretch);
 }
 
+/// That rays begin where floats can hold them. What is farthest out is at fault, whichever shape they would be traced
+/// to.
+Status check_rays(const SceneDescription& scene, const PlacedShapes& placed, double rays,
+                  const SceneInstance* farthest_instance) {
+    if (rays <= double{largest_coordinate}) return success();
+    const double extent = rays / extents_of_rays;
+    const std::string most = short_number(double{largest_coordinate} / extents_of_rays);
+    const auto reaches = [&](const SourceLocation& where, const char* what) {
+        return error_at(where,
+                        std::string("the ") + what + " reaches to " + short_number(extent) +
+                            " from the origin; expected at most " + most +
+                            ", as light from infinity begins at several times that distance",
+                        "another unit of length brings it into range");
+    };
+    if (farthest_instance != nullptr) return reaches(farthest_instance->location, "instance");
+    for (std::size_t i = 0; i < scene.shapes.size(); ++i)
+        if (placed.shapes[i].extent() >= extent) return reaches(scene.shapes[i].location, "shape");
+    return error_at(scene.camera.location,
+                    "the camera or a light stands " + short_number(extent) + " from the origin; expected at most " +
+                        most + ", as light from infinity begins at several times that distance",
+                    "another unit of length brings it into range");
+}
+
 }  // namespace
 
 Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& placed, double extent) {
     const double most = double{largest_coordinate};
     Real limit = largest_coordinate;
+    const SceneInstance* farthest_instance = nullptr;  // where no shape, camera or light is as far
     const auto usable = [&](const SceneInstance& instance) {
         return instance.object >= 0 && static_cast<std::size_t>(instance.object) < scene.objects.size() &&
                instance.to_world.invertible();
@@ -183,11 +216,13 @@ Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& pl
             if (!(reach <= most))
                 return error_at(instance.location, "the instance reaches to " + short_number(reach) +
                                                        " from the origin; expected at most " + short_number(most));
+            if (reach > extent) farthest_instance = &instance;
             extent = std::max(extent, reach);
         }
     }
-    // Light from infinity begins within three extents, and a shadow ray is as long as two.
-    const double rays = 4 * extent;
+    const double rays = extents_of_rays * extent;
+    if (!scene.shapes.empty() || !scene.instances.empty())
+        if (Status s = check_rays(scene, placed, rays, farthest_instance); !s) return s.error();
     for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
         const double reach = placed.shapes[i].reach_of_rays();
         if (!(rays <= reach))

@@ -187,7 +187,8 @@ class ValueReader {
         return std::abs(number) <= static_cast<double>(std::numeric_limits<float>::max());
     }
     static bool is_int32(double number) {
-        return number == std::floor(number) && std::abs(number) <= std::numeric_limits<std::int32_t>::max();
+        return number == std::floor(number) && number >= std::numeric_limits<std::int32_t>::min() &&
+               number <= std::numeric_limits<std::int32_t>::max();
     }
     [[nodiscard]] bool is_vertex() const { return row_.group == 3 && parameter_.name == "P"; }
     [[nodiscard]] bool is_broken_normal(std::string_view text) const {

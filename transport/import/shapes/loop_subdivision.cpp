@@ -105,7 +105,44 @@ double limit_weight(std::uint32_t valence) {
     return 1 / (valence + 3 / (8 * even_weight(valence)));
 }
 
-void refine(std::vector<DVec3>& p, std::vector<MeshFace>& faces, const Topology& t) {
+/// Of the faces that refine() makes, without a search: edge e becomes 2 e at its low end and 2 e + 1 at the high one,
+/// face f has 3 f + k across its corner k behind them.
+Topology refined_topology(const Topology& t, std::size_t vertices, const std::vector<MeshFace>& faces,
+                          const std::vector<MeshFace>& finer) {
+    const auto first = static_cast<std::uint32_t>(vertices), inner = static_cast<std::uint32_t>(2 * t.edges.size());
+    Topology next;
+    next.valence = t.valence;
+    next.boundary = t.boundary;
+    next.edges.reserve(inner + 3 * faces.size());
+    for (std::uint32_t e = 0; e < t.edges.size(); ++e) {
+        const Topology::Edge& edge = t.edges[e];
+        next.edges.push_back({edge.low, first + e});
+        next.edges.push_back({edge.high, first + e});
+        next.valence.push_back(edge.boundary() ? 4 : 6);
+        next.boundary.push_back(edge.boundary() ? 1 : 0);
+    }
+    next.face_edges.reserve(finer.size());
+    for (std::uint32_t f = 0; f < faces.size(); ++f) {
+        const auto& e = t.face_edges[f];
+        const auto half = [&](std::size_t k, std::size_t corner) {
+            return 2 * e[k] + (t.edges[e[k]].low == faces[f][corner] ? 0 : 1);
+        };
+        const std::uint32_t across = inner + 3 * f;
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            next.edges.push_back({first + e[k], first + e[(k + 2) % 3]});
+            next.face_edges.push_back({half(k, k), across + k, half((k + 2) % 3, k)});
+        }
+        next.face_edges.push_back({across + 1, across + 2, across});
+    }
+    for (std::size_t f = 0; f < finer.size(); ++f)
+        for (std::size_t k = 0; k < 3; ++k) {
+            auto& opposite = next.edges[next.face_edges[f][k]].opposite;
+            opposite[opposite[0] == nobody ? 0 : 1] = finer[f][(k + 2) % 3];
+        }
+    return next;
+}
+
+void refine(std::vector<DVec3>& p, std::vector<MeshFace>& faces, Topology& t) {
     std::vector<DVec3> next = smoothed(p, t, 1.0 / 8, even_weight);
     next.reserve(p.size() + t.edges.size());
     for (const Topology::Edge& e : t.edges)
@@ -119,6 +156,7 @@ void refine(std::vector<DVec3>& p, std::vector<MeshFace>& faces, const Topology&
         for (std::size_t k = 0; k < 3; ++k) finer.push_back({c[k], first + e[k], first + e[(k + 2) % 3]});
         finer.push_back({first + e[0], first + e[1], first + e[2]});
     }
+    t = refined_topology(t, p.size(), faces, finer);
     p = std::move(next);
     faces = std::move(finer);
 }
@@ -138,15 +176,23 @@ class Rings {
     }
 
     /// Into `ring`; false where the faces around the vertex are not one fan.
-    bool read(std::uint32_t vertex, std::vector<std::uint32_t>& ring) const {
+    bool read(std::uint32_t vertex, std::vector<std::uint32_t>& ring) {
         const auto first = steps_.begin() + static_cast<std::ptrdiff_t>(begin_[vertex]),
                    last = steps_.begin() + static_cast<std::ptrdiff_t>(begin_[vertex + 1]);
+        // Sorted, as thousands of faces may meet at a vertex.
+        std::sort(first, last,
+                  [](const Step& a, const Step& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
+        ends_.clear();
+        for (auto each = first; each != last; ++each) ends_.push_back(each->to);
+        std::sort(ends_.begin(), ends_.end());
         const auto begins = [&](std::uint32_t v) {
-            return std::find_if(first, last, [v](const Step& s) { return s.from == v; });
+            const auto found =
+                std::lower_bound(first, last, v, [](const Step& s, std::uint32_t w) { return s.from < w; });
+            return found != last && found->from == v ? found : last;
         };
         auto step = first;
         for (auto each = first; each != last; ++each)
-            if (std::none_of(first, last, [&](const Step& s) { return s.to == each->from; })) step = each;
+            if (!std::binary_search(ends_.begin(), ends_.end(), each->from)) step = each;
         ring = {step->from};
         for (; step != last && ring.size() <= static_cast<std::size_t>(last - first); step = begins(step->to))
             ring.push_back(step->to);
@@ -161,18 +207,39 @@ class Rings {
     };
     std::vector<std::size_t> begin_;
     std::vector<Step> steps_;
+    std::vector<std::uint32_t> ends_;  // of one vertex
 };
 
-/// Across two tangents of the limit surface; pbrt's ring goes the other way, and so does its normal.
-DVec3 limit_normal(const DVec3& p, const std::vector<DVec3>& ring, bool boundary) {
-    const std::size_t n = ring.size();
-    DVec3 s, t;
-    if (!boundary) {
+/// The directions of n neighbours around a vertex; nearly all vertices have as many as the one before.
+class Turns {
+  public:
+    struct Turn {
+        double sine, cosine;
+    };
+    const std::vector<Turn>& of(std::size_t n) {
+        if (turns_.size() == n) return turns_;
+        turns_.clear();
         for (std::size_t j = 0; j < n; ++j) {
             const auto [sine, cosine] =
                 elementary::sin_cos(2 * std::numbers::pi * static_cast<double>(j) / static_cast<double>(n));
-            s = s + ring[j] * cosine;
-            t = t + ring[j] * sine;
+            turns_.push_back({sine, cosine});
+        }
+        return turns_;
+    }
+
+  private:
+    std::vector<Turn> turns_;
+};
+
+/// Across two tangents of the limit surface; pbrt's ring goes the other way, and so does its normal.
+DVec3 limit_normal(const DVec3& p, const std::vector<DVec3>& ring, bool boundary, Turns& turns) {
+    const std::size_t n = ring.size();
+    DVec3 s, t;
+    if (!boundary) {
+        const auto& turn = turns.of(n);
+        for (std::size_t j = 0; j < n; ++j) {
+            s = s + ring[j] * turn[j].cosine;
+            t = t + ring[j] * turn[j].sine;
         }
         return cross(t, s);
     }
@@ -194,8 +261,8 @@ DVec3 limit_normal(const DVec3& p, const std::vector<DVec3>& ring, bool boundary
 }
 
 std::vector<StoredVec3> limit_normals(const std::vector<DVec3>& p, const std::vector<MeshFace>& faces,
-                                      const Topology& t) {
-    const Rings rings(p.size(), faces);
+                                      const std::vector<std::uint8_t>& boundary) {
+    Rings rings(p.size(), faces);
     std::vector<DVec3> by_faces(p.size());
     for (const MeshFace& f : faces) {
         const DVec3 n = cross(p[f[2]] - p[f[0]], p[f[1]] - p[f[0]]);
@@ -205,12 +272,14 @@ std::vector<StoredVec3> limit_normals(const std::vector<DVec3>& p, const std::ve
     normals.reserve(p.size());
     std::vector<std::uint32_t> ring;
     std::vector<DVec3> around;
+    Turns turns;
     for (std::uint32_t v = 0; v < p.size(); ++v) {
         DVec3 n = by_faces[v];
         if (rings.read(v, ring)) {
             around.clear();
             for (const std::uint32_t each : ring) around.push_back(p[each]);
-            if (const DVec3 limit = limit_normal(p[v], around, t.boundary[v] != 0); dot(limit, limit) > 0) n = limit;
+            if (const DVec3 limit = limit_normal(p[v], around, boundary[v] != 0, turns); dot(limit, limit) > 0)
+                n = limit;
         }
         // Finite and not 0 but where all faces around have no area: those are left out, and their normal with them.
         normals.push_back(dot(n, n) > 0 ? to_float(normalize(n).to_real()) : StoredVec3{0, 0, 1});
@@ -252,15 +321,15 @@ Result<SubdividedMesh> loop_subdivision(const std::vector<StoredVec3>& positions
     if (!t) return t.error();
     SubdividedMesh mesh;
     mesh.odd_edges = t->odd_edges;
-    for (int level = 0; level < levels; ++level) {
-        refine(p, current, *t);
-        t = topology_of(p.size(), current, where);
-        if (!t) return t.error();
-    }
-    mesh.normals = limit_normals(p, current, *t);
+    for (int level = 0; level < levels; ++level) refine(p, current, *t);
     mesh.positions.reserve(p.size());
     for (const DVec3& limit : smoothed(p, *t, 1.0 / 5, limit_weight))
         mesh.positions.push_back(to_float(limit.to_real()));
+    // What edges are is not needed any more, and what follows needs as much memory again.
+    const std::vector<std::uint8_t> boundary = std::move(t->boundary);
+    *t = Topology();
+    mesh.normals = limit_normals(p, current, boundary);
+    mesh.indices.reserve(3 * current.size());
     for (const MeshFace& face : current) mesh.indices.insert(mesh.indices.end(), face.begin(), face.end());
     return mesh;
 }

@@ -33,6 +33,8 @@ inline Real fresnel_dielectric(Real cos_theta, Real eta) {
 /// Conductor of complex index eta + i k, relative to the incident side, in real arithmetic.
 template <std::floating_point Number>
 Number fresnel_conductor(Number cos_theta, Number eta, Number k) {
+    // All is reflected to the last digit, and fourth powers below would not be floats.
+    if (eta > Number(1e9) || k > Number(1e9)) return 1;
     const Number c = std::clamp(cos_theta, Number(0), Number(1));
     const Number cos2 = c * c, sin2 = 1 - cos2;
     const Number t0 = eta * eta - k * k - sin2;

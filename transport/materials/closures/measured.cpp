@@ -165,7 +165,8 @@ Result<std::shared_ptr<const MeasuredReflectance>> MeasuredReflectance::read(con
                                                                              const ColorContext& color) {
     auto fields = read_tensor_file(path);
     if (!fields) return fields.error();
-    std::string wrong;
+    std::string wrong, first_bad;
+    std::size_t bad = 0;
     /// The field of that many dimensions, each of `least` or more where it matters.
     const auto field = [&](const char* name, std::size_t rank) {
         Tensor tensor = std::move((*fields)[name]);
@@ -174,8 +175,13 @@ Result<std::shared_ptr<const MeasuredReflectance>> MeasuredReflectance::read(con
             wrong = "field '" + std::string(name) + "' is missing or not an array of " + std::to_string(rank) +
                     " dimensions";
         tensor.shape.resize(rank);
-        for (float& value : tensor.values)
-            if (!std::isfinite(value)) value = 0;
+        // Measured values are far below this; products of four of them and quotients are still floats.
+        constexpr float most = 1e9f;
+        for (std::size_t i = 0; i < tensor.values.size(); ++i) {
+            if (std::abs(tensor.values[i]) <= most) continue;
+            tensor.values[i] = 0;
+            if (bad++ == 0) first_bad = "number " + std::to_string(i + 1) + " of '" + name + "'";
+        }
         return tensor;
     };
     const Tensor theta = field("theta_i", 1), phi = field("phi_i", 1), wavelengths = field("wavelengths", 1),
@@ -226,6 +232,9 @@ Result<std::shared_ptr<const MeasuredReflectance>> MeasuredReflectance::read(con
                                             static_cast<Real>(std::max(sum.b, 0.0))};
         }
     made->tabulate_albedo();
+    if (bad > 0)
+        made->warning = std::to_string(bad) + (bad == 1 ? " value" : " values") + " not finite or beyond 1e9, first " +
+                        first_bad + "; taken as 0";
     return std::shared_ptr<const MeasuredReflectance>(std::move(made));
 }
 

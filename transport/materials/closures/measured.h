@@ -65,6 +65,8 @@ class MeasuredReflectance {
     /// By theta alone: of an anisotropic material the mean over the measured phi.
     [[nodiscard]] Rgb albedo(Real cosine) const;
 
+    std::string warning;  ///< of values that were cleared; empty: none
+
   private:
     struct Halfway;
     [[nodiscard]] MeasuredDirection direction_of(const Vec3& wo) const;

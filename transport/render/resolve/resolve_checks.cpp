@@ -75,9 +75,11 @@ Status check_raster(const RenderSettings& settings, const ChosenIntegrator& chos
                                 "': a pixel's samples are not its own and cannot tell its error",
                             "leave them out, " + hint);
     }
-    if (!channels.filters.empty() && !(some_are_its_own && channels.filters.fits_splats()))
-        return error_at(settings.sample_filters.front().location,
-                        who + "takes no sample filters ('" + settings.sample_filters.front().type +
+    const auto filter = std::find_if(settings.sample_filters.begin(), settings.sample_filters.end(),
+                                     [](const SceneEntity& each) { return each.type != "none"; });
+    if (filter != settings.sample_filters.end() && !(some_are_its_own && channels.filters.fits_splats()))
+        return error_at(filter->location,
+                        who + "takes no sample filters ('" + filter->type +
                             "'): they change the samples of camera rays" +
                             (some_are_its_own ? "; 'clamp' bounds splats as well" : ""),
                         "leave them out, " + hint);

@@ -106,6 +106,14 @@ Result<CameraSampling> resolve_sampling(const BuiltScene& scene, const RenderSet
     return sampling;
 }
 
+/// AOVs are the same in the dark.
+bool asks_for_light(const JobChannels& channels) {
+    return channels.beauty >= 0 || channels.keeps_words ||
+           std::any_of(channels.list.begin(), channels.list.end(), [](const display::ChannelDefinition& channel) {
+               return channel.style == display::ChannelStyle::expression;
+           });
+}
+
 }  // namespace
 
 Result<ResolvedJob> ResolvedJob::resolve(const BuiltScene& scene, const RenderSettings& settings) {
@@ -120,6 +128,8 @@ Result<ResolvedJob> ResolvedJob::resolve(const BuiltScene& scene, const RenderSe
     auto channels = resolve_channels(settings, scene.pattern_channels(), *chosen);
     if (!channels) return channels.error();
     set_scales(scene, channels->list);
+    if (asks_for_light(*channels))
+        job.warnings.insert(job.warnings.end(), scene.dark_lights.begin(), scene.dark_lights.end());
     if (Status s = check_raster(settings, *chosen, *sampling, *channels, job.warnings); !s) return s.error();
     auto budget = resolve_budget(settings, *sampling, *chosen, *channels, job.warnings);
     if (!budget) return budget.error();

@@ -249,6 +249,9 @@ Status SceneBuilder::add_instance(ObjectHandle object, const Transform& to_world
     }
     const Result<Transform> transform = settled(to_world, where);
     if (!transform) return transform.error();
+    if (!is_affine(transform->matrix()))
+        return error_at(where, "an instance's transformation must be affine: the last row of its matrix 0 0 0 1",
+                        "a shape's own transform need not be: place the shapes without an instance");
     SceneInstance instance;
     instance.object = object.reference;  // a reference until finish()
     instance.to_world = *transform;

@@ -4,13 +4,9 @@
 
 namespace raylex::transport {
 
-namespace {
-
 bool is_affine(const Matrix4& m) {
     return m[3][0] == 0 && m[3][1] == 0 && m[3][2] == 0 && m[3][3] == 1;
 }
-
-}  // namespace
 
 Status check_finite(const Transform& transform, const SourceLocation& where) {
     for (const auto& row : transform.matrix())

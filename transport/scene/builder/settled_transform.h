@@ -9,6 +9,8 @@ namespace raylex::transport {
 
 /// Errors: a matrix with something that is no number, or infinite.
 Status check_finite(const Transform& transform, const SourceLocation& where);
+/// Whether the last row is 0 0 0 1.
+bool is_affine(const Matrix4& matrix);
 
 /// As its matrix says: the inverse follows from it and from nothing else. Errors: there is none.
 Result<Transform> settled(const Transform& transform, const SourceLocation& where);

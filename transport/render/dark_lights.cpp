@@ -1,0 +1,57 @@
+#include "transport/render/dark_lights.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+namespace raylex::transport {
+namespace {
+
+/// Below the smallest normal float renders take numbers for 0.
+bool is_dark(const Light& light) {
+    return !(light.power > 0) || light.emission.max() < std::numeric_limits<Real>::min();
+}
+
+bool any_medium_shines(const MediumTable& media) {
+    for (std::size_t i = 0; i < media.size(); ++i)
+        if (media[static_cast<std::int32_t>(i)].emits) return true;
+    return false;
+}
+
+struct DarkLight {
+    SourceLocation location;
+    std::string what;
+};
+
+/// An area light is dark if all its primitives are.
+std::vector<DarkLight> find_dark(const SceneDescription& scene, std::span<const Light> lights) {
+    std::vector<std::uint8_t> seen(scene.area_lights.size(), 0), shines(scene.area_lights.size(), 0);
+    std::size_t primitives = 0;  // area lights come first
+    for (; primitives < lights.size() && lights[primitives].is_area(); ++primitives) {
+        const auto area = static_cast<std::size_t>(scene.shapes[lights[primitives].shape].area_light);
+        seen[area] = 1;
+        if (!is_dark(lights[primitives])) shines[area] = 1;
+    }
+    std::vector<DarkLight> dark;
+    for (std::size_t i = 0; i < seen.size(); ++i)
+        if (seen[i] != 0 && shines[i] == 0) dark.push_back({scene.area_lights[i].location, "area"});
+    for (std::size_t i = 0; i < scene.lights.size() && primitives + i < lights.size(); ++i)
+        if (is_dark(lights[primitives + i])) dark.push_back({scene.lights[i].location, scene.lights[i].type});
+    return dark;
+}
+
+}  // namespace
+
+std::vector<Error> find_dark_lights(const SceneDescription& scene, const LightTable& lights, const MediumTable& media) {
+    if (lights.lights().empty()) {
+        if (any_medium_shines(media)) return {};
+        return {error_at({scene.file, 0, 0}, "the scene has no light: its image is black")};
+    }
+    const std::vector<DarkLight> dark = find_dark(scene, lights.lights());
+    if (dark.empty()) return {};
+    const std::size_t others = dark.size() - 1;
+    const std::string more = others == 0 ? "" : ", nor do " + std::to_string(others) + " other lights of the scene";
+    return {error_at(dark.front().location, "this " + dark.front().what + " light gives no light" + more)};
+}
+
+}  // namespace raylex::transport

@@ -1,0 +1,16 @@
+// Why an image may be black although nothing is wrong with the scene.
+#pragma once
+
+#include <vector>
+
+#include "transport/lights/light_table.h"
+#include "transport/media/medium.h"
+#include "transport/scene/scene_description.h"
+
+namespace raylex::transport {
+
+/// One warning that the scene has no light at all, or one of the first light that gives none, with the number of
+/// others.
+std::vector<Error> find_dark_lights(const SceneDescription& scene, const LightTable& lights, const MediumTable& media);
+
+}  // namespace raylex::transport
