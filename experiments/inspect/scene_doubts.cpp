@@ -10,7 +10,6 @@
 
 #include "experiments/program/console.h"
 #include "transport/geometry/shapes/placed_mesh.h"
-#include "transport/lights/light_table.h"
 
 namespace raylex::experiments {
 namespace {
@@ -210,30 +209,6 @@ void doubt_shape(const SceneShape& shape, TexturedBy& textured, Doubts& doubts) 
     doubt(counts.torn_normals, "have vertex normals on both of their sides");
 }
 
-/// Lights that give nothing: of area lights, where no primitive does.
-void doubt_lights(const SceneDescription& scene, const transport::BuiltScene& built, Doubts& doubts) {
-    const std::span<const transport::Light> lights = built.view().lights->lights();
-    std::vector<double> area_power(scene.area_lights.size(), 0);
-    std::vector<bool> has_shape(scene.area_lights.size(), false);
-    std::size_t primitives = 0;
-    for (const transport::Light& light : lights) {
-        if (!light.is_area()) break;  // they come first
-        ++primitives;
-        const int area = scene.shapes[light.shape].area_light;
-        area_power[static_cast<std::size_t>(area)] += light.power;
-        has_shape[static_cast<std::size_t>(area)] = true;
-    }
-    for (std::size_t i = 0; i < area_power.size(); ++i)
-        if (has_shape[i] && !(area_power[i] > 0))
-            doubts.push_back(error_at(scene.area_lights[i].location, "this area light gives no light"));
-    for (std::size_t i = 0; i < scene.lights.size() && primitives + i < lights.size(); ++i)
-        if (!(lights[primitives + i].power > 0))
-            doubts.push_back(
-                error_at(scene.lights[i].location, "this " + scene.lights[i].type + " light gives no light"));
-    if (lights.empty() && !built.view().media->any_emits())
-        doubts.push_back(error_at({scene.file, 0, 0}, "the scene has no light: its image is black"));
-}
-
 }  // namespace
 
 std::vector<Error> scene_doubts(const SceneDescription& scene, const transport::BuiltScene& built) {
@@ -242,7 +217,7 @@ std::vector<Error> scene_doubts(const SceneDescription& scene, const transport::
     for (const SceneShape& shape : scene.shapes) doubt_shape(shape, textured, doubts);
     for (const transport::SceneObject& object : scene.objects)
         for (const SceneShape& shape : object.shapes) doubt_shape(shape, textured, doubts);
-    doubt_lights(scene, built, doubts);
+    doubts.insert(doubts.end(), built.dark_lights.begin(), built.dark_lights.end());
     doubt_unused_entities(scene, everything_used(scene), doubts);
     return doubts;
 }

@@ -10,7 +10,7 @@ namespace {
 /// Of the disk that covers the scene: a little more than the sphere about its bounds, so that rounding cuts nothing
 /// off.
 Real covering_radius(const EmbreeScene& geometry) {
-    return std::max(geometry.bounds().radius(), Real(1e-30)) * (1 + Real(1e-5));
+    return std::max(geometry.lit_bounds().radius(), Real(1e-30)) * (1 + Real(1e-5));
 }
 
 bool emit_from_area(const Light& light, Real area_density, Vec2 u, EmissionSample& s) {
@@ -74,7 +74,7 @@ bool LightTable::emit_through_portal(const Light& light, const EmbreeScene& geom
     s.from.infinite = true;
     s.direction = -s.from.wi;
     const Vec3 through = portal.point(u_position);
-    s.origin = through + s.from.wi * (length(through - geometry.bounds().center()) + covering_radius(geometry));
+    s.origin = through + s.from.wi * (length(through - geometry.lit_bounds().center()) + covering_radius(geometry));
     s.power = radiance * light.emission * (1 / (s.from.pdf * across));
     return true;
 }
@@ -174,7 +174,7 @@ bool LightTable::sample_emission(const LightChooser& chooser, const EmbreeScene&
     const Frame frame = Frame::from_normal(from.wi);
     from.infinite = true;
     s.direction = -from.wi;
-    s.origin = geometry.bounds().center() + (frame.s * d.x + frame.t * d.y + from.wi) * radius;
+    s.origin = geometry.lit_bounds().center() + (frame.s * d.x + frame.t * d.y + from.wi) * radius;
     s.power *= pi * radius * radius / from.pdf;
     return true;
 }

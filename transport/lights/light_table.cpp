@@ -155,7 +155,7 @@ void LightTable::set_emission(const AreaEmission& emission, const ShapeGeometry&
 }
 
 void LightTable::finish(const EmbreeScene& geometry) {
-    const double radius = std::max(geometry.bounds().radius(), Real(1e-30));
+    const double radius = std::max(geometry.lit_bounds().radius(), Real(1e-30));
     for (std::uint32_t i = 0; i < lights_.size(); ++i) {
         Light& light = lights_[i];
         if (light.kind == LightKind::distant) light.power = double{luminance(light.emission)} * pi * radius * radius;
@@ -189,6 +189,9 @@ Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene&
             (source.type == "infinite" || source.type == "distant") && matrix[3] != std::array<double, 4>{0, 0, 0, 1}) {
             // Directions know no place. pbrt-v4 takes different parts of such a matrix and of its inverse.
             source.to_world = Matrix34(matrix).transform();
+            if (!source.to_world.invertible())
+                return error_at(source.location, "the linear part of the " + source.type +
+                                                     " light's matrix cannot be inverted; expected one that can");
             warnings.push_back(error_at(source.location,
                                         "the last row of the " + source.type +
                                             " light's matrix is not 0 0 0 1; only what it does to directions counts",

@@ -95,13 +95,17 @@ std::array<DVec3, 8> GridMedium::corners() const {
 }
 
 double GridMedium::most_met() const {
-    float most = 0;
-    for (const CellBounds& each : bounds_) most = std::max(most, each.most);
     const Matrix34 from_cells = parts_.frame.to_cells.inverse();
     double across = 0;
     for (const double x : {-1.0, 1.0})
         for (const double y : {-1.0, 1.0}) across = std::max(across, length(from_cells.vector({x, y, 1})));
-    return static_cast<double>(most) * static_cast<double>(unit_) * across;
+    double met = 0;
+    for (const CellBounds& each : bounds_) {
+        const double most = static_cast<double>(each.most) * static_cast<double>(unit_);
+        const double until_one_is_real = each.least > 0 ? static_cast<double>(each.most / each.least) : infinity;
+        met = std::max(met, std::min(most * across, until_one_is_real));
+    }
+    return met;
 }
 
 /// A cloud has no more than its majorant says.

@@ -74,7 +74,7 @@ class GridMedium {
     [[nodiscard]] std::size_t bytes() const;
     /// Corners of what holds anything, in render space.
     [[nodiscard]] std::array<DVec3, 8> corners() const;
-    /// Particles, null ones too, that a path through the densest cell may meet.
+    /// Null particles, about, that a path may meet in one cell before it leaves it or meets a real one.
     [[nodiscard]] double most_met() const;
 
   private:

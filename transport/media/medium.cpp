@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "display/services/elementary.h"
+#include "display/services/short_number.h"
 #include "transport/geometry/ray.h"
 #include "transport/math/sampling.h"
 #include "transport/media/flight_numbers.h"
@@ -163,10 +164,11 @@ Result<MediumTable> MediumTable::build(const SceneDescription& scene, std::vecto
         if (!medium) return medium.error();
         if (medium->grid != nullptr)
             if (const double met = medium->grid->most_met(); !(met <= most_particles_in_a_cell))
-                return error_at(entity.location, "the densest cell of medium '" + entity.name + "' is " +
-                                                     std::to_string(met) +
-                                                     " mean free paths across; expected at most " +
-                                                     std::to_string(most_particles_in_a_cell));
+                return error_at(entity.location, "medium '" + entity.name + "' has a cell that is " +
+                                                     short_number(met) +
+                                                     " mean free paths thick where it is densest and nearly empty "
+                                                     "elsewhere; expected at most " +
+                                                     short_number(most_particles_in_a_cell));
         for (const Parameter* p : entity.parameters.unused())
             warnings.push_back(error_at(p->location, "parameter '" + p->name + "' means nothing to medium '" +
                                                          entity.name + "' (" + entity.type + ")"));

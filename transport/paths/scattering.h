@@ -28,6 +28,7 @@ struct JoinedScattering {
 template <TransportMode mode>
 inline void leave_vertex(Subpath& path, const SurfacePoint& point, const BsdfSample& s) {
     ++path.depth;
+    path.length += whole_event;
     ++path.segment;
     if (mode == TransportMode::radiance && s.transmitted) path.roulette_scale *= s.eta * s.eta;
     path.specular = s.delta;

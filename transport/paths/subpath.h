@@ -31,27 +31,21 @@ struct Subpath {
     Vec3 from_normal;         ///< its shading normal; zero where there is no surface
     Real travelled = 0;       ///< along the camera ray, over cutouts passed
     std::uint32_t depth = 0;  ///< scattering events so far
-    std::uint32_t uncounted = 0;  ///< of their length (path_depth.h), which "maxdepth" bounds
-    std::uint32_t segment = 0;    ///< rays so far, those beyond cutouts included: keys choices made once a ray
-    std::uint32_t light = 0;      ///< a light subpath's
-    std::int32_t medium = -1;     ///< what the next ray flies through; -1: nothing
-    std::uint8_t rays = 1;        ///< that leave the vertex at which it stands (splits.h),
-    bool all_lobes = false;       ///< or one by each of its specular lobes,
-    bool split = false;           ///< and whether rays were split before,
-    std::uint8_t followed = 0;    ///< and behind that so many specular vertices
-    std::uint8_t lights = 0;      ///< which of an integrator's choosers took the light sample where it was left,
-    Real light_share = 1;         ///< with which probability there was one at all,
-    Real ray_share = 1;           ///< and the next ray, where that is not specular
-    bool specular = true;         ///< the last direction could not have been found in another way (camera, delta lobes)
+    std::int32_t length = 0;  ///< theirs, which "maxdepth" bounds (path_depth.h)
+    std::uint32_t segment = 0;  ///< rays so far, those beyond cutouts included: keys choices made once a ray
+    std::uint32_t light = 0;    ///< a light subpath's
+    std::int32_t medium = -1;   ///< what the next ray flies through; -1: nothing
+    std::uint8_t rays = 1;      ///< that leave the vertex at which it stands (splits.h),
+    bool all_lobes = false;     ///< or one by each of its specular lobes,
+    bool split = false;         ///< and whether rays were split before,
+    std::uint8_t followed = 0;  ///< and behind that so many specular vertices
+    std::uint8_t lights = 0;    ///< which of an integrator's choosers took the light sample where it was left,
+    Real light_share = 1;       ///< with which probability there was one at all,
+    Real ray_share = 1;         ///< and the next ray, where that is not specular
+    bool specular = true;       ///< the last direction could not have been found in another way (camera, delta lobes)
     bool any_non_specular = false;  ///< of its scatterings
     bool from_infinity = false;
     bool one_wavelength = false;  ///< has met an interface whose index depends on it (path_wavelengths.h)
-
-    /// What "maxdepth" bounds, as in path_depth.h. Walks in bodies can have more events than lengths have room for:
-    /// what is left of both does.
-    [[nodiscard]] std::int32_t length() const {
-        return static_cast<std::int32_t>(depth * static_cast<std::uint32_t>(whole_event) - uncounted);
-    }
 };
 
 /// What each vertex of a subpath draws, from `first` + scattering events so far * `stride` on, and what each ray draws.

@@ -111,15 +111,17 @@ class Walk {
                                                                                  direction, current);
     }
     [[nodiscard]] const DepthLimit& depth_limit() const { return depth_limit_; }
-    /// Whether a path is short enough for an event behind the ray that it came by, in some direction at least.
-    [[nodiscard]] bool may_scatter(std::uint32_t row) const {
-        return depth_limit_.allows(paths_[row].length() + depth_limit_.least(came_within(row)));
+    /// Whether a path is short enough for an event at vertex j, in some direction at least.
+    [[nodiscard]] bool may_scatter(std::size_t j) const { return may_scatter(j, j < vertices_.surfaces); }
+    /// The same while vertices are still gathered: of a surface, or a collision of the ray that a row's path left.
+    [[nodiscard]] bool may_scatter(std::size_t j, bool surface) const {
+        const std::int32_t length = paths_[vertices_.rows[j]].length;
+        return depth_limit_.allows(depth_limit_.has_bodies() ? vertex_depth(j, surface).least : length + whole_event);
     }
-    /// The same of a collision, which ends in the medium where it began.
     [[nodiscard]] bool may_collide(std::uint32_t row) const {
-        return depth_limit_.allows(paths_[row].length() + (came_within(row) ? 0 : whole_event));
+        return depth_limit_.allows(depth_limit_.at_collision(paths_[row].length, paths_[row].medium).least);
     }
-    [[nodiscard]] VertexDepth vertex_depth(std::size_t j) const;
+    [[nodiscard]] VertexDepth vertex_depth(std::size_t j) const { return vertex_depth(j, j < vertices_.surfaces); }
     void finish(std::uint32_t row) { counters_->count_length(paths_[row].depth); }
 
   private:
@@ -129,10 +131,13 @@ class Walk {
         Real time;
         RayCone cone;
     };
-    [[nodiscard]] bool came_within(std::uint32_t row) const {
-        return depth_limit_.has_bodies() && is_within(paths_[row].medium);
+    [[nodiscard]] VertexDepth vertex_depth(std::size_t j, bool surface) const {
+        const Subpath& path = paths_[vertices_.rows[j]];
+        if (!depth_limit_.has_bodies()) return {path.length, path.length + whole_event};
+        if (!surface) return depth_limit_.at_collision(path.length, path.medium);
+        return depth_limit_.at_surface(path.length, scene_.geometry->shapes()[vertices_.hits[j].shape],
+                                       vertices_.points[j]);
     }
-    [[nodiscard]] bool is_within(std::int32_t medium) const { return medium >= 0 && (*scene_.media)[medium].in_body; }
     bool stays_short(std::size_t j, const Vec3& direction);
     static bool is_camera_ray(const Subpath& path) { return mode == TransportMode::radiance && path.depth == 0; }
     template <class Visitor>
@@ -352,21 +357,6 @@ std::uint32_t Walk<mode>::take_branch(Subpath& path, const BsdfSample& s) {
     return rays;
 }
 
-template <TransportMode mode>
-VertexDepth Walk<mode>::vertex_depth(std::size_t j) const {
-    VertexDepth vertex;
-    vertex.before = paths_[vertices_.rows[j]].length();
-    vertex.least = vertex.before + whole_event;
-    if (!depth_limit_.has_bodies()) return vertex;
-    const SurfacePoint& point = vertices_.points[j];
-    vertex.surface = j < vertices_.surfaces;
-    vertex.came_within = is_within(medium_towards(j, point.wo));
-    vertex.front_within = is_within(medium_towards(j, point.geometric_normal));
-    vertex.back_within = is_within(medium_towards(j, -point.geometric_normal));
-    vertex.least = vertex.before + depth_limit_.least(vertex.came_within);
-    return vertex;
-}
-
 /// Takes off what does not count of the event at vertex j, which the path has left. False: it is too long for it.
 template <TransportMode mode>
 [[gnu::noinline]] bool Walk<mode>::stays_short(std::size_t j, const Vec3& direction) {
@@ -374,8 +364,8 @@ template <TransportMode mode>
     const bool first_specular = mode == TransportMode::radiance && !options_.counts_first_specular &&
                                 !path.any_non_specular && path.depth < options_.max_depth;
     const std::int32_t event = first_specular ? 0 : depth_limit_.event(vertex_depth(j), vertices_.points[j], direction);
-    path.uncounted += static_cast<std::uint32_t>(whole_event - event);
-    return depth_limit_.allows(path.length());
+    path.length -= whole_event - event;
+    return depth_limit_.allows(path.length);
 }
 
 template <TransportMode mode>
@@ -383,17 +373,17 @@ template <class Visitor>
 void Walk<mode>::scatter(Visitor& visitor) {
     const VertexBatch& v = vertices_;
     const std::size_t passed_on = queue_.count;  // through cutouts: counted already
-    // A path's last scattering may be its connection to the camera, and a light subpath's always is: where that may be
-    // nothing, in bodies, it is counted when it comes.
-    constexpr std::uint32_t to_camera = mode == TransportMode::importance ? 1 : 0;
-    const std::int32_t kept_back = to_camera == 1 && !depth_limit_.has_bodies() ? whole_event : 0;
+    // A path's last scattering may be its connection to the camera, and a light subpath's always is; where it may be
+    // less than an event, it is counted when it comes.
+    constexpr std::int32_t to_camera = mode == TransportMode::importance ? 1 : 0;
+    const std::int32_t next = whole_event * (to_camera + 1);
     const bool counts_whole = !depth_limit_.has_bodies() && options_.counts_first_specular;
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
         Subpath& path = paths_[row];
-        if (!depth_limit_.allows(path.length() + depth_limit_.least(came_within(row)) + kept_back) ||
-            !visitor.worth_scattering(j)) {
-            counters_->count_length(path.depth + to_camera);
+        const bool short_enough = depth_limit_.has_bodies() ? may_scatter(j) : depth_limit_.allows(path.length + next);
+        if (!short_enough || !visitor.worth_scattering(j)) {
+            counters_->count_length(path.depth + static_cast<std::uint32_t>(to_camera));
             continue;
         }
         if constexpr (Visitor::splits)

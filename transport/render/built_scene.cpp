@@ -91,7 +91,7 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
             box.lower = {std::min(box.lower.x, at.x), std::min(box.lower.y, at.y), std::min(box.lower.z, at.z)};
             box.upper = {std::max(box.upper.x, at.x), std::max(box.upper.y, at.y), std::max(box.upper.z, at.z)};
         }
-        scene->geometry_->extend_bounds(box);
+        scene->geometry_->extend_lit_bounds(box);
     }
     begin("lights");
     auto lights = LightTable::build(description, *scene->geometry_, scene->warnings);

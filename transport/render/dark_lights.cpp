@@ -18,13 +18,16 @@ bool any_medium_shines(const MediumTable& media) {
     return false;
 }
 
-struct DarkLight {
-    SourceLocation location;
-    std::string what;
-};
+Error dark(const SourceLocation& location, const std::string& what) {
+    return error_at(location, "this " + what + " light gives no light");
+}
 
-/// An area light is dark if all its primitives are.
-std::vector<DarkLight> find_dark(const SceneDescription& scene, std::span<const Light> lights) {
+}  // namespace
+
+std::vector<Error> find_dark_lights(const SceneDescription& scene, const LightTable& table, const MediumTable& media) {
+    const std::span<const Light> lights = table.lights();
+    if (lights.empty() && !any_medium_shines(media))
+        return {error_at({scene.file, 0, 0}, "the scene has no light: its image is black")};
     std::vector<std::uint8_t> seen(scene.area_lights.size(), 0), shines(scene.area_lights.size(), 0);
     std::size_t primitives = 0;  // area lights come first
     for (; primitives < lights.size() && lights[primitives].is_area(); ++primitives) {
@@ -32,26 +35,12 @@ std::vector<DarkLight> find_dark(const SceneDescription& scene, std::span<const 
         seen[area] = 1;
         if (!is_dark(lights[primitives])) shines[area] = 1;
     }
-    std::vector<DarkLight> dark;
+    std::vector<Error> found;
     for (std::size_t i = 0; i < seen.size(); ++i)
-        if (seen[i] != 0 && shines[i] == 0) dark.push_back({scene.area_lights[i].location, "area"});
+        if (seen[i] != 0 && shines[i] == 0) found.push_back(dark(scene.area_lights[i].location, "area"));
     for (std::size_t i = 0; i < scene.lights.size() && primitives + i < lights.size(); ++i)
-        if (is_dark(lights[primitives + i])) dark.push_back({scene.lights[i].location, scene.lights[i].type});
-    return dark;
-}
-
-}  // namespace
-
-std::vector<Error> find_dark_lights(const SceneDescription& scene, const LightTable& lights, const MediumTable& media) {
-    if (lights.lights().empty()) {
-        if (any_medium_shines(media)) return {};
-        return {error_at({scene.file, 0, 0}, "the scene has no light: its image is black")};
-    }
-    const std::vector<DarkLight> dark = find_dark(scene, lights.lights());
-    if (dark.empty()) return {};
-    const std::size_t others = dark.size() - 1;
-    const std::string more = others == 0 ? "" : ", nor do " + std::to_string(others) + " other lights of the scene";
-    return {error_at(dark.front().location, "this " + dark.front().what + " light gives no light" + more)};
+        if (is_dark(lights[primitives + i])) found.push_back(dark(scene.lights[i].location, scene.lights[i].type));
+    return found;
 }
 
 }  // namespace raylex::transport

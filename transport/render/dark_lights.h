@@ -9,8 +9,8 @@
 
 namespace raylex::transport {
 
-/// One warning that the scene has no light at all, or one of the first light that gives none, with the number of
-/// others.
+/// That the scene has no light at all, or every light that gives none; an area light does if none of its primitives
+/// shines.
 std::vector<Error> find_dark_lights(const SceneDescription& scene, const LightTable& lights, const MediumTable& media);
 
 }  // namespace raylex::transport

@@ -1,5 +1,5 @@
-// What camera and light subpaths must find alike, where it is easily not the same: lengths in bodies, media beyond all
-// shapes, portals from behind, matrices with a last row, curves that face whoever looks.
+// What camera and light subpaths must find alike, where it is easily not the same: lengths where bodies are not closed,
+// media beyond all shapes, portals from behind, matrices with a last row, curves that face whoever looks.
 #include <algorithm>
 
 #include "tests/transport/image_file.h"
@@ -65,6 +65,25 @@ std::string strands(const std::string& material) {
 }
 
 }  // namespace
+
+TEST_CASE("bodies with holes, and the wrong way out, are as long to every method",
+          "[bdpt][light-tracer][statistical]") {
+    const std::string shape =
+        GENERATE("\"sphere\" \"float alpha\" .5", "\"sphere\" \"float zmin\" -.4 \"float zmax\" .3",
+                 "\"disk\" \"float radius\" 1.5 \"float height\" .4");
+    const std::string reverse = GENERATE("", "ReverseOrientation ");
+    // Clear: where a body ends that has no inside is nobody's to say, and a medium there would differ.
+    const std::string scene =
+        plain_film + box_filter +
+        "LookAt 0 2 4  0 0 0  0 1 0 Camera \"perspective\" \"float fov\" 35\nWorldBegin\n"
+        "LightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+        "LightSource \"distant\" \"rgb L\" [2 2 2] \"point3 from\" [1 2 1]\n"
+        "Rotate -90 1 0 0 Material \"diffuse\" Shape \"disk\" \"float radius\" 3 \"float height\" -1.1\n"
+        "Material \"subsurface\" \"rgb sigma_a\" [0 0 0] \"rgb sigma_s\" [0 0 0] "
+        "\"float roughness\" .4 " +
+        reverse + "Shape " + shape;
+    compare_with_path(scene, small(GENERATE(1, 2), 128), integrator_named("bdpt"), 12, 128, {"C<TD>.*[LB]", "C.*[LB]"});
+}
 
 TEST_CASE("light beyond all shapes reaches a medium there by every method",
           "[bdpt][light-tracer][media][statistical]") {

@@ -35,7 +35,7 @@ TEST_CASE("a scene without light, and lights that give none, are warnings", "[re
         "LightSource \"point\" \"rgb I\" [0 0 0]\n" +
         ball);
     REQUIRE(several.size() == 1);
-    CHECK(several[0].message == "this point light gives no light, nor do 1 other lights of the scene");
+    CHECK(several[0].message == "this point light gives no light, nor does one other of the scene");
     CHECK(warnings_of("LightSource \"infinite\"" + ball).empty());
     CHECK(warnings_of("MakeNamedMedium \"fire\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1]\n"
                       "MediumInterface \"fire\" \"\"\n" +

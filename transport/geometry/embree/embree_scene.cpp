@@ -425,20 +425,22 @@ Result<EmbreeScene> EmbreeScene::build(const SceneDescription& scene, TextureTab
     rtcCommitScene(device.scene);
     RTCBounds b{};
     rtcGetSceneBounds(device.scene, &b);
-    result.is_bounded_ = b.lower_x <= b.upper_x;
-    if (result.is_bounded_) result.bounds_ = {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
+    if (b.lower_x <= b.upper_x) {
+        result.bounds_ = {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
+        result.extend_lit_bounds(result.bounds_);
+    }
     if (!device.log.message.empty()) return error_at({scene.file, 0, 0}, "Embree: " + device.log.message);
     return result;
 }
 
-void EmbreeScene::extend_bounds(const Bounds& box) {
+void EmbreeScene::extend_lit_bounds(const Bounds& box) {
     const auto each = [](const Vec3& a, const Vec3& b, auto pick) {
         return Vec3{pick(a.x, b.x), pick(a.y, b.y), pick(a.z, b.z)};
     };
-    bounds_ = is_bounded_ ? Bounds{each(bounds_.lower, box.lower, [](Real a, Real b) { return std::min(a, b); }),
-                                   each(bounds_.upper, box.upper, [](Real a, Real b) { return std::max(a, b); })}
-                          : box;
-    is_bounded_ = true;
+    const Bounds before = is_lit_ ? lit_bounds_ : box;
+    lit_bounds_ = {each(before.lower, box.lower, [](Real a, Real b) { return std::min(a, b); }),
+                   each(before.upper, box.upper, [](Real a, Real b) { return std::max(a, b); })};
+    is_lit_ = true;
 }
 
 void flush_denormals() {

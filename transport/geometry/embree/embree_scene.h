@@ -199,10 +199,10 @@ class EmbreeScene {
     [[nodiscard]] std::size_t top_level_shapes() const { return top_level_shapes_; }
     /// Labels in use; [0] is the empty label.
     [[nodiscard]] const std::vector<std::string>& object_labels() const { return labels_; }
-    /// Of all that light may meet.
     [[nodiscard]] const Bounds& bounds() const { return bounds_; }
-    /// Takes a box into them that is no surface.
-    void extend_bounds(const Bounds& box);
+    /// Of all that light may meet: media too.
+    [[nodiscard]] const Bounds& lit_bounds() const { return lit_bounds_; }
+    void extend_lit_bounds(const Bounds& box);
     [[nodiscard]] const std::string& isa() const { return isa_; }
     [[nodiscard]] const RenderSpace& space() const { return space_; }
     [[nodiscard]] const ShutterSpan& shutter() const { return shutter_; }
@@ -256,7 +256,8 @@ class EmbreeScene {
     std::vector<std::string> labels_;
     std::size_t top_level_shapes_ = 0;
     Bounds bounds_;
-    bool is_bounded_ = false;  // false: bounds_ are of nothing
+    Bounds lit_bounds_;
+    bool is_lit_ = false;  // false: those are of nothing
     Real ray_limit_ =
         largest_coordinate;  // of a ray's numbers, so that they stay in range in every instance's own space
     std::string isa_;

@@ -104,6 +104,7 @@ void Bdpt::join_vertices(BdptThread& thread, std::size_t j) const {
     const SurfacePoint& point = v.points[j];
     const DepthLimit& limit = thread.camera.depth_limit();
     const VertexDepth length = thread.camera.vertex_depth(j);
+    const bool bodies = limit.has_bodies();
     for (std::uint32_t i = thread.last_vertex[row]; i != LightVertex::none; i = thread.light_vertices[i].previous) {
         const LightVertex& y = thread.light_vertices[i];
         if (!limit.allows(length.least + y.length.least)) continue;
@@ -115,8 +116,8 @@ void Bdpt::join_vertices(BdptThread& thread, std::size_t j) const {
         const Real d2 = length_squared(between);
         if (!(d2 > 0)) continue;
         const Vec3 direction = between / std::sqrt(d2);
-        if (limit.has_bodies() && !limit.allows(length.before + limit.event(length, point, direction) +
-                                                y.length.before + limit.event(y.length, y.point, -direction)))
+        if (bodies && !limit.allows(length.before + limit.event(length, point, direction) + y.length.before +
+                                    limit.event(y.length, y.point, -direction)))
             continue;
         const JoinedScattering x = evaluate_scattering<TransportMode::radiance>(v.bsdfs[j], point, direction);
         if (x.f.value.is_black()) continue;

@@ -19,7 +19,7 @@ void CameraSubpaths::split(std::size_t j) {
     const VertexBatch& v = vertices();
     const std::uint32_t row = v.rows[j];
     Subpath& path = walk_.path(row);
-    if (!walk_.may_scatter(row) || record_.takes_all(row)) return;
+    if (!walk_.may_scatter(j) || record_.takes_all(row)) return;
     if (v.bsdfs[j].has_density()) {
         if (path.split || !record_.ahead(row, v.sources[j].label, v.points[j].material).scatters) return;
         path.split = true;

@@ -113,8 +113,8 @@ struct CameraSubpaths::Scatterer : WalkVisitor {
     }
     void invalid(std::uint32_t row) { self.record_.reject(row, self.path(row).beta); }
     bool goes_on(std::uint32_t row) {
-        // Without bodies, where the next event may be nothing.
-        const bool last = !self.depth_limit().allows(self.path(row).length() + self.depth_limit().least(true));
+        const DepthLimit& limit = self.depth_limit();
+        const bool last = !limit.has_bodies() && !limit.allows(self.path(row).length + whole_event);
         if (last && !self.options_.light_can_be_hit) return false;
         const bool worth = self.record_.worth(row);
         if (!worth) self.walk_.counters().count(Pruned::paths);

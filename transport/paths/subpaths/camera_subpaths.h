@@ -102,7 +102,7 @@ class CameraSubpaths {
     /// Whether vertex j can be connected with light: something scatters there, and a path one event longer is not too
     /// long; which in bodies depends on where to.
     [[nodiscard]] bool can_connect(std::size_t j) const {
-        return vertices().bsdfs[j].has_density() && walk_.may_scatter(vertices().rows[j]);
+        return vertices().bsdfs[j].has_density() && walk_.may_scatter(j);
     }
     [[nodiscard]] bool can_connect(std::size_t j, const Vec3& direction) const {
         if (!depth_limit().has_bodies()) return true;
@@ -137,7 +137,7 @@ class CameraSubpaths {
     [[nodiscard]] bool worth_shading(std::size_t j) {
         const std::uint32_t row = vertices().rows[j];
         if (record_.events().wants_user() && record_.channels_follow(row)) return true;
-        if (!walk_.may_scatter(row)) return false;
+        if (!walk_.may_scatter(j, true)) return false;
         const bool worth = record_.ahead(row, vertices().sources[j].label, vertices().points[j].material).anything;
         if (!worth) walk_.counters().count(Pruned::paths);
         return worth;

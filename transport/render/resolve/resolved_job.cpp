@@ -114,6 +114,14 @@ bool asks_for_light(const JobChannels& channels) {
            });
 }
 
+/// Of all lights that give none the first, with the number of the others: `scene check` names each.
+Error darkness(const std::vector<Error>& dark) {
+    Error first = dark.front();
+    if (dark.size() == 2) first.message += ", nor does one other of the scene";
+    if (dark.size() > 2) first.message += ", nor do " + std::to_string(dark.size() - 1) + " others of the scene";
+    return first;
+}
+
 }  // namespace
 
 Result<ResolvedJob> ResolvedJob::resolve(const BuiltScene& scene, const RenderSettings& settings) {
@@ -128,8 +136,7 @@ Result<ResolvedJob> ResolvedJob::resolve(const BuiltScene& scene, const RenderSe
     auto channels = resolve_channels(settings, scene.pattern_channels(), *chosen);
     if (!channels) return channels.error();
     set_scales(scene, channels->list);
-    if (asks_for_light(*channels))
-        job.warnings.insert(job.warnings.end(), scene.dark_lights.begin(), scene.dark_lights.end());
+    if (asks_for_light(*channels) && !scene.dark_lights.empty()) job.warnings.push_back(darkness(scene.dark_lights));
     if (Status s = check_raster(settings, *chosen, *sampling, *channels, job.warnings); !s) return s.error();
     auto budget = resolve_budget(settings, *sampling, *chosen, *channels, job.warnings);
     if (!budget) return budget.error();
