@@ -85,7 +85,7 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
         if (const std::int32_t interior = interiors[static_cast<std::size_t>(shape.material)]; interior >= 0)
             shape.inside_medium = interior;
     for (const std::int32_t index : open_grids(*scene->geometry_, scene->media_)) {
-        Bounds box{Vec3(infinity), Vec3(-infinity)};
+        Bounds box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
         for (const DVec3& corner : scene->media_[index].grid->corners()) {
             const Vec3 at = corner.to_real();
             box.lower = {std::min(box.lower.x, at.x), std::min(box.lower.y, at.y), std::min(box.lower.z, at.z)};
