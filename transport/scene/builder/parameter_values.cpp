@@ -43,8 +43,8 @@ Status check_numbers(const Parameter& parameter) {
     for (std::size_t i = 0; i < numbers.size(); ++i) {
         const double number = numbers[i];
         if (std::abs(number) <= static_cast<double>(std::numeric_limits<float>::max())) {
-            if (integers && !(number == std::floor(number) &&
-                              std::abs(number) <= static_cast<double>(std::numeric_limits<std::int32_t>::max())))
+            using Integer = std::numeric_limits<std::int32_t>;
+            if (integers && !(number == std::floor(number) && number >= Integer::min() && number <= Integer::max()))
                 return refused(i, shortest(number) + "; expected an integer of 32 bits");
             continue;
         }
