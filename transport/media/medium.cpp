@@ -112,9 +112,9 @@ Rgb brightest_glow(const Medium& medium, Real length) {
     return medium.grid != nullptr ? medium.grid->brightest_emission() * length : emission_along(medium, length);
 }
 
-/// Flights go from particle to particle: through so many in milliseconds, and distances within a cell, which have 24
-/// bits, still tell them apart.
-constexpr double most_particles_in_a_cell = 1e5;
+/// Flights go from particle to particle: through so many in some milliseconds, and distances within a cell, which have
+/// 24 bits, still tell them apart.
+constexpr double most_particles_in_a_cell = 1e7;
 
 std::size_t MediumTable::grid_bytes() const {
     std::size_t bytes = 0;

@@ -291,8 +291,8 @@ TEST_CASE("grids that cannot be are refused where they are written", "[media][gr
         {uniform + "\"float density\" 1 \"point3 p1\" [1 0 1]", "the box from 'p0' to 'p1' is flat"},
         {uniform + "\"float density\" 1 \"float raylex:majorant\" 0.5", "'raylex:majorant' is 0.5"},
         {uniform + "\"float density\" 1 \"float scale\" -1", "expected 0 or more"},
-        // 1 across by default, and sqrt(3) along the diagonal.
-        {uniform + "\"integer nx\" 2 \"float density\" [0 1] \"rgb sigma_a\" [1.2e5 0 0] \"rgb sigma_s\" [0 0 0]",
+        // Cells of 1/2 x 1 x 1: 1.5 along the diagonal.
+        {uniform + "\"integer nx\" 2 \"float density\" [0 1] \"rgb sigma_a\" [1e7 0 0] \"rgb sigma_s\" [0 0 0]",
          "mean free paths thick"},
         {uniform + "\"float density\" 1e38", "reaches 2e+38 per unit of length; expected at most 1e20"},
         {uniform + "\"float density\" 1 \"float scale\" 1e21", "expected at most 1e20"},
