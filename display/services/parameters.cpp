@@ -194,10 +194,11 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
     std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
     for (const std::string& candidate : candidates) {
         // At least as many letters are added or left out.
-        const auto [shorter, longer] = std::minmax(word.size(), candidate.size());
+        const std::size_t longer = std::max(word.size(), candidate.size()),
+                          shorter = std::min(word.size(), candidate.size());
         if (longer - shorter >= best_distance) continue;
         const std::size_t distance = edit_distance(word, candidate);
-        if (distance >= best_distance || distance >= std::max(word.size(), candidate.size())) continue;
+        if (distance >= best_distance || distance >= longer) continue;
         best_distance = distance;
         best = candidate;
     }
