@@ -46,7 +46,8 @@ class Parameters(Written):
         builder.shape("trianglemesh", P=[[5, 0, 0], [6, 0, 0], [5, 1, 0]], indices=[0, 1, 2], material=metal)
         text = self.text(builder)
         for part in ('"float fov" [ 40 ]', '"integer xresolution" [ 8 ]', '"float cropwindow" [ 0 1 0 1 ]',
-                     '"integer maxdepth" [ 3 ]', '"spectrum eta" [ "glass-BK7" ]', '"rgb L" [ 2 2 2 ]', '"point3 from" [ 0 4 -4 ]', '"point3 to" [ 0 0 0 ]',
+                     '"integer maxdepth" [ 3 ]', '"spectrum eta" [ "glass-BK7" ]', '"rgb L" [ 2 2 2 ]',
+                     '"point3 from" [ 0 4 -4 ]', '"point3 to" [ 0 0 0 ]',
                      '"rgb reflectance" [ 0.5 0.5 0.5 ]', '"spectrum eta" [ "metal-Au-eta" ]'):
             self.assertIn(part, text)
         self.assertIsNone(re.search(r'"integer (fov|radius|alpha)"|"float (L|reflectance)"', text), text)

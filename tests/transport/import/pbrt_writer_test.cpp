@@ -170,7 +170,9 @@ TEST_CASE("pbrt writer: what stands beside cameras and films comes back without 
     comes_back(R"(TransformTimes 0 4
         WorldBegin
         LightSource "infinite"
-        AttributeBegin ActiveTransform EndTime Translate 3 0 0 ActiveTransform All Translate 0 0 5 Shape "sphere" AttributeEnd
+        AttributeBegin
+        ActiveTransform EndTime Translate 3 0 0 ActiveTransform All Translate 0 0 5 Shape "sphere"
+        AttributeEnd
     )");
     const std::string in_code_only = R"(
         WorldBegin

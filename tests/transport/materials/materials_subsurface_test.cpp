@@ -117,7 +117,8 @@ TEST_CASE("total reflection in a clear body ends", "[materials][light-tracer][re
         Camera "perspective" "float fov" 30
         WorldBegin
         LightSource "point" "rgb I" [1 1 1]
-        Material "subsurface" "rgb sigma_a" [0 0 0] "rgb sigma_s" [0 0 0] "float eta" 1.5 "float roughness" 0.02 "bool remaproughness" false
+        Material "subsurface" "rgb sigma_a" [0 0 0] "rgb sigma_s" [0 0 0] "float eta" 1.5
+            "float roughness" 0.02 "bool remaproughness" false
         Shape "trianglemesh" "point3 P" [-1 -1 -1  1 -1 -1  -1 1 -1  1 1 -1  -1 -1 1  1 -1 1  -1 1 1  1 1 1]
             "integer indices" [0 2 1 1 2 3  4 5 6 5 7 6  0 1 4 1 5 4  2 6 3 3 6 7  0 4 2 2 4 6  1 3 5 3 7 5])";
     transport::RenderSettings settings;
