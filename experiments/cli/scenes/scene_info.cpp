@@ -113,9 +113,8 @@ void add_scene_info_command(CLI::App& scene, CommandContext& context) {
         ->excludes(picture);
     add_plugin_option(*command, options->plugins);
     command->footer(
-        "Primitives are counted as the file has them, displaced meshes before they are divided; rays meet those of an "
-        "object "
-        "once for every instance.\n"
+        "Primitives are counted as the file has them, displaced meshes before they are divided; "
+        "rays meet those of an object once for every instance.\n"
         "Exit codes: 0 told, 2 bad usage or input, 130 after Ctrl-C.");
     command->callback([options, &context] { context.exit_code = tell_of(*options); });
 }

@@ -143,9 +143,8 @@ std::vector<std::string> LightTracer::omissions() const {
             "C.+O is missing from the image");
     if (curves && parameters_.max_depth > 0)
         omitted.emplace_back(
-            "integrator 'lighttracer' sees flat curves and tubes from where light comes, not from the camera: they "
-            "look "
-            "otherwise than with 'path' or 'bdpt'");
+            "integrator 'lighttracer' sees flat curves and tubes from where light comes, not from the camera: "
+            "they look otherwise than with 'path' or 'bdpt'");
     if (!singular || parameters_.max_depth == 0) return omitted;
     omitted.emplace_back(
         "integrator 'lighttracer' does not find what the camera sees by a mirror or through smooth glass: paths whose "
