@@ -141,3 +141,23 @@ TEST_CASE("bidirectional path tracing agrees on curves that face whoever looks",
     compare_with_path(strands(material), small(3, 128), integrator_named("bdpt"), 12, 128,
                       {"C.[LB]", "C..[LB]", "C.*[LB]"});
 }
+
+TEST_CASE("light tracing says that such curves look otherwise, and nothing of ribbons", "[light-tracer][curves]") {
+    transport::RenderSettings settings = small(1, 1);
+    settings.integrator = integrator_named("lighttracer");
+    const auto warns = [&](const std::string& type) {
+        const auto output =
+            render_of(scene_of(plain_film +
+                               "WorldBegin LightSource \"infinite\" Shape \"curve\" "
+                               "\"point3 P\" [-1 0 5  -.5 0 5  .5 0 5  1 0 5] \"normal N\" [0 0 1 0 0 1] "
+                               "\"string type\" \"" +
+                               type + "\""),
+                      settings);
+        return std::any_of(output.warnings.begin(), output.warnings.end(), [](const raylex::Error& warning) {
+            return warning.to_string().find("flat curves and tubes") != std::string::npos;
+        });
+    };
+    CHECK(warns("flat"));
+    CHECK(warns("cylinder"));
+    CHECK_FALSE(warns("ribbon"));
+}
