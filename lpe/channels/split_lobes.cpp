@@ -105,9 +105,10 @@ std::vector<LobeItem> read_lobes(const SplitRequest& request) {
         }
         item.name = bin_name(equals == std::string::npos ? item.text : given.substr(0, equals), taken);
         if (!items.empty() && items.front().is_event != item.is_event) {
+            const std::string& event = item.is_event ? item.text : items.front().text;
             fail("the lobes '" + items.front().text + "' and '" + item.text +
-                 "' are of two kinds; expected events only (RD, S4, V) "
-                 "or lobe names only (coat, glass)");
+                     "' are of two kinds; expected events only (RD, S4, V) or lobe names only (coat, glass)",
+                 "a lobe whose name is '" + event + "' is asked for in quotes: \"'" + event + "'\"");
         }
         items.push_back(std::move(item));
     }
