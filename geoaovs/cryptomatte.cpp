@@ -107,10 +107,9 @@ Result<MatteKind> parse_matte_kind(std::string_view name, const std::string& whe
         if (name == kinds[i].word) return static_cast<MatteKind>(i);
         known.emplace_back(kinds[i].word);
     }
-    const std::string near = nearest_name(name, known);
     return error_at({where, 0, 0},
                     "'" + std::string(name) + "' is no kind of cryptomatte; expected object, material or asset",
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+                    near_miss(name, known));
 }
 
 std::string matte_layer(MatteKind kind) {

@@ -256,9 +256,8 @@ Error unknown_name(std::string_view name) {
                                 "expected an AOV of the still scene, such as P or z");
     std::string known;
     for (const std::string& each : channel_names()) known += (known.empty() ? "" : ", ") + each;
-    const std::string near = nearest_name(name, channel_names());
     return error_at({}, "unknown geometric AOV '" + std::string(name) + "'; expected one of: " + known,
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+                    near_miss(name, channel_names()));
 }
 
 }  // namespace

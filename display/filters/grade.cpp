@@ -114,13 +114,12 @@ Result<std::vector<ChannelId>> named_channels(const std::vector<std::string>& na
             list += (list.empty() ? "" : ", ") + known.back();
         }
         if (found < 0) {
-            const std::string near = nearest_name(name, known);
             return error_at(parameters.location,
                             who + " names the channel '" + name +
                                 "', which is not there or holds no numbers to work on; "
                                 "expected one of: " +
                                 list,
-                            near.empty() ? std::string() : "did you mean '" + near + "'?");
+                            near_miss(name, known));
         }
         if (std::find(ids.begin(), ids.end(), found) == ids.end()) ids.push_back(found);
     }

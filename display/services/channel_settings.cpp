@@ -23,9 +23,8 @@ Result<Value> named(const char* kind, const std::string& text, const std::array<
         known.emplace_back(name_of(value));
         list += (list.empty() ? "" : ", ") + known.back();
     }
-    const std::string near = nearest_name(text, known);
     return error_at(where, "unknown " + std::string(kind) + " '" + text + "'; expected one of: " + list,
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+                    near_miss(text, known));
 }
 
 Result<std::size_t> index_of(const std::string& name, std::span<const ChannelDefinition> channels,
@@ -38,9 +37,7 @@ Result<std::size_t> index_of(const std::string& name, std::span<const ChannelDef
         known.push_back(channels[i].name);
         list += (list.empty() ? "" : ", ") + known.back();
     }
-    const std::string near = nearest_name(name, known);
-    return error_at(where, "there is no channel '" + name + "'; expected one of: " + list,
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+    return error_at(where, "there is no channel '" + name + "'; expected one of: " + list, near_miss(name, known));
 }
 
 }  // namespace

@@ -68,7 +68,11 @@ Result<ParameterSet> parse_parameters(const std::string& text, const std::vector
     for (const std::string& item : split_list(text, ',')) {
         const std::size_t equals = item.find('=');
         if (equals == std::string::npos || equals == 0)
-            return error_at(where, "'" + item + "' is no parameter of a " + kind + "; expected KEY=VALUE");
+            return error_at(where, "'" + item + "' is no parameter of a " + kind + "; expected KEY=VALUE",
+                            set.parameters.empty()
+                                ? std::string()
+                                : "several numbers of one parameter stand with blanks between them: " +
+                                      set.parameters.back().name + "='1 0 0'");
         ParameterDescription description{item.substr(0, equals), ParameterType::string, {}, {}};
         for (const ParameterDescription& each : descriptions)
             if (each.name == description.name) description = each;
@@ -89,11 +93,10 @@ Status check_all_used(const ParameterSet& parameters, const std::vector<Paramete
         known.push_back(each.name);
         list += (list.empty() ? "" : ", ") + each.name;
     }
-    const std::string near = nearest_name(unused.front()->name, known);
     return error_at(unused.front()->location,
                     kind + " '" + name + "' has no parameter '" + unused.front()->name +
                         (list.empty() ? "'; it takes none" : "'; expected one of: " + list),
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+                    near_miss(unused.front()->name, known));
 }
 
 }  // namespace raylex

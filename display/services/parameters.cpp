@@ -173,6 +173,17 @@ Result<std::string> ParameterSet::string_or(std::string_view name, std::string_v
     return parameter->strings.front();
 }
 
+Result<std::string> ParameterSet::choice_or(std::string_view name, std::string_view fallback,
+                                            const std::vector<std::string>& choices) const {
+    auto chosen = string_or(name, fallback);
+    if (!chosen || std::find(choices.begin(), choices.end(), *chosen) != choices.end()) return chosen;
+    std::string list;
+    for (std::size_t i = 0; i < choices.size(); ++i)
+        list += (i == 0 ? "" : i + 1 == choices.size() ? " or " : ", ") + choices[i];
+    return error_at(find(name)->location, "'" + std::string(name) + "' is '" + *chosen + "'; expected " + list,
+                    near_miss(*chosen, choices));
+}
+
 std::vector<const Parameter*> ParameterSet::unused() const {
     std::vector<const Parameter*> result;
     for (const Parameter& parameter : parameters)
@@ -203,6 +214,11 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
         best = candidate;
     }
     return best;
+}
+
+std::string near_miss(std::string_view word, const std::vector<std::string>& candidates) {
+    const std::string near = nearest_name(word, candidates);
+    return near.empty() ? std::string() : "did you mean '" + near + "'?";
 }
 
 }  // namespace raylex

@@ -63,6 +63,9 @@ class ParameterSet {
     [[nodiscard]] Result<std::int64_t> integer_or(std::string_view name, std::int64_t fallback) const;
     [[nodiscard]] Result<bool> boolean_or(std::string_view name, bool fallback) const;
     [[nodiscard]] Result<std::string> string_or(std::string_view name, std::string_view fallback) const;
+    /// One of `choices`. Errors stand at the parameter and name the near miss.
+    [[nodiscard]] Result<std::string> choice_or(std::string_view name, std::string_view fallback,
+                                                const std::vector<std::string>& choices) const;
     /// Names never looked up, in the order written.
     [[nodiscard]] std::vector<const Parameter*> unused() const;
 };
@@ -83,5 +86,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 
 /// The candidate nearest to `word` by edit distance, or empty when none is close enough to be a likely slip.
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates);
+
+/// The same as an error's hint: "did you mean 'NAME'?", or empty.
+std::string near_miss(std::string_view word, const std::vector<std::string>& candidates);
 
 }  // namespace raylex

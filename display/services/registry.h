@@ -44,9 +44,8 @@ class Registry {
         if (const Entry* entry = find(name)) return entry;
         std::string known;
         for (const std::string& each : names()) known += (known.empty() ? "" : ", ") + each;
-        const std::string near = nearest_name(name, names());
         return error_at(where, "unknown " + kind_ + " '" + std::string(name) + "'; expected one of: " + known,
-                        near.empty() ? std::string() : "did you mean '" + near + "'?");
+                        near_miss(name, names()));
     }
     [[nodiscard]] std::vector<std::string> names() const {
         std::vector<std::string> result;

@@ -1,5 +1,6 @@
 #include "experiments/cli/command_line.h"
 
+#include <cerrno>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -108,7 +109,8 @@ int run_command_line(int argc, const char* const* argv) {
     } catch (const CLI::ParseError& error) { return finish_parse(app, error); } catch (const std::bad_alloc&) {
         return report_error("out of memory; a smaller --resolution or fewer channels need less");
     } catch (const std::exception& error) { return report_error(std::string("unexpected failure: ") + error.what()); }
-    if (std::fflush(stdout) != 0) return report_error("cannot write to standard output");
+    // A reader that has seen enough (| head) is no failure.
+    if (std::fflush(stdout) != 0 && errno != EPIPE) return report_error("cannot write to standard output");
     // What was being read when somebody interrupted is no bad input.
     if (context.exit_code == exit_bad_input && reading_stopped()) return exit_interrupted;
     return context.exit_code;

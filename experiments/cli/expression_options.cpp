@@ -41,6 +41,7 @@ Result<ExpressionRequest> parse_named_expression(const std::string& text, lpe::D
     request.name = text.substr(0, equals);
     request.expression = text.substr(equals + 1);
     request.dialect = dialect;
+    take_dialect_mark(request.expression, request.dialect);
     request.location = at_option(option + " " + request.name);
     return request;
 }

@@ -222,12 +222,11 @@ Status check_names(const std::string& text, const std::string& path, const std::
         if (std::find(known.begin(), known.end(), name) != known.end()) continue;
         std::string list;
         for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
-        const std::string near = nearest_name(name, known);
         return error_at(
             {path, static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n')) + 1,
              0},
             "the template asks for '" + name + "', which is not known; expected one of: " + list,
-            near.empty() ? std::string() : "did you mean '" + near + "'?");
+            near_miss(name, known));
     }
     return success();
 }
@@ -242,9 +241,8 @@ Result<fs::path> template_file(const std::string& format) {
     if (format.find_first_of("./") != std::string::npos || fs::exists(format, failed)) return fs::path(format);
     std::string list;
     for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
-    const std::string near = nearest_name(format, known);
     return error_at({"--commands", 0, 0}, "'" + format + "' is no format; expected " + list + ", or a template's file",
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+                    near_miss(format, known));
 }
 
 Result<std::string> rendered_template(const std::string& format, const mustache::data& data,

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "experiments/inspect/closed_meshes.h"
 #include "experiments/program/console.h"
 #include "transport/geometry/shapes/placed_mesh.h"
 
@@ -209,6 +211,46 @@ void doubt_shape(const SceneShape& shape, TexturedBy& textured, Doubts& doubts) 
     doubt(counts.torn_normals, "have vertex normals on both of their sides");
 }
 
+/// Of a mesh, in the space its list of shapes stands in.
+transport::Bounds bounds_of(const SceneShape& shape) {
+    constexpr transport::Real far = std::numeric_limits<transport::Real>::infinity();
+    transport::Bounds bounds{{far, far, far}, {-far, -far, -far}};
+    for (const auto& position : shape.positions) {
+        const transport::Vec3 p = shape.object_to_world.point(transport::Vec3(position));
+        for (int i = 0; i < 3; ++i) {
+            bounds.lower[i] = std::min(bounds.lower[i], p[i]);
+            bounds.upper[i] = std::max(bounds.upper[i], p[i]);
+        }
+    }
+    return bounds;
+}
+
+bool lies_in(const transport::Bounds& inner, const transport::Bounds& outer) {
+    for (int i = 0; i < 3; ++i)
+        if (inner.lower[i] < outer.lower[i] || inner.upper[i] > outer.upper[i]) return false;
+    return true;
+}
+
+/// A body of a medium that faces inwards fills the space around it, unless it is the hollow of another one.
+void doubt_bodies(const SceneDescription& scene, const std::vector<SceneShape>& shapes, Doubts& doubts) {
+    for (const SceneShape& shape : shapes) {
+        const bool body =
+            shape.material >= 0 && scene.materials[static_cast<std::size_t>(shape.material)].type == "subsurface";
+        if (!body && shape.inside_medium == shape.outside_medium) continue;
+        const auto volume = enclosed_volume(shape);
+        if (!volume || *volume >= 0) continue;
+        const transport::Bounds bounds = bounds_of(shape);
+        const bool within_another = std::any_of(shapes.begin(), shapes.end(), [&](const SceneShape& other) {
+            const bool alike = body ? other.material == shape.material : other.inside_medium == shape.inside_medium;
+            return alike && &other != &shape && lies_in(bounds, bounds_of(other));
+        });
+        if (!within_another)
+            doubts.push_back(error_at(shape.location, transport::mesh_name(shape) +
+                                                          " is closed and faces inwards: its medium fills the space "
+                                                          "around it; ReverseOrientation turns it"));
+    }
+}
+
 }  // namespace
 
 std::vector<Error> scene_doubts(const SceneDescription& scene, const transport::BuiltScene& built) {
@@ -217,6 +259,8 @@ std::vector<Error> scene_doubts(const SceneDescription& scene, const transport::
     for (const SceneShape& shape : scene.shapes) doubt_shape(shape, textured, doubts);
     for (const transport::SceneObject& object : scene.objects)
         for (const SceneShape& shape : object.shapes) doubt_shape(shape, textured, doubts);
+    doubt_bodies(scene, scene.shapes, doubts);
+    for (const transport::SceneObject& object : scene.objects) doubt_bodies(scene, object.shapes, doubts);
     doubts.insert(doubts.end(), built.dark_lights.begin(), built.dark_lights.end());
     doubt_unused_entities(scene, everything_used(scene), doubts);
     return doubts;

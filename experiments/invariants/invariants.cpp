@@ -36,9 +36,8 @@ Result<SceneReport> check_invariants(const std::string& text, const std::string&
         if (std::find(names.begin(), names.end(), name) == names.end()) {
             std::string list;
             for (const std::string& each : names) list += (list.empty() ? "" : ", ") + each;
-            const std::string near = nearest_name(name, names);
             return error_at({}, "no invariant is called '" + name + "'; expected one of: " + list,
-                            near.empty() ? "" : "did you mean '" + near + "'?");
+                            near_miss(name, names));
         }
     SceneReport report;
     const auto test = SceneUnderTest::make(text, path, options);

@@ -65,6 +65,8 @@ transport::SceneDescription moved(transport::SceneDescription scene, const trans
 /// The scene in another unit of length, 1/`factor` of the old one: lengths times `factor`, intensities and coefficients
 /// so that every pixel stays the same.
 transport::SceneDescription scaled(transport::SceneDescription scene, double factor);
+/// Whether brightened() can be made: not of uniform grids whose light goes by temperatures, or by a spectrum alone.
+bool can_be_brightened(const transport::SceneDescription& scene);
 /// All emission times `factor`.
 transport::SceneDescription brightened(transport::SceneDescription scene, double factor);
 /// Constant colours of materials as textures of one colour.

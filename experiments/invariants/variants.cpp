@@ -23,6 +23,25 @@ void multiply(ParameterSet& set, const std::string& name, double factor) {
     set.parameters.push_back(transport::typed::real(name, factor));
 }
 
+/// Every number of a parameter; false where it is not there.
+bool multiply_all(ParameterSet& set, const char* name, double factor) {
+    for (Parameter& parameter : set.parameters) {
+        if (parameter.name != name) continue;
+        for (double& each : parameter.numbers) each *= factor;
+        return true;
+    }
+    return false;
+}
+
+/// What a medium emits.
+void brighten(transport::SceneMedium& medium, double factor) {
+    ParameterSet& set = medium.parameters;
+    if (multiply_all(set, "Lescale", factor) || multiply_all(set, "LeScale", factor)) return;
+    if (medium.type != "uniformgrid") return multiply(set, "Lescale", factor);
+    // Its "Lescale" is a grid, which ends at the box: none is not one of 1.
+    multiply_all(set, "Le", factor);
+}
+
 /// x y z of one point after another.
 void move_points(std::vector<double>& numbers, const Transform& change) {
     for (std::size_t i = 0; i + 3 <= numbers.size(); i += 3) {
@@ -47,6 +66,7 @@ SceneDescription moved(SceneDescription scene, const Transform& change) {
             if (parameter.name == "portal") move_points(parameter.numbers, change);  // they stand in the world
     }
     for (transport::SceneTexture& texture : scene.textures) texture.to_world = change * texture.to_world;
+    for (transport::SceneMedium& medium : scene.media) medium.to_world = change * medium.to_world;
     return scene;
 }
 
@@ -59,16 +79,45 @@ SceneDescription scaled(SceneDescription scene, double factor) {
         if (power && *power > 0) multiply(light.parameters, "scale", factor * factor);
     }
     for (transport::SceneEntity& medium : scene.media) multiply(medium.parameters, "scale", 1 / factor);
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        ParameterSet& set = scene.materials[i].parameters;
+        const auto has = [&](const char* name) { return set.find(name) != nullptr; };
+        // A factor on coefficients, or with a reflectance on mean free paths.
+        if (scene.materials[i].type == "subsurface")
+            multiply(set, "scale",
+                     has("reflectance") && !has("name") && !has("sigma_a") && !has("sigma_s") ? factor : 1 / factor);
+        for (Parameter& parameter : set.parameters) {  // heights are lengths
+            if (parameter.name != "displacement" || parameter.type != ParameterType::texture) continue;
+            transport::SceneTexture higher;
+            higher.type = "scale";
+            higher.name = "raylex higher " + std::to_string(i);
+            higher.location = parameter.location;
+            higher.parameters.parameters = {transport::typed::texture("tex", parameter.strings.front()),
+                                            transport::typed::real("scale", factor)};
+            parameter.strings.front() = higher.name;
+            scene.textures.push_back(std::move(higher));
+        }
+    }
     const auto factor_in_real = static_cast<transport::Real>(factor);
     for (SceneShape& shape : scene.shapes) shape.edge_length *= factor_in_real;  // of displaced meshes, in the world
     return scene;
 }
 
+bool can_be_brightened(const SceneDescription& scene) {
+    return std::none_of(scene.media.begin(), scene.media.end(), [](const transport::SceneMedium& medium) {
+        if (medium.type != "uniformgrid" || medium.parameters.find("Lescale") != nullptr) return false;
+        const Parameter* le = medium.parameters.find("Le");
+        return medium.parameters.find("temperature") != nullptr || (le != nullptr && le->type != ParameterType::rgb);
+    });
+}
+
 SceneDescription brightened(SceneDescription scene, double factor) {
     for (transport::SceneLight& light : scene.lights) multiply(light.parameters, "scale", factor);
     for (transport::SceneAreaLight& light : scene.area_lights) multiply(light.parameters, "scale", factor);
-    for (transport::SceneEntity& medium : scene.media)
-        if (medium.parameters.find("Le") != nullptr) multiply(medium.parameters, "Lescale", factor);
+    for (transport::SceneMedium& medium : scene.media) {
+        const auto has = [&](const char* name) { return medium.parameters.find(name) != nullptr; };
+        if (has("Le") || has("temperature") || medium.type == "nanovdb") brighten(medium, factor);
+    }
     return scene;
 }
 

@@ -9,9 +9,18 @@ namespace raylex::experiments {
 Result<lpe::Dialect> parse_dialect(const std::string& name, const SourceLocation& where) {
     if (name == "renderman") return lpe::Dialect::renderman;
     if (name == "osl") return lpe::Dialect::osl;
-    const std::string near = nearest_name(name, {"renderman", "osl"});
     return error_at(where, "unknown dialect '" + name + "'; expected renderman or osl",
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+                    near_miss(name, {"renderman", "osl"}));
+}
+
+void take_dialect_mark(std::string& expression, lpe::Dialect& dialect) {
+    for (const auto& [mark, marked] : {std::pair<std::string_view, lpe::Dialect>{"osl:", lpe::Dialect::osl},
+                                       {"renderman:", lpe::Dialect::renderman}}) {
+        if (!expression.starts_with(mark)) continue;
+        expression.erase(0, mark.size());
+        dialect = marked;
+        return;
+    }
 }
 
 Result<std::array<int, 2>> parse_resolution(const std::string& text, const SourceLocation& where) {

@@ -92,6 +92,9 @@ struct Job {
 
 /// "renderman" or "osl"; anything else is an Error at `where` that says so.
 Result<lpe::Dialect> parse_dialect(const std::string& name, const SourceLocation& where);
+/// "osl:C.*" and "renderman:C.*" say their own dialect: the mark is taken off. Neither dialect has such a beginning in
+/// its language.
+void take_dialect_mark(std::string& expression, lpe::Dialect& dialect);
 
 /// "WxH" with both between 1 and 65536.
 Result<std::array<int, 2>> parse_resolution(const std::string& text, const SourceLocation& where);

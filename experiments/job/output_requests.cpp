@@ -106,12 +106,11 @@ void read_drivers(TomlTable& root, const std::string& job_path, OutputRequests& 
 Status set_exr_parts(OutputRequests& outputs, const std::string& word, const SourceLocation& where) {
     outputs.single_part = word == "single";
     if (word == "single" || word == "multi") return success();
-    const std::string near = nearest_name(word, {"single", "multi"});
     return error_at(where,
                     "'" + word +
                         "' says neither how many parts the file has nor how a kind of channel is stored; expected "
                         "single, multi, or such as light='half piz'",
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+                    near_miss(word, {"single", "multi"}));
 }
 
 Status set_atlas_rules(const std::string& text, const SourceLocation& where, AtlasRequest& atlas) {

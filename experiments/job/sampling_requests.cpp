@@ -76,6 +76,9 @@ Result<double> parse_tolerance(const std::string& text, const SourceLocation& wh
     const std::optional<double> number = leading_number(text, unit);
     if (!number || !(*number > 0) || (!unit.empty() && unit != "%" && unit != " %"))
         return error_at(where, "'" + text + "' is no relative error; expected a number above 0 such as 1% or 0.01");
+    if (unit.empty() && *number >= 1)
+        return error_at(where, "'" + text + "' is no relative error below 1; expected a number such as 1% or 0.01",
+                        "did you mean '" + text + "%'?");
     return unit.empty() ? *number : *number / 100;
 }
 

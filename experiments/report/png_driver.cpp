@@ -34,9 +34,8 @@ class PngDriver : public display::DisplayDriver {
         std::string list;
         for (const std::string& each : names)
             if (!each.empty()) list += (list.empty() ? "" : ", ") + each;
-        const std::string near = nearest_name(layer_, names);
         return error_at(where_, "there is no layer '" + layer_ + "' to show; expected one of: " + list,
-                        near.empty() ? std::string() : "did you mean '" + near + "'?");
+                        near_miss(layer_, names));
     }
 
     Status close(const display::FinishedImage& finished) override {

@@ -149,9 +149,7 @@ Result<const Preset*> find_preset(const std::string& name) {
     }
     std::string list;
     for (const std::string& each : names) list += (list.empty() ? "" : ", ") + each;
-    const std::string near = nearest_name(name, names);
-    return error_at({"--preset", 0, 0}, "no preset '" + name + "'; expected one of: " + list,
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+    return error_at({"--preset", 0, 0}, "no preset '" + name + "'; expected one of: " + list, near_miss(name, names));
 }
 
 }  // namespace raylex::experiments

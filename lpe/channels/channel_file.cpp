@@ -65,4 +65,15 @@ Result<ChannelFile> parse_channel_file(std::string_view text, const std::string&
     });
 }
 
+std::string statistics_of(const FileChannel& channel) {
+    for (const std::string& parameter : channel.parameters) {
+        const std::size_t at = parameter.find("statistics");
+        if (at == std::string::npos) { continue; }
+        for (const char* kind : {"variance", "mse", "even", "odd"}) {
+            if (parameter.find("\"" + std::string(kind) + "\"", at) != std::string::npos) { return kind; }
+        }
+    }
+    return {};
+}
+
 }  // namespace raylex::lpe

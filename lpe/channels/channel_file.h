@@ -52,6 +52,10 @@ Result<ChannelFormat> channel_format(std::string_view path, std::string_view tex
 /// Errors carry `origin`, line and column.
 Result<ChannelFile> parse_channel_file(std::string_view text, const std::string& origin, ChannelFormat format);
 
+/// "mse" of `"string statistics" ["mse"]`, "variance" of `string ...:statistics = "variance"`; else empty. Such
+/// channels hold the spread of another one, not light.
+[[nodiscard]] std::string statistics_of(const FileChannel& channel);
+
 /// The file's text. Names that the format cannot hold are changed into ones it can (usda: the prim's name; the
 /// channel's own name stays in an attribute). Errors: expressions in a dialect that the format cannot hold, a name that
 /// cannot be written. `warnings` gets what was left out.

@@ -256,6 +256,14 @@ TEST_CASE("compare prints every metric at once, as JSON too, and leaves error im
     CHECK(png.err.find("black 0, over blue, violet and red to pale yellow 1 and above") != std::string::npos);
     CHECK(folder.read("e.png").substr(1, 3) == "PNG");
 
+    // A crop is compared as it stands, and that is said.
+    const SceneFolder scene;
+    REQUIRE(run_raylex(scene, "render room.pbrt --spp 1 -o whole.exr").code == 0);
+    REQUIRE(run_raylex(scene, "render room.pbrt --spp 1 --crop 1,2,4,5 -o crop.exr").code == 0);
+    CHECK(contains(run_raylex(scene, "compare crop.exr whole.exr").err,
+                   "crop.exr: there are pixels in 1,2,4,5 alone; the others are compared as black"));
+    CHECK_FALSE(contains(run_raylex(scene, "compare whole.exr whole.exr").err, "alone"));
+
     check_refused(folder, "compare a.exr b.exr --metric fllip", {"unknown metric 'fllip'", "did you mean 'flip'?"});
     check_refused(folder, "compare a.exr b.exr --metric all -o x.png", {"of one metric"});
     check_refused(folder, "compare a.exr b.exr --metric mean-ratio -o x.png", {"no single pixel has"});

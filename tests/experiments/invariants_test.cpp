@@ -160,3 +160,49 @@ TEST_CASE("scene check: an integrator of a plugin with a mistake in it is found"
     CHECK(right.code == 0);
     CHECK(test::contains(right.out, "holds"));
 }
+
+TEST_CASE("scene check: grids, bodies, heights and glass that disperses follow units of length and light",
+          "[invariants][media][materials]") {
+    const test::Folder folder;
+    const std::string view =
+        "Film \"rgb\" \"integer xresolution\" 4 \"integer yresolution\" 4\nLookAt 0 0 -4 0 0 0 0 1 0\n"
+        "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\n";
+    const auto grid = [&](const std::string& emission) {
+        return view +
+               "MakeNamedMedium \"smoke\" \"string type\" \"uniformgrid\" \"integer nx\" 2 \"integer ny\" 1 "
+               "\"integer nz\" 1 \"float density\" [.5 1] \"point3 p0\" [-1 -1 -1] \"point3 p1\" [1 1 1] " +
+               emission +
+               "\nMediumInterface \"smoke\" \"\"\nMaterial \"interface\"\nShape \"sphere\" \"float radius\" 1.8\n";
+    };
+    struct Case {
+        const char* name;
+        std::string scene;
+    };
+    const std::string ball = "Shape \"sphere\"\n";
+    for (const Case& each :
+         {Case{"plain grid", grid("")}, Case{"Le", grid("\"rgb Le\" [1 2 3]")},
+          Case{"Le and Lescale", grid("\"rgb Le\" [1 2 3] \"float Lescale\" [1 2]")},
+          Case{"temperature", grid("\"float temperature\" [1500 2500]")},
+          Case{"subsurface", view + "Material \"subsurface\"\n" + ball},
+          Case{"subsurface of coefficients",
+               view + "Material \"subsurface\" \"rgb sigma_a\" [.1 .2 .3] \"rgb sigma_s\" [2 2 2]\n" + ball},
+          Case{"subsurface of mean free paths",
+               view + "Material \"subsurface\" \"rgb reflectance\" [.5 .6 .7] \"rgb mfp\" [.2 .3 .4]\n" + ball},
+          Case{
+              "heights",
+              view +
+                  "Texture \"waves\" \"float\" \"checkerboard\" \"float uscale\" 8 \"float tex1\" .1 \"float tex2\" 0\n"
+                  "Material \"diffuse\" \"texture displacement\" \"waves\"\n" +
+                  ball},
+          Case{"dispersion", view + "Material \"dielectric\" \"spectrum eta\" \"glass-F11\"\n" + ball}}) {
+        folder.write("scene.pbrt", each.scene);
+        const auto outcome = test::run_raylex(
+            folder,
+            "scene check --invariants --only unit-of-length --only unit-of-light --only non-negative scene.pbrt");
+        INFO(each.name << "\n" << outcome.out << outcome.err);
+        CHECK(outcome.code == 0);
+        CHECK(test::contains(outcome.out, "unit-of-length"));
+        CHECK(test::all_matches(outcome.out, "unit-of-length[^\n]*holds").size() == 1);
+        CHECK_FALSE(test::contains(outcome.out, "refused"));
+    }
+}

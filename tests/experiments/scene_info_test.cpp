@@ -110,6 +110,33 @@ TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, 
         "MakeNamedMedium \"fire\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1]\nMediumInterface \"fire\" \"\"\n" +
             face,
         "");
+    // A box whose faces look inwards: by winding, by normals, reversed back, and as the hollow of another one.
+    const std::string box =
+        "Shape \"trianglemesh\" \"point3 P\" [-1 -1 -1 1 -1 -1 -1 1 -1 1 1 -1 -1 -1 1 1 -1 1 -1 1 1 1 1 1] ";
+    const std::string inwards =
+        "\"integer indices\" [0 1 2 1 3 2 4 6 5 5 6 7 0 4 1 1 4 5 2 3 6 3 7 6 0 2 4 2 6 4 1 5 3 3 5 7]\n";
+    const std::string outwards =
+        "\"integer indices\" [0 2 1 1 2 3 4 5 6 5 7 6 0 1 4 1 5 4 2 6 3 3 6 7 0 4 2 2 4 6 1 3 5 3 7 5]\n";
+    const std::string normals = "\"normal N\" [-1 -1 -1 1 -1 -1 -1 1 -1 1 1 -1 -1 -1 1 1 -1 1 -1 1 1 1 1 1] ";
+    const std::string wax = sky + "Material \"subsurface\"\n", turned = " is closed and faces inwards";
+    check(wax + box + inwards, turned);
+    check(wax + box + outwards, "");
+    check(wax + "ReverseOrientation\n" + box + inwards, "");
+    check(wax + "ReverseOrientation\n" + box + outwards, turned);
+    check(wax + "Scale -1 1 1\n" + box + inwards, turned);
+    check(wax + box + normals + inwards, "");
+    check(wax + box + inwards + "Scale 2 2 2\n" + box + outwards, "");
+    check(wax + box + "\"integer indices\" [0 1 2 1 3 2 4 6 5]\n", "");  // open
+    check(
+        sky + "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"fog\" \"\"\n" + box + inwards,
+        turned);
+    // What building warns of is told and counted.
+    folder.write("dropped.pbrt", "Camera \"perspective\"\nWorldBegin\n" + sky +
+                                     "Shape \"curve\" \"point3 P\" [0 0 5 0 0 5 0 0 5 0 0 5]\n" + face + "\n");
+    const Outcome dropped = run_raylex(folder, "scene check dropped.pbrt");
+    CHECK(dropped.code == 0);
+    CHECK(contains(dropped.out, "1 warning, 0 doubts"));
+    CHECK(contains(dropped.err, "dropped.pbrt:4:1: 1 segments of curves have no length or no width"));
     // A short name is no slip for one that is not there.
     check(sky + face + "\nTexture \"a\" \"float\" \"constant\"\n", "the texture 'a' is used by nothing");
     CHECK_FALSE(contains(run_raylex(folder, "scene check doubtful.pbrt").out, "was this meant"));

@@ -109,7 +109,7 @@ TEST_CASE("what makes a channel black is said, with a near miss where there is o
     };
     check("C<RD'flor'>.*", "an object labelled 'flor', and this scene has none; did you mean 'floor'?");
     check("C<RD'fl?r'>.*", "an object labelled 'flxr', and this scene has none");
-    check("C.*<L.'key'>", "a light of the group 'key', and this scene has none");
+    check("C.*<L.'key'>", "a light of the group 'key', and no light of this scene has a group");
     check("C.*B", "an infinite light (B), and this scene has none");
     check("CO", "emission (O), and nothing in this scene glows");
     check("CV.*", "a medium that scatters (V), and this scene has none");

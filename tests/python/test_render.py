@@ -106,6 +106,13 @@ class Asking(Case):
         self.assertRaises(TypeError, raylex.render, CORNELL, progress=3)
         self.assertRaises(TypeError, raylex.render, CORNELL, spp=object())
         self.assertRaises(TypeError, raylex.render, CORNELL, samples=3)
+        self.assertRaisesRegex(TypeError, "no argument 'sp'; did you mean 'spp'", raylex.render, CORNELL, sp=3)
+        self.assertRaisesRegex(TypeError, "expected {name: expression", raylex.render, CORNELL, lpe=["CDL"])
+
+    def test_one_name_is_a_list_of_one(self):
+        image = raylex.render(CORNELL, spp=1, resolution=(4, 4), aovs="Nn", lpe=[("direct", "CDL")])
+        self.assertEqual(image["Nn"].shape[:2], (4, 4))
+        self.assertEqual(image["direct"].shape[:2], (4, 4))
 
 
 class WhileItGoesOn(Case):

@@ -65,10 +65,9 @@ Result<FilmSensor> read_sensor(const SceneEntity& film, const SceneEntity& camer
     const bool named = *sensor != "cie1931";
     const std::vector<std::string>& known = camera_sensors();
     if (named && std::find(known.begin(), known.end(), *sensor) == known.end()) {
-        const std::string near = nearest_name(*sensor, known);
         return error_at(film.parameters.find("sensor")->location,
                         "no sensor is called '" + *sensor + "'; expected cie1931 or a camera's, such as nikon_d850",
-                        near.empty() ? "" : "did you mean '" + near + "'?");
+                        near_miss(*sensor, known));
     }
     if (named && *kelvin == 0) *kelvin = 6500;
     if (*kelvin != 0 && !(*kelvin >= 1000 && *kelvin <= 25000))

@@ -118,10 +118,9 @@ Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optio
     for (const Parameter* p : asked.parameters.unused()) {
         std::vector<std::string> names;
         for (const ParameterDescription& each : (*entry)->parameters) names.push_back(each.name);
-        const std::string near = nearest_name(p->name, names);
         chosen.warnings.push_back(error_at(p->location,
                                            "integrator '" + asked.type + "' has no parameter '" + p->name + "'",
-                                           near.empty() ? "" : "did you mean '" + near + "'?"));
+                                           near_miss(p->name, names)));
     }
     for (const Parameter& p : entity.parameters.parameters) p.used = true;
     chosen.integrator = std::move(*made);

@@ -166,8 +166,7 @@ void LightTable::finish(const EmbreeScene& geometry) {
             if (light.kind == LightKind::portal_environment)
                 light.power = double{luminance(light.emission)} * portal_of(light).flux();
         }
-        if (!(light.power > 0) && !light.emission.is_black())
-            light.power = light.emission.max();  // colours of negative luminance
+        if (!(light.power >= 0)) light.power = light.emission.max();  // a colour of negative luminance
         if (light.is_area() && !(light.area > 0)) light.power = 0;
         light.power = std::min(light.power, 1e300);  // what there is to choose by must be a number, and so their sum
         any_to_hit_ = any_to_hit_ || (light.power > 0 && !light.is_delta());

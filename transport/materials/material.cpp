@@ -83,9 +83,8 @@ std::vector<TextureId> MaterialTable::surface_shares() const {
 Result<const Material*> MaterialTable::find(std::string_view name, const SourceLocation& where) const {
     for (std::size_t i = names_.size(); i-- > 0;)
         if (names_[i] == name) return named_[i];
-    const std::string near = nearest_name(name, names_);
     return error_at(where, "no material named '" + std::string(name) + "' is defined before this one",
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+                    near_miss(name, names_));
 }
 
 namespace {

@@ -312,6 +312,7 @@ Result<Medium> finish_grid_medium(const SceneMedium& entity, const MediumContext
     if (context.space == nullptr) return medium;
     parts.majorant_factor = *factor;
     medium.grid = std::make_shared<const GridMedium>(std::move(parts));
+    medium.emits = emits && !medium.grid->brightest_emission().is_black();
     // Rays are up to 1e18 long, and their optical depths are floats.
     constexpr Real most = 1e20f;
     if (!(medium.grid->largest_majorant() <= most))

@@ -73,9 +73,8 @@ Result<MediumCoefficients> measured_coefficients(const std::string& name, const 
         }
     std::string list;
     for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
-    const std::string near = nearest_name(name, known);
     return error_at(where, "no medium was measured under the name '" + name + "'; expected one of: " + list,
-                    near.empty() ? "" : "did you mean '" + near + "'?");
+                    near_miss(name, known));
 }
 
 Status check_coefficients(const Rgb& value, const char* name, const SceneEntity& entity) {

@@ -30,7 +30,7 @@ struct IntegratorCounters {
     std::uint64_t branches = 0;               ///< beside the first, of split paths
     PrunedCounts pruned{};                    ///< [Pruned]
     std::vector<std::uint64_t> path_lengths;  ///< [scattering events]
-    void count(Pruned cause) { ++pruned[static_cast<std::size_t>(cause)]; }
+    void count(Pruned cause, std::uint64_t times = 1) { pruned[static_cast<std::size_t>(cause)] += times; }
     void add(const IntegratorCounters& other);
     /// A path of so many scattering events has ended; the longest share the last slot.
     void count_length(std::uint32_t events) { ++path_lengths[std::min<std::size_t>(events, path_lengths.size() - 1)]; }

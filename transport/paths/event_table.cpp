@@ -1,5 +1,8 @@
 #include "transport/paths/event_table.h"
 
+#include <set>
+#include <utility>
+
 #include "transport/materials/bsdf/lobes.h"
 
 namespace raylex::transport {
@@ -105,15 +108,17 @@ EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene, c
     if (!prunes_) return;
     passes_cutouts_ = scene.geometry->has_alpha();
     find_scatterings(*scene.materials, scene.media->names().size(), regularizes);
+    find_scatterings_in_use(*scene.geometry, *scene.media);
+    emits_ = scene.media->any_emits();
     foresight_ = display::Foresight(setup, alphabet());
 }
 
 display::Foresight::Alphabet EventTable::alphabet() const {
     display::Foresight::Alphabet alphabet;
-    alphabet.scatterings = by_material_;
+    alphabet.scatterings = in_use_;
     if (passes_cutouts_) alphabet.straight = straight_;
     alphabet.terminals = terminal_;
-    alphabet.terminals.push_back(emission_);
+    if (emits_) alphabet.terminals.push_back(emission_);
     if (wants_user()) alphabet.user = user_;
     alphabet.user_terminal = user_terminal_;
     return alphabet;
@@ -139,6 +144,25 @@ void EventTable::find_scatterings(const MaterialTable& materials, std::size_t me
                 for (const LobeId lobe : found[material - 1]) by_material_.push_back(scatter(at, lobe));
         }
     begin_.push_back(static_cast<std::uint32_t>(by_material_.size()));
+}
+
+void EventTable::find_scatterings_in_use(const EmbreeScene& geometry, const MediumTable& media) {
+    std::set<std::pair<std::int32_t, std::int32_t>> used;  // label, material
+    std::set<std::int32_t> given_to_instances;
+    for (const ShapeInstance& instance : geometry.instances())
+        if (instance.label >= 0) given_to_instances.insert(instance.label);
+    for (const ShapeGeometry& shape : geometry.shapes()) {
+        used.emplace(shape.label, shape.material);
+        // Which object an instance places is not asked: the others' materials may count too.
+        for (const std::int32_t label : given_to_instances) used.emplace(label, shape.material);
+    }
+    for (const auto& [label, material] : used)
+        for (const lpe::EventClass event : scatterings(label, material)) in_use_.push_back(event);
+    for (std::size_t i = 0; i < media.size(); ++i)
+        if (const auto medium = static_cast<std::int32_t>(i); media[medium].scatters)
+            in_use_.push_back(scatter(medium_label(medium), 0));
+    std::sort(in_use_.begin(), in_use_.end());
+    in_use_.erase(std::unique(in_use_.begin(), in_use_.end()), in_use_.end());
 }
 
 }  // namespace raylex::transport

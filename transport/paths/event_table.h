@@ -93,14 +93,16 @@ class EventTable {
 
   private:
     void find_scatterings(const MaterialTable& materials, std::size_t media, bool regularizes);
+    void find_scatterings_in_use(const EmbreeScene& geometry, const MediumTable& media);
     std::vector<lpe::EventClass> scatter_, straight_, terminal_, user_;
     lpe::EventClass emission_ = 0, user_terminal_ = 0;
     std::array<bool, user_lobes.size()> wants_user_{};
     std::size_t lobe_count_ = 0;
     std::int32_t first_medium_label_ = 0;
-    bool any_ = false, prunes_ = true, passes_cutouts_ = false;
+    bool any_ = false, prunes_ = true, passes_cutouts_ = false, emits_ = false;
     std::vector<std::uint32_t> begin_;  // [label][material + 1], into by_material_
     std::vector<lpe::EventClass> by_material_;
+    std::vector<lpe::EventClass> in_use_;  ///< of materials on objects that have them, and of media that scatter
     std::size_t materials_ = 0;
     display::Foresight foresight_;
 };

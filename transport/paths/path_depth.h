@@ -8,10 +8,10 @@
 //
 // What a scattering counts follows from its own surface, or the medium around it, and its two directions, never from
 // the way that rays took before: all strategies count alike, those that join subpaths too, in bodies with holes or the
-// wrong way out.
+// wrong way out. The medium of one that is open, or the wrong way out, may fill all of space, where a walk that nothing
+// absorbs has no end: beyond the bounds of all shapes nothing scatters in bodies' media.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 
 #include "transport/geometry/embree/embree_scene.h"
@@ -36,8 +36,11 @@ struct VertexDepth {
 class DepthLimit {
   public:
     /// max_depth: at most 10^6. Nothing scatters at 0, inside bodies neither.
-    DepthLimit(const MediumTable& media, std::uint32_t max_depth)
+    /// bounds: of all shapes.
+    DepthLimit(const MediumTable& media, const Bounds& bounds, std::uint32_t max_depth)
         : media_(media),
+          center_(bounds.center()),
+          reach_((bounds.upper - bounds.lower) * Real(0.501)),  // a collision's position is rounded
           has_bodies_(media.any_bodies()),
           longest_(max_depth == 0
                        ? -1
@@ -60,12 +63,19 @@ class DepthLimit {
         if (vertex.on_body) vertex.least = before + (vertex.came_within ? 1 : whole_event / 2);
         return vertex;
     }
-    [[nodiscard]] VertexDepth at_collision(std::int32_t before, std::int32_t medium) const {
+    [[nodiscard]] VertexDepth at_collision(std::int32_t before, std::int32_t medium, const Vec3& position) const {
         VertexDepth vertex{before, before + whole_event};
         vertex.collision = true;
         vertex.on_body = is_within(medium);
-        if (vertex.on_body) vertex.least = before;
+        if (!vertex.on_body) return vertex;
+        constexpr std::int32_t beyond_all_limits = 1 << 29;  // of two of them the sum is a number
+        if (!in_bounds(position)) vertex.before = beyond_all_limits;
+        vertex.least = vertex.before;
         return vertex;
+    }
+    /// The least that a collision of a ray in `medium` counts, wherever it is.
+    [[nodiscard]] std::int32_t least_of_collision(std::int32_t medium) const {
+        return is_within(medium) ? 0 : whole_event;
     }
     /// What it counts for a path that goes on in this direction.
     [[nodiscard]] std::int32_t event(const VertexDepth& vertex, const SurfacePoint& point,
@@ -82,7 +92,13 @@ class DepthLimit {
         return dot(point.geometric_normal, direction) > 0 ? vertex.front_within : vertex.back_within;
     }
 
+    [[nodiscard]] bool in_bounds(const Vec3& position) const {
+        const Vec3 off = absolute(position - center_);
+        return off.x <= reach_.x && off.y <= reach_.y && off.z <= reach_.z;
+    }
+
     const MediumTable& media_;
+    Vec3 center_, reach_;
     bool has_bodies_;
     std::int32_t longest_;
 };

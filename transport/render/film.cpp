@@ -62,10 +62,15 @@ Result<FilmSettings> read_film(const SceneEntity& film, const std::optional<std:
     if (!(*diagonal > 0)) return error_at(film.location, "'diagonal' must be positive, in millimetres");
     settings.diagonal = *diagonal;
     if (Status s = read_crop(set, settings, given, warnings); !s) return s.error();
-    if (!film.type.empty() && film.type != "rgb" && film.type != "gbuffer")
-        warnings.push_back(error_at(film.location, "film '" + film.type +
-                                                       "' is written as film 'rgb': light is transported in RGB, so "
-                                                       "there are no buckets of wavelengths to write"));
+    static const std::vector<std::string> films{"rgb", "gbuffer", "spectral"};
+    if (!film.type.empty() && std::find(films.begin(), films.end(), film.type) == films.end())
+        return error_at(film.location, "unknown film '" + film.type + "'; expected rgb, gbuffer or spectral",
+                        film.type == "image" ? "pbrt-v3's 'image' is 'rgb' in pbrt-v4" : near_miss(film.type, films));
+    if (film.type == "spectral")
+        warnings.push_back(error_at(film.location,
+                                    "film 'spectral' is written as film 'rgb': light is transported in RGB, so there "
+                                    "are no buckets of wavelengths to write"));
+    if (auto space = set.choice_or("coordinatesystem", "camera", {"camera", "world"}); !space) return space.error();
     if (film.type == "gbuffer")
         warnings.push_back(
             error_at(film.location,

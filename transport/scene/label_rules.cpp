@@ -170,6 +170,7 @@ class RuleApplier {
         hint += known.empty() ? std::string("the scene has none") : "the scene has:";
         for (std::size_t i = 0; i < std::min(known.size(), most); ++i) hint += " " + known[i];
         if (known.size() > most) hint += " and " + std::to_string(known.size() - most) + " more";
+        const bool of_lights = rule.selector == Selector::light || rule.selector == Selector::area_light_material;
         const bool by_material = rule.selector == Selector::material || rule.selector == Selector::area_light_material;
         if (known.empty() && by_material)
             return error_at(rule.location,
@@ -177,8 +178,8 @@ class RuleApplier {
                                 "and no shape of the scene has a material with a name",
                             "files name them by MakeNamedMaterial, code by the `name` of a material");
         return error_at(rule.location,
-                        "label rule matches nothing: no " + std::string(selector_name(rule.selector)) + " is called '" +
-                            rule.pattern + "'",
+                        (of_lights ? "light group" : "label") + std::string(" rule matches nothing: no ") +
+                            selector_name(rule.selector) + " is called '" + rule.pattern + "'",
                         hint);
     }
 

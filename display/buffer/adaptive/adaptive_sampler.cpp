@@ -22,7 +22,8 @@ Status check_ranges(const AdaptiveSettings& settings) {
     };
     if (!(settings.error > 0) || !std::isfinite(settings.error))
         return refuse("an error of " + number_text(settings.error), "a relative error above 0, such as 0.01 or 1%");
-    if (settings.max_samples < 1) return refuse("at most 0 samples", "max_samples of at least 1");
+    if (settings.max_samples < 2)  // one sample says nothing of its error
+        return refuse("at most " + std::to_string(settings.max_samples) + " samples a pixel", "at least 2");
     if (settings.min_samples > settings.max_samples)
         return refuse("at least " + std::to_string(settings.min_samples) + " and at most " +
                           std::to_string(settings.max_samples) + " samples",
@@ -66,11 +67,10 @@ Status AdaptiveSampler::check(const AdaptiveSettings& settings, std::span<const 
                 names.push_back(channel.name);
                 list += (list.empty() ? "" : ", ") + channel.name;
             }
-            const std::string near = nearest_name(each.name, names);
             return error_at(each.location,
                             "the metric of adaptive sampling names the channel '" + each.name +
                                 "', which is not there; expected one of: " + list,
-                            near.empty() ? std::string() : "did you mean '" + near + "'?");
+                            near_miss(each.name, names));
         }
         const ChannelDefinition& channel = channels[static_cast<std::size_t>(id)];
         if (channel.rule != FilterRule::filter || channel.type == ChannelType::integer || !takes_samples(channel))

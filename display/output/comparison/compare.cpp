@@ -86,9 +86,7 @@ Result<AnyMetric> require_metric(const std::string& name, const SourceLocation& 
     names.insert(names.end(), beside.begin(), beside.end());
     std::string list;
     for (const std::string& each : names) list += (list.empty() ? "" : ", ") + each;
-    const std::string near = nearest_name(name, names);
-    return error_at(where, "unknown metric '" + name + "'; expected one of: " + list,
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+    return error_at(where, "unknown metric '" + name + "'; expected one of: " + list, near_miss(name, names));
 }
 
 Result<LayerPair> LayerPair::make(const ExrImage& image, const ExrImage& reference, const std::string& layer) {

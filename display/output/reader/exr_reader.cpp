@@ -237,6 +237,14 @@ Status describe_part(const std::string& path, Imf::MultiPartInputFile& file, int
     if (first) {
         image.width = static_cast<int>(display.width);
         image.height = static_cast<int>(display.height);
+        const Window data = window_of(header.dataWindow());
+        const auto within = [](std::int64_t at, std::int64_t most) {
+            return static_cast<int>(std::clamp<std::int64_t>(at, 0, most));
+        };
+        const std::int64_t x = data.min_x - display.min_x, y = data.min_y - display.min_y;
+        const PixelRegion region{within(x, display.width), within(y, display.height),
+                                 within(x + data.width, display.width), within(y + data.height, display.height)};
+        if (region.width() < image.width || region.height() < image.height) image.data_window = region;
     } else if (display.width != image.width || display.height != image.height) {
         return read_error(path, "part " + std::to_string(index) +
                                     " has another size than part 0; expected one display window for all parts");
@@ -323,6 +331,7 @@ Result<ExrImage> ExrBands::read(const RowRange& rows) const {
         image.path = image_.path;
         image.width = image_.width;
         image.height = rows.end - rows.first;
+        if (image.height == image_.height) image.data_window = image_.data_window;
         image.attributes = image_.attributes;
         image.chromaticities = image_.chromaticities;
         image.partitions = image_.partitions;

@@ -52,7 +52,8 @@ struct ImageLayer {
 
 struct ExrImage {
     std::string path;
-    int width = 0, height = 0;
+    int width = 0, height = 0;               ///< of the display window
+    std::optional<PixelRegion> data_window;  ///< where there are pixels, if not everywhere; the others are 0
     std::vector<ImageLayer> layers;
     std::map<std::string, std::string> attributes;  ///< string attributes over all parts
     std::optional<Chromaticities> chromaticities;

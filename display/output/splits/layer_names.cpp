@@ -35,11 +35,11 @@ std::vector<const ImageLayer*> called(const ExrImage& image, std::string_view na
 }
 
 // The nearest name; else the names that contain the word, or that it contains.
-std::string near_miss(const ExrImage& image, std::string_view name) {
+std::string likely_layer(const ExrImage& image, std::string_view name) {
     const std::vector<std::string> known = spoken_names(image);
     for (const std::string& each : known)
         if (lower_case(each) == lower_case(name)) return "did you mean '" + each + "'?";
-    if (const std::string near = nearest_name(name, known); !near.empty()) return "did you mean '" + near + "'?";
+    if (std::string near = near_miss(name, known); !near.empty()) return near;
     if (name.empty() || name == "beauty")
         if (const std::string likely = likely_beauty(image); !likely.empty()) return "did you mean '" + likely + "'?";
     std::vector<std::string> alike;
@@ -97,7 +97,7 @@ Result<const ImageLayer*> resolve_layer(const ExrImage& image, std::string_view 
     }
     error.message = "the image has no layer '" + std::string(name.empty() ? "beauty" : name) +
                     "'; expected one of: " + list_names(image.layer_names());
-    error.hint = near_miss(image, name);
+    error.hint = likely_layer(image, name);
     return error;
 }
 

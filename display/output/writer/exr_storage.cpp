@@ -44,8 +44,7 @@ const char* type_name(StoredType type) {
 }
 
 std::string near_hint(const std::string& word, const std::vector<std::string>& known) {
-    const std::string near = nearest_name(word, known);
-    return near.empty() ? std::string() : "did you mean '" + near + "'?";
+    return near_miss(word, known);
 }
 
 /// "half", "float", "uint"; nothing when the word is none of them.

@@ -66,12 +66,11 @@ Result<WordRules> parse_word_rules(const std::string& text, const SourceLocation
             known = true;
         }
         if (known) continue;
-        const std::string near = nearest_name(word, names);
         return error_at(where,
                         "'" + word +
                             "' is nothing that words are told apart by; expected label, lobe, group, "
                             "straight or technique, or several with commas between",
-                        near.empty() ? std::string() : "did you mean '" + near + "'?");
+                        near_miss(word, names));
     }
     return rules;
 }

@@ -118,6 +118,14 @@ Status check_output(const CompareOptions& options) {
     return display::check_writable(options.output);
 }
 
+/// Of a crop, whose other pixels count as black.
+void note_data_window(const display::ExrImage& image) {
+    if (!image.data_window) return;
+    const display::PixelRegion& data = *image.data_window;
+    print_note(image.path + ": there are pixels in " + std::to_string(data.x0) + "," + std::to_string(data.y0) + "," +
+               std::to_string(data.x1) + "," + std::to_string(data.y1) + " alone; the others are compared as black");
+}
+
 int run_compare(const CompareOptions& options) {
     auto metrics = chosen_metrics(options.metric);
     if (!metrics) return report_error(metrics.error());
@@ -126,6 +134,8 @@ int run_compare(const CompareOptions& options) {
     if (!image) return report_error(image.error());
     auto reference = display::read_exr(options.reference);
     if (!reference) return report_error(reference.error());
+    note_data_window(*image);
+    note_data_window(*reference);
     auto pair = display::LayerPair::make(*image, *reference, options.layer);
     if (!pair) return report_error(pair.error());
     std::vector<Measured> measured;

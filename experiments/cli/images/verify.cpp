@@ -1,4 +1,5 @@
 // raylex verify: do the layers of an image sum to what they split?
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <memory>
@@ -130,15 +131,37 @@ int verify_preset(const VerifyOptions& options) {
     return all_hold ? exit_holds : exit_does_not_hold;
 }
 
+/// Whether most of what a renderer's beauty is made of is there under its names.
+bool is_named_after(const Preset& preset, const display::ExrImage& image) {
+    const auto splits = find_splits(preset, image, {});
+    return splits && std::any_of(splits->begin(), splits->end(), [](const FoundSplit& split) {
+               const auto terms = std::count(split.sum.begin(), split.sum.end(), ',') + 1;
+               return split.missing.size() < static_cast<std::size_t>(terms);
+           });
+}
+
+/// The first layers of light beside the beauty, as an example of a sum.
+std::string some_layers(const display::ExrImage& image) {
+    constexpr int most = 3;
+    std::string list;
+    int count = 0;
+    const display::ImageLayer* beauty = image.layer("");
+    for (const display::ImageLayer& layer : image.layers) {
+        if (&layer == beauty || !layer.is_color() || layer.name.empty() || count == most) continue;
+        list += (count++ == 0 ? "" : ",") + layer.name;
+    }
+    return list.empty() ? "diffuse_*,specular_*,emission" : list + ",...";
+}
+
 std::string without_partition(const display::ExrImage& image) {
     std::string text = image.path + ": no partition is declared in the header, so there is nothing to judge. ";
+    const std::string command = "raylex verify '" + image.path + "'";
     for (const Preset& preset : presets())
-        if (auto splits = find_splits(preset, image, {}))
-            text += "Its layers are named as " + std::string(preset.renderer) + " names them: raylex verify " +
-                    image.path + " --preset " + preset.name + ". ";
-    return text + "Say which layers must sum to which: raylex verify " + image.path +
-           " --of beauty --sum 'diffuse_*,specular_*,emission'. The layers are: " +
-           display::list_names(image.layer_names());
+        if (is_named_after(preset, image))
+            text += "Its layers are named as " + std::string(preset.renderer) + " names them: " + command +
+                    " --preset " + preset.name + ". ";
+    return text + "Say which layers must sum to which: " + command + " --of beauty --sum '" + some_layers(image) +
+           "'. The layers are: " + display::list_names(image.layer_names());
 }
 
 int verify_declared(const VerifyOptions& options) {

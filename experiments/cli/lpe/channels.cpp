@@ -14,18 +14,6 @@ namespace {
 
 constexpr std::array<std::string_view, 5> file_endings{".rib", ".usda", ".usd", ".ini", ".toml"};
 
-/// "osl:C.*" and "renderman:C.*" say their own dialect. Neither dialect has such a beginning in its language.
-void take_dialect_mark(lpe::ChannelSource& source) {
-    for (const auto& [mark, dialect] : {std::pair<std::string_view, lpe::Dialect>{"osl:", lpe::Dialect::osl},
-                                        {"renderman:", lpe::Dialect::renderman}}) {
-        if (source.expression.starts_with(mark)) {
-            source.expression.erase(0, mark.size());
-            source.dialect = dialect;
-            return;
-        }
-    }
-}
-
 }  // namespace
 
 lpe::Dialect DialectOption::value() const {
@@ -102,7 +90,6 @@ Result<ChannelSet> read_channel_set(const ChannelArguments& arguments, lpe::Dial
         if (!request) return request.error();
         lpe::FileChannel channel;
         channel.source = {request->name, request->expression, request->dialect, request->location.file, 0, 0, {}};
-        take_dialect_mark(channel.source);
         set->file.channels.push_back(std::move(channel));
     }
     std::map<std::string, const lpe::ChannelSource*> known;
@@ -174,7 +161,7 @@ Status write_channels(const ChannelSet& set, const ChannelOutput& output) {
 
 lpe::ChannelSource bare_expression(std::string_view text, lpe::Dialect dialect, std::string name, std::string what) {
     lpe::ChannelSource source{std::move(name), std::string(text), dialect, std::move(what), 0, 0, {}};
-    take_dialect_mark(source);
+    take_dialect_mark(source.expression, source.dialect);
     return source;
 }
 

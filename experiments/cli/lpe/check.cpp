@@ -217,11 +217,10 @@ Result<std::vector<lpe::ChannelSource>> members(const std::vector<lpe::ChannelSo
             known.push_back(source.name);
             if (source.name == name) result.push_back(source);
         }
-        const std::string near = nearest_name(name, known);
         if (result.empty() || result.back().name != name)
             return error_at(partition.location,
                             "partition '" + partition.name + "' names the channel '" + name + "', which is not there",
-                            near.empty() ? std::string() : "did you mean '" + near + "'?");
+                            near_miss(name, known));
     }
     return result;
 }

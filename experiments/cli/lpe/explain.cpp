@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "experiments/cli/lpe/layers.h"
+#include "experiments/job/channels/likely_slips.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "lpe/algebra/explanation/explain.h"
@@ -52,6 +53,13 @@ void print_section(const std::string& title, const std::vector<std::string>& lin
     for (const std::string& line : lines) print_line(title.empty() ? line : "  " + line);
 }
 
+/// That no path matches; the reasons of a scene were told before (warn_about_scene).
+std::string none_matches(const lpe::ChannelSource& source, const lpe::Words& words, bool of_scene) {
+    if (of_scene) return "No path of this scene matches.";
+    const std::string slip = likely_slip(source, words);
+    return "No path a scene can produce matches" + (slip.empty() ? std::string() : ": " + slip) + ".";
+}
+
 int print_explanation(const lpe::ChannelSource& source, const lpe::Words& words, bool of_scene) {
     auto explanation = lpe::explain(source, words);
     if (!explanation) return report_error(about_argument(explanation.error(), "expression", source.expression));
@@ -74,7 +82,7 @@ int print_explanation(const lpe::ChannelSource& source, const lpe::Words& words,
     print_section("Note:", explanation->notes);
     print_section("Warning:", explanation->warnings);
     if (!explanation->samples.empty()) return exit_holds;
-    print_section("", {of_scene ? "No path of this scene matches." : "No path a scene can produce matches."});
+    print_section("", {none_matches(source, words, of_scene)});
     return exit_does_not_hold;
 }
 

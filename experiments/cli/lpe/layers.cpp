@@ -11,24 +11,11 @@
 namespace raylex::experiments {
 namespace {
 
-/// "mse" of `"string statistics" ["mse"]`, "variance" of `string ...:statistics = "variance"`; else empty. Such
-/// channels hold the spread of another one, not light.
-std::string statistics_of(const lpe::FileChannel& channel) {
-    for (const std::string& parameter : channel.parameters) {
-        const std::size_t at = parameter.find("statistics");
-        if (at == std::string::npos) continue;
-        for (const char* kind : {"variance", "mse", "even", "odd"})
-            if (parameter.find("\"" + std::string(kind) + "\"", at) != std::string::npos) return kind;
-    }
-    return {};
-}
-
 /// Why a channel of a file is no layer, whatever paths it counts.
 Result<std::string> why_no_layer(const lpe::FileChannel& channel, const lpe::ChannelSource& source) {
-    auto prefixes = lpe::expression_prefixes(source);
-    if (!prefixes) return prefixes.error();
-    if (!prefixes->empty()) return "prefix " + prefixes->front();
-    const std::string statistics = statistics_of(channel);
+    auto other = lpe::why_no_part(source);
+    if (!other || !other->empty()) return other;
+    const std::string statistics = lpe::statistics_of(channel);
     return statistics.empty() ? std::string() : "statistics " + statistics;
 }
 

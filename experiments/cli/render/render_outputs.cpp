@@ -107,11 +107,10 @@ Status RenderOutputs::make_deep(const transport::RenderPlan& plan) {
     for (const std::string& name : request.channels) {
         const auto found = std::find(names.begin(), names.end(), name);
         if (found == names.end()) {
-            const std::string near = nearest_name(name, names);
             return error_at(
                 request.location,
                 "the deep image names the channel '" + name + "', which is not there; expected one of: " + list,
-                near.empty() ? std::string() : "did you mean '" + near + "'?");
+                near_miss(name, names));
         }
         const auto id = static_cast<display::ChannelId>(found - names.begin());
         if (std::find(chosen.begin(), chosen.end(), id) == chosen.end()) chosen.push_back(id);

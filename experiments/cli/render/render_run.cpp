@@ -52,8 +52,9 @@ class RenderRun {
             return replay();
         }
         for (std::optional<int> (RenderRun::*step)() :
-             {&RenderRun::check_outputs, &RenderRun::load, &RenderRun::build, &RenderRun::plan, &RenderRun::render,
-              &RenderRun::write_image, &RenderRun::judge, &RenderRun::write_statistics})
+             {&RenderRun::lock_checkpoint, &RenderRun::check_outputs, &RenderRun::load, &RenderRun::build,
+              &RenderRun::plan, &RenderRun::render, &RenderRun::write_image, &RenderRun::judge,
+              &RenderRun::write_statistics})
             if (const std::optional<int> code = (this->*step)()) return *code;
         print_summary({job_, *output_, image_, splits_, deep_, atlas_, beauties_, outputs_.files(), phases_});
         if (!output_->complete) return interrupt_flag().load() ? exit_interrupted : exit_does_not_hold;
@@ -172,6 +173,15 @@ class RenderRun {
         return interrupted_early();
     }
 
+    /// What another process saves is neither gone on with nor replaced.
+    Step lock_checkpoint() {
+        if (job_.checkpoint_seconds == 0 && !job_.settings.buckets) return go_on;
+        auto lock = WorkLock::take(checkpoint_file(job_) + ".lock", "is rendering this image");
+        if (!lock) return report_error(lock.error());
+        lock_.emplace(*std::move(lock));
+        return go_on;
+    }
+
     Step lock_shard() {
         auto lock = WorkLock::take(shard_lock(job_.shard->record), "is rendering this shard");
         if (!lock) return report_error(lock.error());
@@ -211,18 +221,30 @@ class RenderRun {
             std::fprintf(stderr, "raylex: %s\nNothing was rendered.\n", plan->refuted.c_str());
             return exit_does_not_hold;
         }
+        warn_of_single_samples();
         if (!job_.settings.beauty && plan->channels.empty())
             return report_error("--no-beauty leaves nothing to render; expected at least one --lpe or --aov with it");
         job_.settings.channels = plan->channels;
-        for (const std::string& line :
-             job_.show_effects ? aov_table(job_.settings.channels) : aov_summary(job_.settings.channels))
-            print_line(line);
+        if (!quiet_)
+            for (const std::string& line :
+                 job_.show_effects ? aov_table(job_.settings.channels) : aov_summary(job_.settings.channels))
+                print_line(line);
         if (!job_.settings.only)
             if (Status atlas = outputs_.atlas().prepare(job_, *words); !atlas) return report_error(atlas.error());
         partitions_ = plan->partitions;
         beauties_ = plan->beauties;
         phases_["plan"] = clock.elapsed();
         return interrupted_early();
+    }
+
+    /// Layers of statistics that hold nothing but zeros.
+    void warn_of_single_samples() {
+        const auto samples = samples_of_job(job_, loaded_->scene);
+        if (!samples || *samples > 1) return;
+        for (const display::StatisticRequest& request : job_.settings.statistics)
+            if (request.statistic != display::Statistic::even)
+                warn("one sample a pixel has no spread: the layer '" + request.channel + "_" +
+                     display::statistic_name(request.statistic) + "' will be black; expected --spp of at least 2");
     }
 
     /// Ctrl-C before the first sample: there is nothing to write.
@@ -358,13 +380,24 @@ class RenderRun {
         return go_on;
     }
 
+    /// `wanted`, or "NAME.2.exr" and so on where that is there: what an earlier render saved stays.
+    static std::string unused_name(const fs::path& wanted) {
+        constexpr int most = 1000;
+        fs::path path = wanted;
+        std::error_code failed;
+        for (int number = 2; number < most && fs::exists(path, failed); ++number)
+            path = wanted.parent_path() /
+                   (wanted.stem().string() + "." + std::to_string(number) + wanted.extension().string());
+        return fs::exists(path, failed) ? std::string() : path.string();
+    }
+
     /// The output could not be written after all (a full disk): what was rendered is not given up before the folder for
     /// temporary files was tried.
     Step rescue(const Error& failure, const display::ImageDescription& description) {
         std::error_code failed;
         const fs::path folder = fs::temp_directory_path(failed);
-        const std::string path = (folder / fs::path(job_.output).filename()).string();
-        if (!failed && !fs::exists(path, failed) &&
+        const std::string path = failed ? std::string() : unused_name(folder / fs::path(job_.output).filename());
+        if (!path.empty() &&
             display::write_exr(path, outputs_.filtered(output_->image()), output_->beauty, description)) {
             Error error = failure;
             error.hint = "the image was saved as " + path + " instead";

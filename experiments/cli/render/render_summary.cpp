@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 void print_sampling(const RenderSummary& of) {
     const std::uint64_t samples = of.output.statistics.camera_samples;
     if (of.output.resumed_samples > 0)
-        print_line("resumed from a checkpoint with " + std::to_string(of.output.resumed_samples) + " of " +
-                   std::to_string(samples) + " samples");
+        print_line("resumed from a checkpoint with " + std::to_string(of.output.resumed_samples) +
+                   (of.output.complete ? " of " + std::to_string(samples) : std::string()) + " samples");
     if (of.job.settings.limit && of.output.complete)
         print_line("time: " + std::to_string(of.output.samples_per_pixel) + " samples per pixel; --spp " +
                    std::to_string(of.output.samples_per_pixel) + " gives the same bits");

@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void print_warnings(const transport::SceneDescription& scene) {
-    for (const Error& warning : scene.warnings) print_warning(warning.to_string());
+void print_warnings(const std::vector<Error>& warnings) {
+    for (const Error& warning : warnings) print_warning(warning.to_string());
 }
 
 // --- write ---
@@ -38,7 +38,7 @@ int write_scene(const WriteOptions& options) {
     if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
     const auto scene = transport::import_pbrt(options.input);
     if (!scene) return report_error(scene.error());
-    print_warnings(*scene);
+    print_warnings(scene->warnings);
     std::error_code none;
     if (fs::equivalent(options.input, options.output, none))
         return report_error(error_at({options.output, 0, 0}, "this is the scene that is read", "another file's name"));
@@ -113,8 +113,9 @@ int check_scene(const SceneCheckOptions& options) {
                   : scene.error();
         loading.finish();
         if (!scene) return report_error(scene.error());
-        print_warnings(*scene);
+        print_warnings(scene->warnings);
         if (!built) return report_error(built.error());
+        print_warnings((*built)->warnings);
         if (const Status can = transport::check_render(**built, {}); !can) return report_error(can.error());
         const std::vector<Error> doubts = scene_doubts(*scene, **built);
         for (const Error& doubt : doubts) print_line(doubt.to_string());
@@ -124,7 +125,8 @@ int check_scene(const SceneCheckOptions& options) {
         print_line(options.input + ": " + counted(shapes, "shape") + ", " + counted(objects, "object") + ", " +
                    counted(scene->instances.size(), "instance") + ", " +
                    counted(scene->lights.size() + scene->area_lights.size(), "light") + ", " +
-                   counted(scene->warnings.size(), "warning") + ", " + counted(doubts.size(), "doubt") +
+                   counted(scene->warnings.size() + (*built)->warnings.size(), "warning") + ", " +
+                   counted(doubts.size(), "doubt") +
                    (scene->placeholders.empty()
                         ? ""
                         : ", " + counted(scene->placeholders.size(), "file") + " that cannot be found"));

@@ -86,7 +86,9 @@ class Planner {
         source = std::move(expansion->source);
         auto prefixes = lpe::expression_prefixes(source);
         if (!prefixes) return prefixes.error();
-        if (!prefixes->empty()) prefixed_[request.name] = prefixes->front();
+        auto other = lpe::why_no_part(source);
+        if (!other) return other.error();
+        if (!other->empty()) no_part_[request.name] = *std::move(other);
         auto warnings = lpe::expression_warnings(source, words_);
         if (warnings)
             for (const std::string& each : *warnings) plan_.notes.push_back("channel '" + request.name + "': " + each);
@@ -197,17 +199,16 @@ class Planner {
                 known.push_back(each.name);
                 list += (list.empty() ? "" : ", ") + each.name;
             }
-            const std::string near = nearest_name(name, known);
             return error_at(
                 request.location,
                 "partition '" + request.name + "' names the channel '" + name +
                     "', which is not there; expected one of: " + (list.empty() ? "(no channel is declared)" : list),
-                near.empty() ? std::string() : "did you mean '" + near + "'?");
+                near_miss(name, known));
         }
-        if (const auto prefix = prefixed_.find(name); prefix != prefixed_.end())
-            return error_at(request.location, "channel '" + name + "' carries the prefix '" + prefix->second +
-                                                  "' and cannot be part of partition '" + request.name +
-                                                  "'; expected plain expressions");
+        if (const auto other = no_part_.find(name); other != no_part_.end())
+            return error_at(request.location, "channel '" + name + "' (" + other->second +
+                                                  ") cannot be part of partition '" + request.name +
+                                                  "'; expected plain expressions of light");
         return success();
     }
 
@@ -244,7 +245,7 @@ class Planner {
         if (!job_.settings.beauty) return success();
         std::vector<std::string> members;
         for (const ExpressionRequest& request : job_.expressions)
-            if (!prefixed_.contains(request.name) && !in_partition_.contains(request.name) && !rule_of(request.name))
+            if (!no_part_.contains(request.name) && !in_partition_.contains(request.name) && !rule_of(request.name))
                 members.push_back(request.name);
         if (members.empty()) return success();
         auto report = lpe::check_disjoint(sources_of(members), words_);
@@ -373,7 +374,7 @@ class Planner {
                                 "there is no such channel with a light path expression; expected beauty or one of the "
                                 "job's [[channel]] or --lpe channels");
         const ChannelDefinition& channel = plan_.channels[found->second];
-        if (channel.dialect != lpe::Dialect::renderman || !channel.rest_of.empty() || prefixed_.contains(name))
+        if (channel.dialect != lpe::Dialect::renderman || !channel.rest_of.empty() || no_part_.contains(name))
             return error_at(job_.techniques->location,
                             asked + "expected a channel in the renderman dialect, without prefixes and no rest layer");
         const std::string mark = "lpe:";
@@ -418,7 +419,7 @@ class Planner {
     ChannelPlan plan_;
     std::vector<lpe::ChannelSource> sources_;  // beside plan_.channels
     std::map<std::string, std::size_t> index_;
-    std::map<std::string, std::string> prefixed_;  // channel -> its first prefix
+    std::map<std::string, std::string> no_part_;  // channel -> what keeps it out of splits: why_no_part()
     std::map<std::string, bool> in_partition_;
     int black_ = 0;  // channels without paths, and those of them without a note of their own
     std::vector<std::string> unexplained_;

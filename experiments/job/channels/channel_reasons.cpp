@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "experiments/job/channels/likely_slips.h"
 #include "experiments/job/channels/named_labels.h"
 #include "lpe/algebra/proofs/check.h"
 #include "lpe/failure.h"
@@ -172,9 +173,11 @@ std::string lack_of(lpe::Event event, const SceneWords& scene) {
             return infinite ? "an infinite light (B), and this scene has none"
                             : "a light other than infinite ones, and this scene has none";
         const std::string& name = event.labels[0];
+        const bool no_groups = known[group].empty() || (known[group].size() == 1 && known[group].contains(""));
         return (infinite ? "an infinite light " : "a light ") +
                (name.empty() ? std::string("without a group") : "of the group '" + name + "'") +
-               ", and this scene has none" + did_you_mean(name, known[group]);
+               (no_groups ? ", and no light of this scene has a group; a job's [[light_group]] tables give them"
+                          : ", and this scene has none" + did_you_mean(name, known[group]));
     }
     if (event.type == lpe::EventType::volume) {
         if (has(scene.alphabet.scattering, event)) return {};
@@ -275,7 +278,9 @@ Result<std::optional<std::string>> why_never(const lpe::ChannelSource& channel, 
         if (!word) return word.error();
         if (word->has_value()) return std::optional(reason(**word, scene));
     }
-    return std::optional<std::string>("no path at all matches it, whatever the scene");
+    const std::string slip = likely_slip(channel, wider.words());
+    return std::optional<std::string>("no path at all matches it, whatever the scene" +
+                                      (slip.empty() ? std::string() : ": " + slip));
 }
 
 }  // namespace raylex::experiments

@@ -56,7 +56,11 @@ Status add_file(const std::string& path, const std::string& format, lpe::Dialect
     std::optional<lpe::ChannelFormat> kind = format_named(format);
     if (!kind) {
         auto told = lpe::channel_format(path, *text);
-        if (!told) return told.error();
+        if (!told) {
+            Error error = told.error();
+            error.hint = "name the kind with --write-as";
+            return error;
+        }
         kind = *told;
     }
     if (*kind == lpe::ChannelFormat::usda) set.of_renderman = false;
@@ -188,6 +192,33 @@ bool is_all_light(const lpe::ChannelSource& source, const lpe::MacroTable& macro
     return false;
 }
 
+/// A channel of a file that holds the spread of another one: the layer of statistics of the channel with its
+/// expression.
+void add_statistic(const ChannelSet& set, const lpe::FileChannel& channel, const std::string& statistic, Job& job,
+                   std::vector<std::string>& warnings) {
+    const lpe::ChannelSource& source = channel.source;
+    std::string of = is_all_light(source, job.macros) ? "beauty" : "";
+    for (const lpe::FileChannel& other : set.file.channels)
+        if (of.empty() && other.source.expression == source.expression && other.source.dialect == source.dialect &&
+            lpe::statistics_of(other).empty())
+            of = other.source.name;
+    const std::string who = "channel '" + source.name + "' of " + source.origin + " holds statistics (" + statistic;
+    if (of.empty()) {
+        warnings.push_back(who + ") of an expression that no other channel has, and is left out");
+        return;
+    }
+    auto request =
+        display::parse_statistic_request(of, statistic, {source.origin, source.origin_line, source.origin_column});
+    if (!request) return warnings.push_back(request.error().to_string());
+    std::vector<display::StatisticRequest>& asked = job.settings.statistics;
+    const bool twice = std::any_of(asked.begin(), asked.end(), [&](const display::StatisticRequest& each) {
+        return each.channel == request->channel && each.statistic == request->statistic;
+    });
+    const std::string layer = of + "_" + statistic;
+    if (twice || layer != source.name) warnings.push_back(who + ") of '" + of + "': it is the layer '" + layer + "'");
+    if (!twice) asked.push_back(*std::move(request));
+}
+
 }  // namespace
 
 const std::vector<std::string>& channel_format_names() {
@@ -235,10 +266,14 @@ Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& war
         if (Status filled = job.settings.lobe_slots.set(option); !filled) return filled;
         job.lobe_options.push_back(option);
     }
-    std::size_t with_settings = 0;
+    std::string with_settings;
     for (const lpe::FileChannel& channel : set.file.channels) {
         const lpe::ChannelSource& source = channel.source;
-        with_settings += channel.parameters.empty() ? 0 : 1;
+        if (const std::string statistic = lpe::statistics_of(channel); !statistic.empty()) {
+            add_statistic(set, channel, statistic, job, warnings);
+            continue;
+        }
+        if (!channel.parameters.empty()) with_settings += (with_settings.empty() ? "'" : ", '") + source.name + "'";
         if (!check_layer_name(source.name, {}) && is_all_light(source, job.macros)) {
             warnings.push_back("channel '" + source.name + "' of " + source.origin +
                                " is the image itself, and is not made a layer beside it");
@@ -251,9 +286,9 @@ Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& war
                                    source.map});
     }
     job.partitions.insert(job.partitions.end(), set.partitions.begin(), set.partitions.end());
-    if (with_settings > 0)
-        warnings.push_back(std::to_string(with_settings) + (with_settings == 1 ? " channel says" : " channels say") +
-                           " more than an expression (filters, statistics and the like), which is left out");
+    if (!with_settings.empty())
+        warnings.push_back("what channels say beside their expression (filters and the like) is left out: " +
+                           with_settings);
     if (set.file.other_channels.empty()) return success();
     std::string list;
     for (const std::string& each : set.file.other_channels) list += (list.empty() ? "" : ", ") + each;

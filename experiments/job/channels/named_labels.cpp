@@ -1,5 +1,7 @@
 #include "experiments/job/channels/named_labels.h"
 
+#include <algorithm>
+
 #include "display/services/parameters.h"
 #include "lpe/failure.h"
 #include "lpe/language/parser/parser.h"
@@ -37,16 +39,30 @@ std::set<Role> roles_of(const lpe::CoreSet& cores, std::size_t slot) {
     return roles;
 }
 
-void collect(const lpe::Node& node, std::vector<NamedLabel>& labels) {
+/// osl compares a label with every symbol of an event, the letters of its type and scattering included: it may be about
+/// anything that such events have.
+std::set<Role> roles_of(const lpe::EventPattern& pattern, std::size_t slot, lpe::Dialect dialect) {
+    if (dialect == lpe::Dialect::renderman) return roles_of(pattern.cores, slot);
+    std::set<Role> roles = roles_of(pattern.cores, 0);
+    roles.merge(roles_of(pattern.cores, 1));
+    return roles;
+}
+
+void collect(const lpe::Node& node, lpe::Dialect dialect, std::vector<NamedLabel>& labels) {
+    const std::vector<std::string>& letters = lpe::reserved_names();
+    const auto is_label = [&](const std::string& name) {
+        return !name.empty() &&
+               (dialect == lpe::Dialect::renderman || !std::binary_search(letters.begin(), letters.end(), name));
+    };
     for (const auto* patterns : {&node.events.any_of, &node.events.none_of})
         for (const lpe::EventPattern& pattern : *patterns)
             for (std::size_t slot = 0; slot < pattern.labels.size(); ++slot) {
-                const std::set<Role> roles = roles_of(pattern.cores, slot);
+                const std::set<Role> roles = roles_of(pattern, slot, dialect);
                 for (const std::string& name : pattern.labels[slot].names)
-                    if (!name.empty()) labels.push_back({name, false, roles});
+                    if (is_label(name)) labels.push_back({name, false, roles});
                 for (const std::string& glob : pattern.labels[slot].globs) labels.push_back({glob, true, roles});
             }
-    for (const lpe::NodePtr& child : node.children) collect(*child, labels);
+    for (const lpe::NodePtr& child : node.children) collect(*child, dialect, labels);
 }
 
 }  // namespace
@@ -55,8 +71,7 @@ Result<std::vector<NamedLabel>> labels_of(const lpe::ChannelSource& channel) {
     return lpe::guarded([&] {
         std::vector<NamedLabel> labels;
         const lpe::Expression expression = lpe::parse(channel);
-        // osl's labels are compared with every symbol of an event: what they are about is not known.
-        if (expression.dialect == lpe::Dialect::renderman) collect(*expression.root, labels);
+        collect(*expression.root, expression.dialect, labels);
         return labels;
     });
 }

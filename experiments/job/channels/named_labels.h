@@ -23,8 +23,7 @@ struct NamedLabel {
     std::set<Role> roles;
 };
 
-/// In the order of the expression, with repetitions; none of an osl expression, where what a label is about is not
-/// known.
+/// In the order of the expression, with repetitions.
 Result<std::vector<NamedLabel>> labels_of(const lpe::ChannelSource& channel);
 
 /// "; did you mean 'floor'?", or nothing.

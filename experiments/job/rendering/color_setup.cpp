@@ -14,9 +14,8 @@ Status require_listed(const char* what, const std::string& name, const std::vect
     if (name.empty() || std::find(known.begin(), known.end(), name) != known.end()) return success();
     std::string list;
     for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
-    const std::string near = nearest_name(name, known);
     return error_at({}, std::string("unknown ") + what + " '" + name + "'; expected one of: " + list,
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+                    near_miss(name, known));
 }
 
 }  // namespace

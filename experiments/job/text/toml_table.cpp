@@ -264,11 +264,10 @@ void TomlTable::close() {
         if (std::find(known_.begin(), known_.end(), key.str()) != known_.end()) continue;
         std::string expected;
         for (const std::string& name : known_) expected += (expected.empty() ? "" : ", ") + name;
-        const std::string near = nearest_name(key.str(), known_);
         source_.fail(
             source_.location(key.source()),
             "unknown key '" + std::string(key.str()) + "' in " + description_ + "; expected one of: " + expected,
-            near.empty() ? std::string() : "did you mean '" + near + "'?");
+            near_miss(key.str(), known_));
     }
 }
 

@@ -66,9 +66,7 @@ const LayerArray& Image::array(const std::string& name) const {
     if (found != arrays_.end()) return *found;
     std::string list;
     for (const std::string& each : names()) list += (list.empty() ? "" : ", ") + each;
-    const std::string near = nearest_name(name, names());
-    fail("there is no layer '" + name + "'; expected one of: " + list,
-         near.empty() ? std::string() : "did you mean '" + near + "'?");
+    fail("there is no layer '" + name + "'; expected one of: " + list, near_miss(name, names()));
 }
 
 std::vector<std::string> Image::names() const {

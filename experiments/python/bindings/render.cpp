@@ -75,9 +75,7 @@ class Progress {
             names.push_back(id == beauty_ ? "beauty" : channels_[i].name);
             if (names.back() == name) return id;
         }
-        const std::string near = nearest_name(name, names);
-        fail("no layer '" + name + "' is being rendered",
-             near.empty() ? std::string() : "did you mean '" + near + "'?");
+        fail("no layer '" + name + "' is being rendered", near_miss(name, names));
     }
     [[nodiscard]] py::array_t<double> shaped(std::vector<double> values, display::ChannelId id) const {
         const int components = display::component_count(channels_[static_cast<std::size_t>(id)].type);

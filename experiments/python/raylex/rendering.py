@@ -1,14 +1,25 @@
 """raylex.render: keyword arguments into the job that the program itself reads."""
 
+import difflib
+import inspect
 import os
 
 from . import _raylex
 from ._toml import text_of
 
 
+def _names(value):
+    """A list of names; one name is a list of one."""
+    return [value] if isinstance(value, str) else list(value)
+
+
 def _channels(lpe, dialect):
     tables = []
-    for name, expression in (lpe or {}).items():
+    try:
+        pairs = dict(lpe or {}).items()
+    except (TypeError, ValueError):
+        raise TypeError(f"lpe is {lpe!r}; expected {{name: expression, ...}}") from None
+    for name, expression in pairs:
         table = {"name": name, "lpe": expression}
         for known in ("osl", "renderman"):
             if expression.startswith(known + ":"):
@@ -20,7 +31,7 @@ def _channels(lpe, dialect):
 def _partitions(partitions):
     tables = []
     for name, what in (partitions or {}).items():
-        tables.append({"name": name, **(what if isinstance(what, dict) else {"channels": list(what)})})
+        tables.append({"name": name, **(what if isinstance(what, dict) else {"channels": _names(what)})})
     return tables
 
 
@@ -39,16 +50,16 @@ def job_text(scene, *, spp=None, seed=None, threads=None, resolution=None, crop=
     """The job, as TOML, that :func:`render` reads; the same arguments. ``raylex render`` takes this text in a file."""
     file = scene.file if isinstance(scene, _raylex.Scene) else os.fspath(scene)
     tables = {
-        "plugins": list(plugins) or None,
+        "plugins": _names(plugins) or None,
         "scene": {"file": file},
         "render": {"spp": spp, "seed": seed, "threads": threads, "crop": crop, "max_depth": max_depth,
                    "resolution": resolution, "beauty": beauty, "time": _seconds(time)},
         "integrator": _entity(integrator),
         "sampler": _entity(sampler),
         "filter": _entity(filter),
-        "channels": {"aovs": list(aovs) or None, "cryptomatte": list(cryptomatte) or None,
+        "channels": {"aovs": _names(aovs) or None, "cryptomatte": _names(cryptomatte) or None,
                      "light_groups": light_groups or None, "shipped_partition": shipped or None,
-                     "statistics": {k: list(v) for k, v in statistics.items()} if statistics else None},
+                     "statistics": {k: _names(v) for k, v in statistics.items()} if statistics else None},
         "output": {"file": None if output is None else os.fspath(output)},
         "atlas": atlas if atlas is None or isinstance(atlas, dict) else {"file": os.fspath(atlas)},
         "adaptive": None if until_error is None else {"error": until_error},
@@ -97,4 +108,9 @@ def render(scene, *, progress=None, **arguments):
     """
     if progress is not None and not callable(progress):
         raise TypeError(f"progress is {progress!r}; expected a function that takes a Progress")
+    known = inspect.signature(job_text).parameters
+    for name in arguments:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, 1)
+            raise TypeError(f"render() has no argument '{name}'" + (f"; did you mean '{near[0]}'?" if near else ""))
     return _raylex._render(job_text(scene, **arguments), scene if isinstance(scene, _raylex.Scene) else None, progress)

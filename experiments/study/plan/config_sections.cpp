@@ -77,9 +77,8 @@ std::string listed(const std::vector<std::string>& names) {
 Status require_name(const char* what, const std::string& name, const std::vector<std::string>& known,
                     const SourceLocation& where) {
     if (std::find(known.begin(), known.end(), name) != known.end()) return success();
-    const std::string near = nearest_name(name, known);
     return error_at(where, std::string("there is no ") + what + " '" + name + "'; expected one of: " + listed(known),
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+                    near_miss(name, known));
 }
 
 std::vector<std::string> scene_names(const ExperimentConfig& config) {

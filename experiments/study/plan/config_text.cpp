@@ -131,10 +131,9 @@ Status ConfigText::apply(const std::string& override, toml::table& root) const {
         put_node(*each.as_table(), path, 2, node, origin);
     }
     if (found) return success();
-    const std::string near = nearest_name(path[1], names);
     return error_at(
         where, "there is no [[" + path[0] + "]] with the name '" + path[1] + "'; expected one of: " + known + ", or *",
-        near.empty() ? std::string() : "did you mean '" + near + "'?");
+        near_miss(path[1], names));
 }
 
 }  // namespace raylex::experiments

@@ -108,9 +108,8 @@ Result<ReplayOutcome> replay_cell(ExperimentConfig config, const std::string& di
     const auto cell =
         std::find_if(results->cells.begin(), results->cells.end(), [&](const Cell& each) { return each.id == id; });
     if (cell == results->cells.end()) {
-        const std::string near = nearest_name(id, ids);
         return directory_error(directory, "there is no finished cell '" + id + "'; cells/ has them",
-                               near.empty() ? "" : "did you mean '" + near + "'?");
+                               near_miss(id, ids));
     }
     auto plan = make_plan(config);
     if (!plan) return plan.error();

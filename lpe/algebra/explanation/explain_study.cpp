@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "lpe/algebra/proofs/question.h"
 #include "lpe/failure.h"
 #include "lpe/language/names.h"
 #include "lpe/language/parser/parser.h"
@@ -12,16 +13,6 @@
 namespace raylex::lpe {
 
 namespace {
-
-bool has_user_events(const Node& node) {
-    for (const EventPattern& pattern : node.events.any_of) {
-        for (std::size_t core = core_count - user_numbers; core < core_count; ++core) {
-            if (pattern.cores[core]) { return true; }
-        }
-    }
-    return std::any_of(node.children.begin(), node.children.end(),
-                       [](const NodePtr& child) { return has_user_events(*child); });
-}
 
 NodePtr any_number_of(EventSet events) {
     NodePtr node = make_node(NodeKind::repeat);
@@ -153,7 +144,7 @@ Study study(const ChannelSource& channel, const Words& words) {
     study.expression.warnings.insert(study.expression.warnings.begin(), expansion->warnings.begin(),
                                      expansion->warnings.end());
     study.words = words_for({&channel, 1}, words);
-    study.user_events = has_user_events(*study.expression.root);
+    study.user_events = names_user_events(*study.expression.root);
     std::vector<ChannelSource> sources{study.source};
     std::vector<Expression> expressions;
     expressions.push_back(std::move(study.expression));

@@ -135,6 +135,10 @@ Result<std::vector<std::string>> expression_prefixes(const ChannelSource& channe
     return guarded([&] { return parse(channel).prefixes; });
 }
 
+Result<std::string> why_no_part(const ChannelSource& channel) {
+    return guarded([&] { return what_bars(parse(channel)); });
+}
+
 Result<std::vector<std::string>> expression_warnings(const ChannelSource& channel, const Words& words) {
     return guarded([&] {
         const Expression expression = parse(channel);

@@ -62,6 +62,10 @@ Result<std::optional<Witness>> find_word(const ChannelSource& channel, const Wor
 /// The prefixes ("unoccluded", "noclamp", ...) that the expression carries, in order.
 Result<std::vector<std::string>> expression_prefixes(const ChannelSource& channel);
 
+/// What keeps the channel out of every split of the beauty: "prefix noclamp", "user events" (which no word of W
+/// has), or nothing.
+Result<std::string> why_no_part(const ChannelSource& channel);
+
 /// Warnings about how the expression was read: readings of '|' that differ (with the shortest word that tells them
 /// apart), text the dialect ignores.
 Result<std::vector<std::string>> expression_warnings(const ChannelSource& channel, const Words& words = {});

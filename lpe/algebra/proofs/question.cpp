@@ -116,7 +116,50 @@ Words words_for(std::span<const ChannelSource> channels, Words words) {
     return words;
 }
 
-Question pose(std::span<const ChannelSource> channels, const Words& words, const char* refuse_prefixes_in,
+bool names_user_events(const Node& node) {
+    for (const EventPattern& pattern : node.events.any_of) {
+        for (std::size_t core = core_count - user_numbers; core < core_count; ++core) {
+            if (pattern.cores[core]) { return true; }
+        }
+    }
+    return std::any_of(node.children.begin(), node.children.end(),
+                       [](const NodePtr& child) { return names_user_events(*child); });
+}
+
+std::string what_bars(const Expression& expression) {
+    if (!expression.prefixes.empty()) { return "prefix " + expression.prefixes.front(); }
+    return names_user_events(*expression.root) ? "user events" : "";
+}
+
+namespace {
+
+[[noreturn]] void throw_barred(const ChannelSource& channel, std::string message, std::string hint) {
+    Error error;
+    error.message = std::move(message);
+    error.hint = std::move(hint);
+    throw Failure{SourceText::whole_error(channel, std::move(error))};
+}
+
+/// Channels that take other than light of the beauty's words.
+void refuse(const ChannelSource& channel, const Expression& expression, const std::string& part) {
+    if (!expression.prefixes.empty()) {
+        throw_barred(channel,
+                     "the expression carries the prefix '" + expression.prefixes.front() +
+                         "', which changes what is splatted; channels with prefixes cannot take part in " + part,
+                     "leave the prefix out of the check, or the channel out of the set");
+    }
+    if (names_user_events(*expression.root)) {
+        throw_barred(channel,
+                     "the expression names user events, which no path of the beauty has; channels with user events "
+                     "cannot take part in " +
+                         part,
+                     "leave the channel out of the set");
+    }
+}
+
+}  // namespace
+
+Question pose(std::span<const ChannelSource> channels, const Words& words, const char* refuse_others_in,
               bool telling_letters) {
     Question question;
     LanguageOptions options;
@@ -130,14 +173,7 @@ Question pose(std::span<const ChannelSource> channels, const Words& words, const
         options.skip_reserved_labels = options.skip_reserved_labels || channel.dialect == Dialect::osl;
         expressions.push_back(parse(channel));
         Expression& expression = expressions.back();
-        if (refuse_prefixes_in != nullptr && !expression.prefixes.empty()) {
-            Error error;
-            error.message = "the expression carries the prefix '" + expression.prefixes.front() +
-                            "', which changes what is splatted; channels with prefixes cannot take part in " +
-                            refuse_prefixes_in;
-            error.hint = "leave the prefix out of the check, or the channel out of the set";
-            throw Failure{SourceText::whole_error(channel, std::move(error))};
-        }
+        if (refuse_others_in != nullptr) { refuse(channel, expression, refuse_others_in); }
         for (const std::string& warning : expression.warnings) {
             question.warnings.push_back(channel.name.empty() ? warning : "channel '" + channel.name + "': " + warning);
         }

@@ -18,11 +18,17 @@ struct Question {
     std::vector<std::string> warnings;
 };
 
-/// Reads the channels. `refuse_prefixes_in`: what channels with prefixes cannot take part in ("a partition"), or null.
+/// Reads the channels. `refuse_others_in`: what channels that take other than light of W (with prefixes, with user
+/// events) cannot take part in ("a partition"), or null.
 /// `telling_letters`: no event class holds events of different type or scattering, so that words of classes are words
 /// of letters. Throws Failure.
-[[nodiscard]] Question pose(std::span<const ChannelSource> channels, const Words& words, const char* refuse_prefixes_in,
+[[nodiscard]] Question pose(std::span<const ChannelSource> channels, const Words& words, const char* refuse_others_in,
                             bool telling_letters = false);
+
+/// Whether some event of the tree is a user event.
+[[nodiscard]] bool names_user_events(const Node& node);
+/// See why_no_part().
+[[nodiscard]] std::string what_bars(const Expression& expression);
 
 /// One event for every type and scattering there is: beside other expressions, it keeps their event classes apart so.
 [[nodiscard]] Expression letters();

@@ -117,6 +117,10 @@ TEST_CASE("finished buckets are not rendered again after a kill, whatever the si
     REQUIRE(killed.code == 0);
     const std::size_t saved = buckets_in(folder).size();
     REQUIRE(saved >= 2);
+    // The lock of a process that was killed holds nobody up, and goes with whoever comes next.
+    CHECK(folder.has("out.exr.checkpoint.lock"));
+    run_raylex(folder, what + " -o out.exr --bucket-rows 4");
+    CHECK_FALSE(folder.has("out.exr.checkpoint.lock"));
     // What a kill amid writing leaves: of a process that is no more, and of rows that no bucket will have again.
     folder.write("out.exr.checkpoint/rows-00012-00016.bucket.2147483647-3.partial", "half a bucket");
     check_refused(folder, what + " -o out.exr --bucket-rows 4", {"--resume goes on with it"});

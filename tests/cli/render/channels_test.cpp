@@ -103,3 +103,38 @@ TEST_CASE("a channel may have another rule, and then stands in no partition", "[
     CHECK(contains(refusal(folder, "render room.pbrt --partition shipped --rule directDiffuse=zmin"),
                    "cannot be part of partition 'shipped'"));
 }
+
+TEST_CASE("channels with user events stand outside of splits") {
+    const SceneFolder folder;
+    const Outcome outcome =
+        run_raylex(folder, "render room.pbrt --spp 4 -o out.exr --lpe 'albedo=CU2L' --lpe 'direct=C<RD>L'");
+    CAPTURE(outcome.out, outcome.err);
+    CHECK(outcome.code == 0);
+    CHECK(contains(outcome.out, "partition 'auto'"));
+    auto image = read_exr(folder.path("out.exr"));
+    REQUIRE(image);
+    REQUIRE(image->partitions.size() == 1);
+    CHECK(image->partitions[0].layers == std::vector<std::string>{"direct", "rest"});
+    folder.write("job.toml",
+                 "[scene]\nfile = \"room.pbrt\"\n[output]\nfile = \"o.exr\"\n[[channel]]\nname = \"albedo\"\nlpe = "
+                 "\"CU2L\"\n[[partition]]\nname = \"mine\"\nchannels = [\"albedo\"]\nrest = \"other\"\n");
+    CHECK(contains(refusal(folder, "render job.toml"),
+                   "channel 'albedo' (user events) cannot be part of partition 'mine'"));
+}
+
+TEST_CASE("layers that will be black say why, in either dialect, and what was meant") {
+    const SceneFolder folder;
+    const auto warned = [&](const std::string& lpe, const std::string& why) {
+        const Outcome outcome = run_raylex(folder, "render room.pbrt --spp 1 --resolution 4x4 -o black.exr " + lpe);
+        CAPTURE(lpe, outcome.err);
+        CHECK(contains(outcome.err, why));
+    };
+    warned("--dialect osl --lpe \"a=C<RD'flor'>L\"", "an object labelled 'flor', and this scene has none");
+    warned("--lpe \"a=osl:C<RD'flor'>L\"", "an object labelled 'flor', and this scene has none");
+    warned("--lpe \"a=C.*<L.'key'>\"", "[[light_group]] tables give them");
+    warned("--lpe a=CD", "it does not end at a light (L, B or O); did you mean 'CDL'?");
+    warned("--lpe a=DL", "it does not begin at the camera (C); did you mean 'CDL'?");
+    warned("--lpe 'a=lpe:D+'", "did you mean 'lpe:CD+L'?");
+    warned("--lpe \"a=C<RD>L'key'\"", "did you mean 'C<RD><L.'key'>'?");
+    warned("--lpe 'a=CDL|CSL'", "did you mean '(CDL)|(CSL)'?");
+}

@@ -149,6 +149,9 @@ TEST_CASE("what cannot be resumed is refused with exit 2 and left alone", "[law7
     refused("--checkpoint 60s --deep d.exr", "--deep: a deep image is not saved in checkpoints");
     refused("--until-error 0", "'0' is no relative error; expected a number above 0 such as 1% or 0.01");
     refused("--until-error 1x", "'1x' is no relative error");
+    refused("--until-error 5", "'5' is no relative error below 1");
+    refused("--until-error 5", "did you mean '5%'?");
+    refused("--until-error 5% --spp 1", "at most 1 samples a pixel; expected at least 2");
     const Outcome stopped =
         run_shell(folder, "\"$RAYLEX\" render room.pbrt --spp 20000 -o out.exr --checkpoint 0.2s & pid=$!\n" +
                               until_saved + "kill -INT $pid\nwait $pid");
@@ -166,6 +169,22 @@ TEST_CASE("what cannot be resumed is refused with exit 2 and left alone", "[law7
     folder.write("out.exr.checkpoint", bytes);
     folder.write("room.pbrt", scene);
     refused("--spp 20000 --resume", "scene: ");
+}
+
+TEST_CASE("a render that is at work has its checkpoint to itself", "[law7]") {
+    const Folder folder;
+    folder.write("room.pbrt", small_scene());
+    // The second one comes while the first saves, and leaves it alone.
+    const Outcome both = run_shell(
+        folder, "\"$RAYLEX\" render room.pbrt --spp 20000 -o out.exr --checkpoint 0.2s & pid=$!\n" + until_saved +
+                    "\"$RAYLEX\" render room.pbrt --spp 20000 -o out.exr --resume 2>second\n"
+                    "echo code $?\nkill -INT $pid\nwait $pid");
+    CHECK(both.code == 130);
+    CHECK(both.out.find("code 2") != std::string::npos);
+    CHECK(folder.read("second").find("another process is rendering this image") != std::string::npos);
+    // It has let go, and what it saved is gone on with.
+    CHECK(run_raylex(folder, "render room.pbrt --spp 20000 --threads 1 -o other.exr --resume").code == 2);
+    CHECK(folder.names().size() == 4);  // room.pbrt, out.exr, its checkpoint, second
 }
 
 TEST_CASE("a job asks for checkpoints and for adaptive sampling") {
@@ -352,7 +371,7 @@ TEST_CASE("a death at any file call of a run costs no bit", "[.full][recovery][l
         folder.write("out.exr", earlier);
         const Outcome outcome = run_shell(folder, "export RAYLEX_TEST_FOLDER='" + folder.path() +
                                                       "' RAYLEX_TEST_CALL=" + std::to_string(deaths) + "\nexec '" +
-                                                      binary_dir() + "/test_experiments' '[recovery-child]'");
+                                                      binary_dir() + "/test_cli' '[recovery-child]'");
         CAPTURE(deaths, outcome.code, outcome.err);
         CHECK((image_bits(out) == expected));  // the earlier image or the new one, never a part
         if (outcome.code == 0) break;

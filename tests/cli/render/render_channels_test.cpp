@@ -13,6 +13,10 @@ TEST_CASE("channels of RIB, rendermn.ini, USD and TOML files are rendered as if 
                  "DisplayChannel \"color beauty\" \"string source\" \"lpe:C[DS]*[<L.>O]\"\n"
                  "DisplayChannel \"color direct\" \"string source\" \"lpe:C<RD>[<L.>O]\" \"string filter\" \"box\"\n"
                  "DisplayChannel \"color indirect\" \"string source\" \"lpe:C<RD>[DS]+[<L.>O]\"\n"
+                 "DisplayChannel \"color direct_mse\" \"string source\" \"lpe:C<RD>[<L.>O]\" \"string statistics\" "
+                 "\"mse\"\n"
+                 "DisplayChannel \"color spread\" \"string source\" \"lpe:C<RS>[<L.>O]\" \"string statistics\" "
+                 "\"variance\"\n"
                  "DisplayChannel \"float z\" \"string source\" \"float z\"\n");
     folder.write("show.ini", "/prman/lpe/macro/direct C<RD>[<L.>O]\n/prman/lpe/macro/indirect C<RD>[DS]+[<L.>O]\n");
     folder.write("show.usda",
@@ -44,7 +48,13 @@ TEST_CASE("channels of RIB, rendermn.ini, USD and TOML files are rendered as if 
               (toml ? "beauty = direct + indirect + other" : "beauty = direct + indirect + rest"));
         if (std::string(file) != "show.rib") continue;
         CHECK(outcome.err.find("channel 'beauty' of show.rib is the image itself") != std::string::npos);
-        CHECK(outcome.err.find("1 channel says more than an expression") != std::string::npos);
+        CHECK(outcome.err.find("beside their expression (filters and the like) is left out: 'direct'") !=
+              std::string::npos);
+        // What holds the spread of another channel is that, and no light.
+        CHECK(
+            outcome.err.find("channel 'spread' of show.rib holds statistics (variance) of an expression that no other "
+                             "channel has, and is left out") != std::string::npos);
+        CHECK(plane(*image, "direct_mse", "G") != plane(*image, "direct", "G"));
         CHECK(
             outcome.err.find("channels without an expression are left out; --aov asks for those that raylex has: z") !=
             std::string::npos);

@@ -435,3 +435,29 @@ TEST_CASE("ribbons wider than Embree traces are refused, others are not", "[curv
     REQUIRE(dot.ok());
     CHECK(contains((*dot)->warnings.front().message, "have no length"));
 }
+
+TEST_CASE("under a transform that mirrors v is that of the object's own space, by shape or by instance", "[curves]") {
+    CurveRandom random(2);
+    for (const std::string type : {"\"string type\" \"flat\"", "\"string type\" \"cylinder\"",
+                                   "\"string type\" \"ribbon\" \"normal N\" [0 0 1 0 0 1]"}) {
+        const std::string curve = "Shape \"curve\" \"float width\" 0.2 " + line_points + type + "\n";
+        for (const std::string mirror : {"Scale -1 1 1\n", "Scale 1 -1 1\n"}) {
+            INFO(type << " " << mirror);
+            const EmbreeScene direct = built_of(mirror + curve), plain = built_of(curve),
+                              instanced = built_of("ObjectBegin \"c\"\n" + curve + "ObjectEnd\n" + mirror +
+                                                   "ObjectInstance \"c\"\n");
+            const bool across = mirror[7] == '1';  // Scale -1 1 1: x is turned
+            double worst = 0;
+            for (int i = 0; i < 2000; ++i) {
+                const float x = 0.09f * random.signed_unit(), y = 0.98f * random.signed_unit();
+                const CurveFound a = straight_down(direct, x, y), b = straight_down(instanced, x, y),
+                                 own = straight_down(plain, across ? -x : x, across ? y : -y);
+                REQUIRE((a.hit.valid() && b.hit.valid() && own.hit.valid()));
+                worst = std::max(
+                    {worst, std::abs(double{a.point.v} - own.point.v), std::abs(double{b.point.v} - own.point.v)});
+            }
+            // Each is rounded to float, and instances' rays on their way there.
+            CHECK(worst < 2e-6);
+        }
+    }
+}

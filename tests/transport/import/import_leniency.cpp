@@ -173,6 +173,19 @@ TEST_CASE("quadrics of radius 0 have no area", "[import]") {
     }
 }
 
+TEST_CASE("quadrics of which their parameters leave nothing are left out", "[import]") {
+    const SceneDescription scene = scene_of(R"(WorldBegin
+        Shape "disk" "float radius" 1 "float innerradius" 1
+        Shape "disk" "float radius" 1 "float innerradius" 2
+        Shape "sphere" "float phimax" 0
+        Shape "sphere" "float radius" 2)");
+    REQUIRE(scene.shapes.size() == 1);
+    REQUIRE(scene.warnings.size() == 3);
+    CHECK(contains(scene.warnings[0].message, "'innerradius' leaves nothing"));
+    CHECK(contains(scene.warnings[1].message, "'innerradius' leaves nothing"));
+    CHECK(contains(scene.warnings[2].message, "'phimax' leaves nothing"));
+}
+
 TEST_CASE("an unknown colour space leaves the one before it", "[import]") {
     const SceneDescription scene = scene_of("ColorSpace \"rec2020\"\nColorSpace \"rec2002\"\nFilm \"rgb\" WorldBegin");
     CHECK(scene.color.scene_space == ColorSpace::rec2020);

@@ -227,3 +227,28 @@ TEST_CASE("all forms of subsurface parameters, and their mistakes", "[materials]
                                  settings);
     CHECK(estimate(mixed).mean > 0.2);
 }
+
+TEST_CASE("walks in the medium of a body that is open, or faces inwards, end", "[materials][render]") {
+    // Nothing absorbs: beyond the bounds of all shapes nothing scatters, or these would go on for ever.
+    const std::string view = plain_film + R"(
+        LookAt 0 0 -6  0 0 0  0 1 0
+        Camera "perspective" "float fov" 40
+        WorldBegin
+        LightSource "infinite"
+        Material "subsurface" "rgb sigma_a" [0 0 0] "rgb sigma_s" [2 2 2]
+        )";
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 4;
+    settings.resolution = {{8, 8}};
+    for (const char* shape :
+         {"ReverseOrientation Shape \"sphere\"",
+          "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0]",
+          "Shape \"trianglemesh\" \"integer indices\" [0 2 1 0 3 2] \"point3 P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0]"}) {
+        CAPTURE(shape);
+        for (const char* integrator : {"path", "bdpt", "lighttracer"}) {
+            settings.integrator = integrator_named(integrator);
+            const auto image = render_of(scene_of(view + shape), settings).frame_buffer.resolve(0);
+            CHECK(std::any_of(image.begin(), image.end(), [](double value) { return value > 0; }));
+        }
+    }
+}

@@ -1,4 +1,5 @@
 // Black images come with a word on why, where somebody asked for light.
+#include "transport/image_file.h"
 #include "transport/render_support.h"
 
 using namespace render_test;
@@ -52,4 +53,27 @@ TEST_CASE("who asks for AOVs alone hears nothing of lights", "[render][geoaovs]"
     CHECK(warnings_of("LightSource \"infinite\" \"rgb L\" [0 0 0]" + ball, settings).empty());
     settings.channels.push_back(lpe_channel("direct", "CDL"));
     CHECK(warnings_of(ball, settings).size() == 1);
+}
+
+TEST_CASE("lights whose image is black and media that cannot shine are dark", "[render][lights][media]") {
+    const std::string ball = "\nTranslate 0 0 4 Shape \"sphere\"\n";
+    const ImageFile black(4, 4, std::vector<transport::Rgb>(16));
+    const std::string file = black.parameter();
+    for (const std::string& light : {"LightSource \"infinite\"" + file, "LightSource \"goniometric\"" + file,
+                                     "LightSource \"projection\"" + file, "AreaLightSource \"diffuse\"" + file}) {
+        CAPTURE(light);
+        const auto warnings = warnings_of(light + ball);
+        REQUIRE(warnings.size() == 1);
+        CHECK(warnings[0].message.ends_with(" light gives no light"));
+    }
+    for (const char* medium :
+         {"\"float density\" 1 \"float temperature\" 50",
+          "\"float density\" 1 \"float temperature\" 2000 \"float temperaturescale\" .01",
+          "\"float density\" 1 \"rgb Le\" [1 1 1] \"float Lescale\" 0", "\"float density\" 0 \"rgb Le\" [1 1 1]"}) {
+        CAPTURE(medium);
+        const auto warnings = warnings_of("MakeNamedMedium \"fire\" \"string type\" \"uniformgrid\" " +
+                                          std::string(medium) + "\nMediumInterface \"fire\" \"\"" + ball);
+        REQUIRE(warnings.size() == 1);
+        CHECK(warnings[0].message == "the scene has no light: its image is black");
+    }
 }

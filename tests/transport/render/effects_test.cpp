@@ -107,8 +107,9 @@ std::vector<Example> examples(const std::string& image) {
              "Material \"diffusetransmission\" \"rgb reflectance\" [0.5 0.4 0.3] \"rgb transmittance\" [0.2 0.2 0.2]"),
          effects_scene(lamp)},
         {Effect::media,
-         material("Material \"subsurface\" \"float eta\" 1.4 \"float mfp\" 0.1 \"rgb reflectance\" [0.5 0.4 0.3]"),
-         material("Material \"dielectric\" \"float eta\" 1.4")},
+         material("Material \"subsurface\" \"float eta\" 1.4 \"float mfp\" 0.1 \"rgb reflectance\" [0.5 0.4 0.3] "
+                  "\"float roughness\" 0.3"),
+         material("Material \"dielectric\" \"float eta\" 1.4 \"float roughness\" 0.3")},
         {Effect::coats,
          material("Material \"coateddiffuse\" \"rgb reflectance\" [0.5 0.4 0.3] \"float roughness\" 0.1"),
          effects_scene(lamp)},

@@ -170,7 +170,8 @@ Status EmbreeScene::add_curves(const SceneShape& shape, const Transform& placeme
     g.curves.first_points = placed->first_points;
     g.curves.splits = placed->splits;
     g.curves.extent = placed->extent;
-    g.curves.reversed = shape.flip_normal != placement.swaps_handedness();
+    g.curves.mirrored = placement.swaps_handedness();
+    g.curves.reversed = shape.flip_normal;
     g.primitive_count = static_cast<std::uint32_t>(g.curves.first_points.size()) * placed->splits;
     if (g.primitive_count == 0) return success();
     constexpr RTCGeometryType types[] = {RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE, RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE,
@@ -261,7 +262,7 @@ Status EmbreeScene::start_device(const Options& options) {
     if (!options.isa.empty() && std::find(known.begin(), known.end(), options.isa) == known.end())
         return error_at({"--isa", 0, 0},
                         "unknown instruction set '" + options.isa + "'; expected sse2, sse4.2, avx, avx2 or avx512",
-                        nearest_name(options.isa, known));
+                        near_miss(options.isa, known));
     device_ = std::make_unique<Device>();
     // What Embree would choose by itself is asked for by name, so that the name on record gives the same bits later.
     for (const std::string& isa : options.isa.empty() ? supported_instruction_sets() : std::vector{options.isa}) {

@@ -189,12 +189,11 @@ Status SceneReader::color_space(const Directive& directive) {
         }
         known.emplace_back(row.name);
     }
-    const std::string near = nearest_name(name, known);
     scene_.warn(error_at(directive.string_locations[0],
                          "unknown colour space '" + directive.strings[0] +
                              "'; expected srgb, dci-p3, rec2020 or "
                              "aces2065-1, and the one before it stays, as in pbrt-v4",
-                         near.empty() ? "" : "did you mean '" + near + "'?"));
+                         near_miss(name, known)));
     return success();
 }
 
@@ -225,9 +224,8 @@ Status SceneReader::option(const Directive& directive) {
     std::erase_if(parameter.name, [](char c) { return c == '_' || c == '-'; });  // as pbrt-v4 reads them
     parameter.name = lower_case(parameter.name);
     if (std::find(known.begin(), known.end(), parameter.name) == known.end()) {
-        const std::string near = nearest_name(parameter.name, known);
         return error_at(parameter.location, "unknown option '" + parameter.name + "'",
-                        near.empty() ? "" : "did you mean '" + near + "'?");
+                        near_miss(parameter.name, known));
     }
     if (parameter.name == "disabletexturefiltering" && parameter.booleans.size() == 1) {
         if (parameter.booleans.front() != 0) scene_.disable_texture_filtering();
@@ -235,7 +233,9 @@ Status SceneReader::option(const Directive& directive) {
     }
     if (parameter.name == "displacementedgescale" && parameter.numbers.size() == 1)
         return scene_.scale_displacement_edges(parameter.numbers.front(), parameter.location);
-    scene_.warn(error_at(parameter.location, "option '" + parameter.name + "' has no effect here"));
+    scene_.warn(
+        error_at(parameter.location, "option '" + parameter.name + "' has no effect here" +
+                                         (parameter.name == "forcediffuse" ? ": materials stay as they are" : "")));
     return success();
 }
 

@@ -51,11 +51,10 @@ Status SceneReader::transform(const Directive& directive) {
             }
             std::vector<std::string> known;
             for (const auto& [name, transforms] : coordinate_systems_) known.push_back(name);
-            const std::string near = nearest_name(directive.strings[0], known);
             scene_.warn(error_at(directive.string_locations[0],
                                  "no coordinate system is called '" + directive.strings[0] +
                                      "'; the directive is ignored, as pbrt ignores it",
-                                 near.empty() ? "" : "did you mean '" + near + "'?"));
+                                 near_miss(directive.strings[0], known)));
             return success();
         }
         default:

@@ -50,20 +50,22 @@ Result<std::vector<SceneShape>> make_quadric(ShapeKind kind, const ParameterSet&
     shape.flip_normal = context.reverse_orientation != context.object_to_world.swaps_handedness();
     RealReader real(set);
     shape.radius = real("radius", 1);
-    if (real.status() && shape.radius == 0) {  // pbrt-v4 keeps it, and no ray ever meets it
-        warnings.push_back(error_at(set.location,
-                                    "radius is 0; expected a length above 0: the shape has no area and "
-                                    "is left out"));
+    // pbrt-v4 keeps such shapes, and no ray ever meets them.
+    const auto left_out = [&](const std::string& why) {
+        warnings.push_back(error_at(set.location, why + ": the shape has no area and is left out"));
         return std::vector<SceneShape>();
-    }
+    };
+    if (real.status() && shape.radius == 0) return left_out("radius is 0; expected a length above 0");
     real.require(shape.radius > 0, "radius is not above 0");
     shape.phi_max = std::clamp(real("phimax", 360), Real(0), Real(360));
-    real.require(shape.phi_max > 0, "'phimax' leaves nothing; expected degrees above 0, at most 360");
+    if (real.status() && shape.phi_max == 0)
+        return left_out("'phimax' leaves nothing; expected degrees above 0, at most 360");
     if (kind == ShapeKind::disk) {
         shape.height = real("height", 0);
         shape.inner_radius = real("innerradius", 0);
-        real.require(shape.inner_radius >= 0 && shape.inner_radius < shape.radius,
-                     "'innerradius' leaves nothing; expected 0 up to below the radius");
+        real.require(shape.inner_radius >= 0, "'innerradius' is below 0");
+        if (real.status() && shape.inner_radius >= shape.radius)
+            return left_out("'innerradius' leaves nothing; expected 0 up to below the radius");
     } else {
         const bool sphere = kind == ShapeKind::sphere;
         const Real a = real("zmin", sphere ? -shape.radius : -1), b = real("zmax", sphere ? shape.radius : 1);

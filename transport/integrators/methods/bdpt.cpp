@@ -36,6 +36,7 @@ Status Bdpt::prepare(const IntegratorContext& context) {
             sampled_terminals_ |= events.foresight().bit_of(events.terminal(light));
     can_sample_lights_ = !sampled_.empty();
     can_emit_ = parameters_.max_depth > 0 && !emitters_.empty() && (context.beauty || events.any());
+    not_begun_ = !can_emit_ && parameters_.max_depth > 0 && !context.scene.lights->lights().empty();
     if (can_emit_) media_of_lights_ = media_of_lights(context.scene, camera_position(context));
     return success();
 }
@@ -82,7 +83,10 @@ bool Bdpt::trace_light(const CameraBatch& batch, BdptThread& thread, ThreadServi
     thread.light_vertices.clear();
     thread.invalid_powers.clear();
     std::fill_n(thread.last_vertex.begin(), batch.rays.size(), LightVertex::none);
-    if (!can_emit_) return true;
+    if (!can_emit_) {
+        thread.counters.count(Pruned::light_paths, not_begun_ ? batch.rays.size() : 0);
+        return true;
+    }
     LightSubpaths& light = thread.light;
     light.begin(batch.rays, batch.samplers, services.lpe, thread.counters);
     while (light.going()) {

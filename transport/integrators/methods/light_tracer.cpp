@@ -46,6 +46,7 @@ class LightTracer final : public Integrator {
         emitters_ = choose_live_lights(context.scene, *context.events, language_ ? &*language_ : nullptr,
                                        LightChoice::light_sampling);
         can_emit_ = parameters_.max_depth > 0 && !emitters_.empty() && (context.beauty || context.events->any());
+        not_begun_ = !can_emit_ && parameters_.max_depth > 0 && !context.scene.lights->lights().empty();
         if (can_emit_) media_of_lights_ = media_of_lights(context.scene, camera_position(context));
         return camera_->prepare(context);
     }
@@ -74,6 +75,7 @@ class LightTracer final : public Integrator {
     std::optional<LightLanguage> language_;  // when channels read words
     LightChooser emitters_;
     bool can_emit_ = false;
+    bool not_begun_ = false;  // light subpaths, which no word asks for
 };
 
 void LightTracer::integrate(const CameraBatch& batch, IntegratorThread& state, ThreadServices& services) const {
@@ -82,7 +84,8 @@ void LightTracer::integrate(const CameraBatch& batch, IntegratorThread& state, T
     thread.counters.add(thread.camera->counters);
     thread.camera->counters = IntegratorCounters();
     thread.camera->counters.path_lengths.assign(1, 0);
-    if (!can_emit_ || services.left) return;
+    if (services.left) return;
+    if (!can_emit_) return thread.counters.count(Pruned::light_paths, not_begun_ ? batch.rays.size() : 0);
     LightSubpaths& subpaths = thread.subpaths;
     subpaths.begin(batch.rays, batch.samplers, services.lpe, thread.counters);
     // Splats that were handed on cannot be taken back, and a batch that is left with such leaves no checkpoint. So a

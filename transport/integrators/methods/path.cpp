@@ -88,6 +88,8 @@ std::unique_ptr<Integrator> PathIntegrator::trial(const SplitPlan& plan, std::ui
     auto trial = std::make_unique<PathIntegrator>(*this);
     trial->parameters_.max_depth = std::min(parameters_.max_depth, most_depth);
     if (watch != nullptr) trial->parameters_.roulette_below = 0;
+    trial->context_.scene
+        .general_code = {};  // what effects that are forced on cost changes no choice, as it does no bit
     trial->splits_ = plan;
     trial->watch_ = watch;
     return trial;
@@ -207,14 +209,10 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
     auto depth = read_max_depth(entity, max_depth);
     if (!depth) return depth.error();
     p.max_depth = *depth;
-    auto strategy = entity.parameters.string_or("strategy", "mis");
-    if (!strategy) return strategy.error();
     const std::vector<std::string> names = {"mis", "light", "scattering"};
-    const auto found = std::find(names.begin(), names.end(), *strategy);
-    if (found == names.end())
-        return error_at(entity.location, "'strategy' is '" + *strategy + "'; expected mis, light or scattering",
-                        nearest_name(*strategy, names));
-    p.strategy = static_cast<PathStrategy>(found - names.begin());
+    auto strategy = entity.parameters.choice_or("strategy", "mis", names);
+    if (!strategy) return strategy.error();
+    p.strategy = static_cast<PathStrategy>(std::find(names.begin(), names.end(), *strategy) - names.begin());
     auto roulette = read_roulette(entity);
     if (!roulette) return roulette.error();
     p.roulette_below = *roulette;
@@ -227,14 +225,9 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
     auto regularize = entity.parameters.boolean_or("regularize", false);
     if (!regularize) return regularize.error();
     p.regularize = *regularize;
-    auto selection = entity.parameters.string_or("lightsampler", "bvh");
-    if (!selection) return selection.error();
     // pbrt's "exhaustive" is its bvh without the tree, for reference.
-    const std::vector<std::string> selections = {"power", "uniform", "bvh", "exhaustive"};
-    if (std::find(selections.begin(), selections.end(), *selection) == selections.end())
-        return error_at(entity.location,
-                        "'lightsampler' is '" + *selection + "'; expected power, uniform, bvh or exhaustive",
-                        nearest_name(*selection, selections));
+    auto selection = entity.parameters.choice_or("lightsampler", "bvh", {"power", "uniform", "bvh", "exhaustive"});
+    if (!selection) return selection.error();
     p.light_selection = *selection == "uniform" ? LightSelection::uniform
                         : *selection == "power" ? LightSelection::power
                                                 : LightSelection::receiver;

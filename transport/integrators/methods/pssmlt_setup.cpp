@@ -40,12 +40,8 @@ Result<std::unique_ptr<Integrator>> make_pssmlt(const SceneEntity& entity, std::
     auto roulette = read_roulette(entity);
     if (!roulette) return roulette.error();
     p.roulette_below = *roulette;
-    auto integrator = entity.parameters.string_or("integrator", "path");
+    auto integrator = entity.parameters.choice_or("integrator", "path", {"path", "bdpt"});
     if (!integrator) return integrator.error();
-    const std::vector<std::string> known = {"path", "bdpt"};
-    if (std::find(known.begin(), known.end(), *integrator) == known.end())
-        return error_at(entity.location, "'integrator' is '" + *integrator + "'; expected path or bdpt",
-                        nearest_name(*integrator, known));
     p.bidirectional = *integrator == "bdpt";
     auto target = entity.parameters.string_or("target", "beauty");
     if (!target) return target.error();
@@ -126,7 +122,7 @@ Status Pssmlt::prepare(const IntegratorContext& context) {
                 return error_at(
                     parameters_.location,
                     "'target' names the channel '" + name + "', which takes no light here; expected some of: " + names,
-                    nearest_name(name, known));
+                    near_miss(name, known));
             target_.push_back(splatted_[static_cast<std::size_t>(found - known.begin())]);
         }
     }

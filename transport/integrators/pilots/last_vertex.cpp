@@ -85,8 +85,6 @@ class Pilot {
         // In camera rays, whose hits are shaded too.
         return (sum + 1e-6) * (1.3 + 0.7 * double{shares.light} + double{shares.ray});
     }
-    /// Whether light samples can be left out: a ray can find all of the lights.
-    [[nodiscard]] bool rays_find_all() const { return !delta_; }
 
   private:
     bool trace(std::uint32_t x, std::uint32_t y, std::uint32_t s);
@@ -104,7 +102,6 @@ class Pilot {
     SurfaceSource source_;
     Bsdf bsdf_;
     Real time_ = 0;
-    bool delta_ = false;
 };
 
 bool Pilot::trace(std::uint32_t x, std::uint32_t y, std::uint32_t s) {
@@ -141,7 +138,6 @@ Found Pilot::sample_light(const LightChooser& chooser, const PixelSampler& numbe
         return {};
     const BsdfEvaluation f = bsdf_.evaluate(point_.wo, sample.wi);
     if (f.value.is_black()) return {};
-    delta_ = delta_ || sample.delta;
     Ray ray = shadow_ray(point_.position, point_.geometric_normal, source_.offset.here, sample);
     ray.time = time_;
     std::uint8_t blocked = 0;
@@ -185,6 +181,21 @@ Found Pilot::sample_ray(const LightChooser& chooser, const PixelSampler& numbers
             lights.density(chooser, *scene_.geometry, light, {point_.position, point_.shading_normal}, there, hit)};
 }
 
+/// Whether light samples can be left out: a ray can find all of the lights that some channel takes. Asked of the lights
+/// and not of what a pilot met: a spot may be seen by few pixels.
+bool rays_find_all(const IntegratorContext& context) {
+    const display::Foresight& foresight = context.events->foresight();
+    const std::vector<std::uint64_t> sets = foresight.sets_of_terminals();
+    std::uint64_t live = sets.empty() ? ~std::uint64_t{0} : 0;  // nothing is known: all may be
+    for (const std::uint64_t terminals : sets) live |= terminals;
+    const std::span<const Light> lights = context.scene.lights->lights();
+    for (std::uint32_t light = 0; light < lights.size(); ++light)
+        if (lights[light].is_delta() && lights[light].power > 0 &&
+            (live & foresight.bit_of(context.events->terminal(light))) != 0)
+            return false;
+    return true;
+}
+
 }  // namespace
 
 TechniqueShares choose_techniques(const IntegratorContext& context, const LiveLights& lights) {
@@ -203,7 +214,7 @@ TechniqueShares choose_techniques(const IntegratorContext& context, const LiveLi
     };
     for (const Real ray : {Real(0.5), Real(0.25), Real(0.125), Real(0.0625)}) consider({1, ray});
     for (const Real light : {Real(0.5), Real(0.25), Real(0.125)}) consider({light, 1});
-    if (pilot.rays_find_all()) consider({0, 1});
+    if (rays_find_all(context)) consider({0, 1});
     return best;
 }
 

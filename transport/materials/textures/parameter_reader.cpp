@@ -40,9 +40,8 @@ std::size_t ParameterReader::choice(std::string_view name, const std::vector<std
         if (known[i] == found) return i;
     std::string list;
     for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
-    const std::string near = nearest_name(found, known);
     fail(error_at(place_of(name), "parameter '" + std::string(name) + "' is '" + found + "'; expected one of: " + list,
-                  near.empty() ? std::string() : "did you mean '" + near + "'?"));
+                  near_miss(found, known)));
     return fallback;
 }
 

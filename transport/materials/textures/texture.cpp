@@ -180,7 +180,7 @@ Result<TextureId> TextureTable::Storage::reference(const Parameter& parameter, c
     std::string hint;
     if (later) hint = "a texture of that name is defined further down: textures may only use earlier ones";
     else if (other_kind) hint = std::string("there is a ") + (spectrum ? "float" : "colour") + " texture of that name";
-    else if (const std::string near = nearest_name(name, known); !near.empty()) hint = "did you mean '" + near + "'?";
+    else hint = near_miss(name, known);
     return error_at(
         where, std::string("unknown ") + kind + " texture '" + name + "' for parameter '" + parameter.name + "'", hint);
 }
@@ -285,9 +285,7 @@ Result<TextureId> TextureTable::named_real(std::string_view name, const SourceLo
         if (storage_->sources[i].name == name) return storage_->compiled.at({i, SpectrumRole::unbounded});
         known.push_back(storage_->sources[i].name);
     }
-    const std::string near = nearest_name(name, known);
-    return error_at(where, "unknown float texture '" + std::string(name) + "'",
-                    near.empty() ? std::string() : "did you mean '" + near + "'?");
+    return error_at(where, "unknown float texture '" + std::string(name) + "'", near_miss(name, known));
 }
 
 bool TextureTable::is_constant(TextureId id) const {

@@ -116,11 +116,10 @@ TextureFilter TextureTable::Storage::filter_of(const SceneTexture& source, Param
     for (const auto& [each, filter] : known)
         if (name == each) return filter;
     if (reader.error()) return TextureFilter::ewa;
-    const std::string near = nearest_name(name, {"bilinear", "point", "trilinear", "EWA", "unfiltered"});
     warnings.push_back(
         error_at(reader.where(*source.parameters.find("filter")),
                  "'filter' is '" + name + "'; expected bilinear, point, trilinear, EWA or unfiltered. EWA is taken",
-                 near.empty() ? std::string() : "did you mean '" + near + "'?"));
+                 near_miss(name, {"bilinear", "point", "trilinear", "EWA", "unfiltered"})));
     return TextureFilter::ewa;
 }
 

@@ -79,12 +79,11 @@ std::optional<Error> mend_mapping(ParameterSet& parameters) {
         if (p.name != "mapping" || p.type != ParameterType::string || p.strings.size() != 1) continue;
         std::string& name = p.strings.front();
         if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-        const std::string near = nearest_name(name, known);
         Error warning = error_at(p.location.line != 0 ? p.location : parameters.location,
                                  "parameter 'mapping' is '" + name +
                                      "'; expected uv, spherical, cylindrical or planar, and it is taken as uv, as in "
                                      "pbrt-v4",
-                                 near.empty() ? std::string() : "did you mean '" + near + "'?");
+                                 near_miss(name, known));
         name = known.front();
         return warning;
     }

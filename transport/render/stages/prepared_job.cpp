@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "display/services/channel_prefixes.h"
+#include "lpe/algebra/proofs/check.h"
 #include "transport/render/clock.h"
 #include "transport/render/stages/render_worker.h"
 
@@ -41,6 +43,23 @@ IntegratorContext context_of(const PreparedJob& prepared) {
     return context;
 }
 
+/// Whether a channel takes light without its path's throughput: then how often paths are sampled is part of what it
+/// shows, and nothing may be pruned (Law 4). What surfaces say of themselves (user events) is sampled alike.
+Result<bool> counts_paths(const std::vector<display::ChannelDefinition>& channels) {
+    for (const display::ChannelDefinition& channel : channels) {
+        auto prefixes = display::read_prefixes(channel);
+        if (!prefixes) return prefixes.error();
+        if (!prefixes->nothruput) continue;
+        lpe::ChannelSource source;
+        source.expression = channel.expression;
+        source.dialect = channel.dialect;
+        auto word = lpe::find_word(source);
+        if (!word) return word.error();
+        if (*word) return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
@@ -54,8 +73,10 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
         if (!alphabet) return alphabet.error();
         if (Status s = job.channels.lpe->keep_words(*std::move(alphabet)); !s) return s.error();
     }
+    const auto counts = counts_paths(job.channels.list);
+    if (!counts) return counts.error();
     prepared.events = std::make_unique<const EventTable>(*job.channels.lpe, job.scene.view(), job.settings.lobe_slots,
-                                                         job.settings.prune, regularizes);
+                                                         job.settings.prune && !*counts, regularizes);
     prepared.aovs = std::make_unique<const geoaovs::GeometricAovs>(job.channels.list);
     if (Status s = job.integrator().prepare(context_of(prepared)); !s) return s.error();
     for (std::string& omission : job.integrator().omissions())

@@ -8,9 +8,7 @@ namespace raylex::transport {
 namespace {
 
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& known) {
-    const std::string near = nearest_name(name, known);
-    if (!near.empty()) return "did you mean '" + near + "'?";
-    return known.empty() ? "none is defined" : "";
+    return known.empty() ? "none is defined" : near_miss(name, known);
 }
 
 /// Up to the first failure.

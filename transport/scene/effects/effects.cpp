@@ -170,9 +170,7 @@ Result<Effect> effect_named(const std::string& name, const SourceLocation& where
         if (name == each.name)
             return error_at(
                 where, "raylex does not simulate '" + name + "': " + each.consequence + "; expected one of: " + list);
-    const std::string near = nearest_name(name, names);
-    return error_at(where, "there is no effect '" + name + "'; expected one of: " + list,
-                    near.empty() ? near : "did you mean '" + near + "'?");
+    return error_at(where, "there is no effect '" + name + "'; expected one of: " + list, near_miss(name, names));
 }
 
 bool EffectChoices::any() const {
@@ -199,7 +197,9 @@ EffectFindings analyse_effects(const SceneDescription& scene) {
     put(Effect::alpha, find_shapes(used, [&, mixed = mixes_with_interface(scene)](const SceneShape& each) {
             return has_cutouts(scene, each, mixed);
         }));
-    put(Effect::shading_normals, find_shapes(used, [](const SceneShape& each) { return !each.normals.empty(); }));
+    put(Effect::shading_normals, find_shapes(used, [](const SceneShape& each) {
+            return each.kind != ShapeKind::curves && !each.normals.empty();
+        }));
     put(Effect::bump, find_materials(used, has_bumps));
     put(Effect::transmission, find_materials(used, lets_light_through));
     put(Effect::coats, find_materials(used, is_coated));

@@ -223,7 +223,9 @@ Status leave_out(SceneDescription& scene, Effect effect) {
             leave_out_cutouts(scene);
             break;
         case Effect::shading_normals:
-            for_each_shape(scene, [](SceneShape& shape) { shape.normals.clear(); });
+            for_each_shape(scene, [](SceneShape& shape) {
+                if (shape.kind != ShapeKind::curves) shape.normals.clear();  // those of ribbons turn the ribbon itself
+            });
             break;
         case Effect::bump:
             for (SceneEntity& material : scene.materials) std::erase_if(material.parameters.parameters, is_bump);

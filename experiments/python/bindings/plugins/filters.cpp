@@ -38,9 +38,7 @@ class Samples {
             if (components != 1) shape.push_back(components);
             return py::array_t<double>(std::move(shape), table().values(id), self);
         }
-        const std::string near = nearest_name(name, names());
-        fail("there is no channel '" + name + "' in the samples",
-             near.empty() ? std::string() : "did you mean '" + near + "'?");
+        fail("there is no channel '" + name + "' in the samples", near_miss(name, names()));
     }
     [[nodiscard]] py::array_t<std::int32_t> pixels() const {
         std::vector<std::int32_t> xy;

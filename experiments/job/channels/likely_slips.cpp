@@ -1,0 +1,69 @@
+#include "experiments/job/channels/likely_slips.h"
+
+#include <optional>
+#include <regex>
+#include <utility>
+#include <vector>
+
+#include "lpe/algebra/proofs/check.h"
+
+namespace raylex::experiments {
+namespace {
+
+/// Prefixes ("lpe:", "noclamp;") and what follows them.
+std::pair<std::string, std::string> parts_of(const std::string& expression) {
+    std::size_t begin = expression.rfind(';');
+    begin = begin == std::string::npos ? 0 : begin + 1;
+    if (expression.compare(begin, 4, "lpe:") == 0) begin += 4;
+    return {expression.substr(0, begin), expression.substr(begin)};
+}
+
+/// Alternatives at the top level, each in parentheses: '|' binds tighter than sequence.
+std::string parenthesised(const std::string& text) {
+    std::string result = "(";
+    int depth = 0;
+    bool quoted = false, several = false;
+    for (const char c : text) {
+        quoted = quoted != (c == '\'');
+        if (!quoted) depth += c == '(' || c == '[' || c == '<' ? 1 : c == ')' || c == ']' || c == '>' ? -1 : 0;
+        const bool parts = c == '|' && depth == 0 && !quoted;
+        several = several || parts;
+        result += parts ? ")|(" : std::string(1, c);
+    }
+    return several ? result + ")" : text;
+}
+
+/// L'key' for <L.'key'>, as other events are labelled.
+std::string labelled_lights(const std::string& text) {
+    static const std::regex bare(R"(([LBO])('[^']*'))");
+    return std::regex_replace(text, bare, "<$1.$2>");
+}
+
+}  // namespace
+
+std::string likely_slip(const lpe::ChannelSource& channel, const lpe::Words& words) {
+    const auto [prefixes, text] = parts_of(channel.expression);
+    struct Slip {
+        const char* what;
+        std::string meant;
+    };
+    const std::string labelled = labelled_lights(text);
+    const std::vector<Slip> slips{{"it does not end at a light (L, B or O)", text + "L"},
+                                  {"it does not begin at the camera (C)", "C" + text},
+                                  {"it has neither the camera (C) nor a light (L, B or O)", "C" + text + "L"},
+                                  {"a light's group stands in its event", labelled},
+                                  {"a light's group stands in its event, and a path begins at the camera",
+                                   "C" + labelled},
+                                  {"'|' joins the item before and the item behind it alone", parenthesised(text)}};
+    for (const Slip& slip : slips) {
+        lpe::ChannelSource corrected;
+        corrected.expression = prefixes + slip.meant;
+        corrected.dialect = channel.dialect;
+        if (slip.meant == text) continue;
+        const auto word = lpe::find_word(corrected, words);
+        if (word && *word) return std::string(slip.what) + "; did you mean '" + corrected.expression + "'?";
+    }
+    return {};
+}
+
+}  // namespace raylex::experiments
