@@ -236,13 +236,15 @@ void doubt_bodies(const SceneDescription& scene, const std::vector<SceneShape>& 
     for (const SceneShape& shape : shapes) {
         const bool body =
             shape.material >= 0 && scene.materials[static_cast<std::size_t>(shape.material)].type == "subsurface";
-        if (!body && shape.inside_medium == shape.outside_medium) continue;
+        // Behind faces that look into a room of fog there is nothing.
+        if (!body && (shape.inside_medium < 0 || shape.inside_medium == shape.outside_medium)) continue;
         const auto volume = enclosed_volume(shape);
         if (!volume || *volume >= 0) continue;
         const transport::Bounds bounds = bounds_of(shape);
         const bool within_another = std::any_of(shapes.begin(), shapes.end(), [&](const SceneShape& other) {
             const bool alike = body ? other.material == shape.material : other.inside_medium == shape.inside_medium;
-            return alike && &other != &shape && lies_in(bounds, bounds_of(other));
+            return alike && &other != &shape &&
+                   (other.positions.empty() || lies_in(bounds, bounds_of(other)));  // of a quadric: it may be
         });
         if (!within_another)
             doubts.push_back(error_at(shape.location, transport::mesh_name(shape) +

@@ -130,6 +130,11 @@ TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, 
     check(
         sky + "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"fog\" \"\"\n" + box + inwards,
         turned);
+    // A room with fog in it, and the hollow of a ball: what is behind those faces is no medium, or another body.
+    check(
+        sky + "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"\" \"fog\"\n" + box + inwards,
+        "");
+    check(wax + box + inwards + "Shape \"sphere\" \"float radius\" 4\n", "");
     // What building warns of is told and counted.
     folder.write("dropped.pbrt", "Camera \"perspective\"\nWorldBegin\n" + sky +
                                      "Shape \"curve\" \"point3 P\" [0 0 5 0 0 5 0 0 5 0 0 5]\n" + face + "\n");

@@ -108,6 +108,8 @@ class Asking(Case):
         self.assertRaises(TypeError, raylex.render, CORNELL, samples=3)
         self.assertRaisesRegex(TypeError, "no argument 'sp'; did you mean 'spp'", raylex.render, CORNELL, sp=3)
         self.assertRaisesRegex(TypeError, "expected {name: expression", raylex.render, CORNELL, lpe=["CDL"])
+        self.assertRaisesRegex(TypeError, "expected {name: expression", raylex.render, CORNELL, lpe={"a": 5})
+        self.assertRaisesRegex(TypeError, "expected {name: expression", raylex.render, CORNELL, lpe=["ab"])
 
     def test_one_name_is_a_list_of_one(self):
         image = raylex.render(CORNELL, spp=1, resolution=(4, 4), aovs="Nn", lpe=[("direct", "CDL")])

@@ -21,6 +21,7 @@ struct SurfacePoint {
     Vec3 dpdu;
     Vec3 wo;  ///< unit, away from the surface, towards where the path came from
     Real u = 0, v = 0;
+    bool mirrored = false;  ///< of curves: the way to the world swaps handedness, and v goes across with it
     static constexpr std::int32_t no_material = -1;  ///< a point in a medium: no surface, the normals are zero
     std::int32_t material = 0;
     std::uint32_t random_key = 0;                 ///< counter-based key for stochastic closures and `mix`

@@ -152,6 +152,9 @@ void LightTable::set_emission(const AreaEmission& emission, const ShapeGeometry&
         light.emission = given > 0 ? light.emission * static_cast<Real>(emission.power / given) : Rgb();
     }
     light.power = double{luminance(light.emission)} * pi * area * sides * mean;
+    // Looks at an image that found none of its light.
+    if (!(mean > 0) && images_.emissions[static_cast<std::size_t>(emission.image)].mean > 0)
+        light.power = light.emission.max();
 }
 
 void LightTable::finish(const EmbreeScene& geometry) {

@@ -36,7 +36,7 @@ class HairMaterial final : public Material {
         for (const std::uint32_t i : hits) {
             const SurfacePoint& p = points[i];
             HairParameters hair;
-            hair.h = 2 * p.v - 1;
+            hair.h = (2 * p.v - 1) * (p.mirrored ? -1 : 1);  // the closure's frame is right-handed in the world
             // An index below 1 would have total reflection outside; 1 and below is no fibre.
             hair.eta = std::clamp(input_.eta.at(textures, p), Real(1.0001), Real(100));
             hair.beta_m = input_.beta_m.at(textures, p);

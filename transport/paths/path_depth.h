@@ -8,8 +8,9 @@
 //
 // What a scattering counts follows from its own surface, or the medium around it, and its two directions, never from
 // the way that rays took before: all strategies count alike, those that join subpaths too, in bodies with holes or the
-// wrong way out. The medium of one that is open, or the wrong way out, may fill all of space, where a walk that nothing
-// absorbs has no end: beyond the bounds of all shapes nothing scatters in bodies' media.
+// wrong way out. The medium of one that is open, or the wrong way out, may fill all of space, and where it absorbs
+// nothing a walk there has no end: a subpath has at most 65,536 scatterings, or "maxdepth" where that is more. A half
+// space that absorbs nothing has let 99.6 % of its light out by then (what is left after n falls as 1 / sqrt(n)).
 #pragma once
 
 #include <cstdint>
@@ -36,19 +37,18 @@ struct VertexDepth {
 class DepthLimit {
   public:
     /// max_depth: at most 10^6. Nothing scatters at 0, inside bodies neither.
-    /// bounds: of all shapes.
-    DepthLimit(const MediumTable& media, const Bounds& bounds, std::uint32_t max_depth)
+    DepthLimit(const MediumTable& media, std::uint32_t max_depth)
         : media_(media),
-          center_(bounds.center()),
-          reach_((bounds.upper - bounds.lower) * Real(0.501)),  // a collision's position is rounded
           has_bodies_(media.any_bodies()),
           longest_(max_depth == 0
                        ? -1
-                       : static_cast<std::int32_t>(max_depth) * whole_event + (has_bodies_ ? whole_event / 2 - 1 : 0)) {
-    }
+                       : static_cast<std::int32_t>(max_depth) * whole_event + (has_bodies_ ? whole_event / 2 - 1 : 0)),
+          longest_walk_(max_depth > 65536 ? max_depth : 65536) {}
 
     [[nodiscard]] bool has_bodies() const { return has_bodies_; }
     [[nodiscard]] bool allows(std::int32_t length) const { return length <= longest_; }
+    /// Whether a subpath of so many scatterings may have one more, where there are bodies.
+    [[nodiscard]] bool allows_walk(std::uint32_t scatterings) const { return scatterings < longest_walk_; }
     [[nodiscard]] bool is_within(std::int32_t medium) const { return medium >= 0 && media_[medium].in_body; }
 
     /// A vertex behind a path of this length: on a surface, or a collision in `medium`.
@@ -63,19 +63,12 @@ class DepthLimit {
         if (vertex.on_body) vertex.least = before + (vertex.came_within ? 1 : whole_event / 2);
         return vertex;
     }
-    [[nodiscard]] VertexDepth at_collision(std::int32_t before, std::int32_t medium, const Vec3& position) const {
+    [[nodiscard]] VertexDepth at_collision(std::int32_t before, std::int32_t medium) const {
         VertexDepth vertex{before, before + whole_event};
         vertex.collision = true;
         vertex.on_body = is_within(medium);
-        if (!vertex.on_body) return vertex;
-        constexpr std::int32_t beyond_all_limits = 1 << 29;  // of two of them the sum is a number
-        if (!in_bounds(position)) vertex.before = beyond_all_limits;
-        vertex.least = vertex.before;
+        if (vertex.on_body) vertex.least = before;
         return vertex;
-    }
-    /// The least that a collision of a ray in `medium` counts, wherever it is.
-    [[nodiscard]] std::int32_t least_of_collision(std::int32_t medium) const {
-        return is_within(medium) ? 0 : whole_event;
     }
     /// What it counts for a path that goes on in this direction.
     [[nodiscard]] std::int32_t event(const VertexDepth& vertex, const SurfacePoint& point,
@@ -92,15 +85,10 @@ class DepthLimit {
         return dot(point.geometric_normal, direction) > 0 ? vertex.front_within : vertex.back_within;
     }
 
-    [[nodiscard]] bool in_bounds(const Vec3& position) const {
-        const Vec3 off = absolute(position - center_);
-        return off.x <= reach_.x && off.y <= reach_.y && off.z <= reach_.z;
-    }
-
     const MediumTable& media_;
-    Vec3 center_, reach_;
     bool has_bodies_;
     std::int32_t longest_;
+    std::uint32_t longest_walk_;
 };
 
 }  // namespace raylex::transport

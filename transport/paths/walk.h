@@ -54,7 +54,7 @@ class Walk {
         : scene_(scene),
           events_(events),
           options_(options),
-          depth_limit_(*scene.media, scene.geometry->bounds(), options.max_depth),
+          depth_limit_(*scene.media, options.max_depth),
           in_media_(scene.asks_for_media()),
           has_footprints_(mode == TransportMode::radiance && scene.materials->filters_images()),
           paths_(capacity),
@@ -119,7 +119,7 @@ class Walk {
         return depth_limit_.allows(depth_limit_.has_bodies() ? vertex_depth(j, surface).least : length + whole_event);
     }
     [[nodiscard]] bool may_collide(std::uint32_t row) const {
-        return depth_limit_.allows(paths_[row].length + depth_limit_.least_of_collision(paths_[row].medium));
+        return depth_limit_.allows(depth_limit_.at_collision(paths_[row].length, paths_[row].medium).least);
     }
     [[nodiscard]] VertexDepth vertex_depth(std::size_t j) const { return vertex_depth(j, j < vertices_.surfaces); }
     void finish(std::uint32_t row) { counters_->count_length(paths_[row].depth); }
@@ -138,7 +138,7 @@ class Walk {
     /// Apart, so that scenes without bodies pay nothing for it.
     [[nodiscard, gnu::noinline]] VertexDepth depth_by_bodies(std::size_t j, bool surface) const {
         const Subpath& path = paths_[vertices_.rows[j]];
-        if (!surface) return depth_limit_.at_collision(path.length, path.medium, vertices_.points[j].position);
+        if (!surface) return depth_limit_.at_collision(path.length, path.medium);
         return depth_limit_.at_surface(path.length, scene_.geometry->shapes()[vertices_.hits[j].shape],
                                        vertices_.points[j]);
     }
@@ -385,7 +385,8 @@ void Walk<mode>::scatter(Visitor& visitor) {
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
         Subpath& path = paths_[row];
-        const bool short_enough = depth_limit_.has_bodies() ? may_scatter(j) : depth_limit_.allows(path.length + next);
+        const bool short_enough = depth_limit_.has_bodies() ? may_scatter(j) && depth_limit_.allows_walk(path.depth)
+                                                            : depth_limit_.allows(path.length + next);
         if (!short_enough || !visitor.worth_scattering(j)) {
             counters_->count_length(path.depth + static_cast<std::uint32_t>(to_camera));
             continue;

@@ -57,7 +57,7 @@ void print_section(const std::string& title, const std::vector<std::string>& lin
 std::string none_matches(const lpe::ChannelSource& source, const lpe::Words& words, bool of_scene) {
     if (of_scene) return "No path of this scene matches.";
     const std::string slip = likely_slip(source, words);
-    return "No path a scene can produce matches" + (slip.empty() ? std::string() : ": " + slip) + ".";
+    return "No path a scene can produce matches" + (slip.empty() ? "." : ": " + slip);
 }
 
 int print_explanation(const lpe::ChannelSource& source, const lpe::Words& words, bool of_scene) {

@@ -202,6 +202,9 @@ void add_statistic(const ChannelSet& set, const lpe::FileChannel& channel, const
         if (of.empty() && other.source.expression == source.expression && other.source.dialect == source.dialect &&
             lpe::statistics_of(other).empty())
             of = other.source.name;
+    for (const ExpressionRequest& other : job.expressions)
+        if (of.empty() && other.expression == source.expression && other.dialect == source.dialect) of = other.name;
+    if (of == "beauty" && !job.settings.beauty) of.clear();
     const std::string who = "channel '" + source.name + "' of " + source.origin + " holds statistics (" + statistic;
     if (of.empty()) {
         warnings.push_back(who + ") of an expression that no other channel has, and is left out");

@@ -15,10 +15,10 @@ def _names(value):
 
 def _channels(lpe, dialect):
     tables = []
-    try:
-        pairs = dict(lpe or {}).items()
-    except (TypeError, ValueError):
-        raise TypeError(f"lpe is {lpe!r}; expected {{name: expression, ...}}") from None
+    pairs = list(lpe.items() if isinstance(lpe, dict) else lpe or ())
+    if not all(isinstance(pair, (tuple, list)) and len(pair) == 2 and all(isinstance(each, str) for each in pair)
+               for pair in pairs):
+        raise TypeError(f"lpe is {lpe!r}; expected {{name: expression, ...}}")
     for name, expression in pairs:
         table = {"name": name, "lpe": expression}
         for known in ("osl", "renderman"):

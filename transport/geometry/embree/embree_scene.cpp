@@ -171,7 +171,7 @@ Status EmbreeScene::add_curves(const SceneShape& shape, const Transform& placeme
     g.curves.splits = placed->splits;
     g.curves.extent = placed->extent;
     g.curves.mirrored = placement.swaps_handedness();
-    g.curves.reversed = shape.flip_normal;
+    g.curves.reversed = shape.flip_normal != g.curves.mirrored;
     g.primitive_count = static_cast<std::uint32_t>(g.curves.first_points.size()) * placed->splits;
     if (g.primitive_count == 0) return success();
     constexpr RTCGeometryType types[] = {RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE, RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE,

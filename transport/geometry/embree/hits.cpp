@@ -33,7 +33,6 @@ void finish_curve(const CurveSegment& segment, const DVec3& origin, const DVec3&
     place.u = std::clamp(place.u, 0.0, 1.0);
     if (meet_curve(segment, origin, direction, t_max, place)) return;
     if (segment.type == CurveType::ribbon) place.h = 1 - 2 * place.h;
-    if (segment.type != CurveType::cylinder && segment.mirrored) place.h = -place.h;
     if (segment.type == CurveType::cylinder) {
         const DVec3 p = origin + direction * place.t, across = curve_frame(segment, direction, place.u, 0, p).across;
         place.h = dot(p - segment.point(place.u), across) / segment.radius(place.u);

@@ -138,7 +138,8 @@ void curve_surface(const CurveBatch& curves, const LocalRay& ray, const Hit& hit
     point.geometric_normal = point.shading_normal = curves.reversed ? -frame.normal.to_real() : frame.normal.to_real();
     point.dpdu = segment.tangent(u).to_real();
     point.u = hit.u;
-    point.v = Real(0.5) + Real(0.5) * hit.v;
+    point.v = Real(0.5) + Real(0.5) * (curves.mirrored ? -hit.v : hit.v);
+    point.mirrored = curves.mirrored;
     offset = offset_of_rounded(point.geometric_normal, point.position, curves.extent);
     offset.here += curve_offset(curves.type, static_cast<Real>(r));
 }
@@ -209,11 +210,14 @@ void EmbreeScene::surfaces(std::span<const Ray> rays, std::span<const Hit> hits,
             const ShapeInstance& instance = instances_[hit.instance];
             const double growth = instance.motion < 0 ? 1 : InstanceMotion::rounding_growth(placement->to_world);
             place(*placement, growth, point, source.offset);
+            if (shape.kind == ShapeKind::curves && placement->to_world.determinant() < 0)
+                point.mirrored = !point.mirrored;
             if (instance.label >= 0) source.label = instance.label;
             source.object_id = static_cast<std::int32_t>(top_level_shapes_ + hit.instance) + 1;
         }
         point.wo = -rays[i].direction;
         point.material = shape.material;
+        if (shape.kind != ShapeKind::curves) point.mirrored = false;
     }
 }
 

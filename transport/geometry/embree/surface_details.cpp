@@ -83,7 +83,7 @@ struct DetailBuilder {
                 static_cast<Real>(0.5 / (r * length(place.to_world.vector(frame.across))) *
                                   (dot(place.to_object.normal_of_inverse(frame.offset), DVec3(point.wo)) < 0 ? -1 : 1));
         }
-        details.dpdv = world_vector(dpdv * (2 * r)).to_real();
+        details.dpdv = world_vector(dpdv * (shape.curves.mirrored ? -2 * r : 2 * r)).to_real();
     }
 
     void triangle() const {

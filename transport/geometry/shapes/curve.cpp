@@ -112,7 +112,6 @@ DVec3 CurveSegment::normal_derivative(double u) const {
 CurveSegment CurveBatch::segment(std::uint32_t primitive) const {
     CurveSegment segment;
     segment.type = type;
-    segment.mirrored = mirrored;
     const std::size_t first = first_points[primitive / splits];
     for (std::size_t i = 0; i < 4; ++i) {
         const CurvePoint& p = points[first + i];
@@ -153,21 +152,18 @@ CurveFrame curve_frame(const CurveSegment& segment, const DVec3& direction, doub
     const DVec3 tangent = segment.tangent(u);
     CurveFrame frame;
     frame.along = normalize(tangent);
-    DVec3 across = cross(tangent, segment.normal(u));
-    if (segment.type != CurveType::ribbon) {
-        across = cross(direction, tangent);
-        if (!(length(across) > 0))
-            across = cross(direction, DVec3{direction.y, -direction.z, direction.x});  // along it
-    }
-    across = normalize(across);
-    frame.across = segment.mirrored ? across * -1 : across;
-    frame.offset = frame.across * h;
     if (segment.type == CurveType::ribbon) {
-        frame.normal = cross(across, frame.along);
+        frame.across = normalize(cross(tangent, segment.normal(u)));
+        frame.normal = cross(frame.across, frame.along);
+        frame.offset = frame.across * h;
         return frame;
     }
-    const DVec3 facing = normalize(cross(across, tangent));
+    DVec3 across = cross(direction, tangent);
+    if (!(length(across) > 0)) across = cross(direction, DVec3{direction.y, -direction.z, direction.x});  // along it
+    frame.across = normalize(across);
+    const DVec3 facing = normalize(cross(frame.across, tangent));
     frame.normal = facing;
+    frame.offset = frame.across * h;
     if (segment.type == CurveType::cylinder) {
         const double depth = std::sqrt(std::max(1 - h * h, 0.0));
         const bool inside = dot(ray_point - segment.point(u), facing) < 0;

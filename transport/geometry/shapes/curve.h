@@ -28,7 +28,6 @@ struct CurvePoint {
 
 struct CurveSegment {
     CurveType type = CurveType::flat;
-    bool mirrored = false;        ///< see CurveBatch
     DVec3 points[4], normals[4];  ///< control points; normals of ribbons alone
     double radius_start = 0, radius_end = 0;
 
@@ -52,9 +51,8 @@ struct CurveBatch {
     std::uint32_t splits = 1;                 ///< Embree's primitives a segment; more than 1 for bent ribbons
     std::vector<CurvePoint> own_points;       ///< where Embree has others
     std::vector<StoredVec3> own_normals;
-    /// The placement swaps handedness: h grows towards the other side, so that it is that of the object's own space.
-    bool mirrored = false;
-    bool reversed = false;  ///< outside is where rays do not come from: as in pbrt by ReverseOrientation or a mirror
+    bool mirrored = false;  ///< the placement swaps handedness: v goes the other way across than h
+    bool reversed = false;  ///< outside is where rays do not come from (ReverseOrientation)
     double extent = 0;      ///< the largest coordinate
 
     /// That the primitive is of, whole.
