@@ -48,13 +48,13 @@ std::string likely_slip(const lpe::ChannelSource& channel, const lpe::Words& wor
         std::string meant;
     };
     const std::string labelled = labelled_lights(text);
-    const std::vector<Slip> slips{{"it does not end at a light (L, B or O)", text + "L"},
-                                  {"it does not begin at the camera (C)", "C" + text},
-                                  {"it has neither the camera (C) nor a light (L, B or O)", "C" + text + "L"},
-                                  {"a light's group stands in its event", labelled},
-                                  {"a light's group stands in its event, and a path begins at the camera",
-                                   "C" + labelled},
-                                  {"'|' joins the item before and the item behind it alone", parenthesised(text)}};
+    const std::vector<Slip> slips{
+        {"it does not end at a light (L, B or O)", text + "L"},
+        {"it does not begin at the camera (C)", "C" + text},
+        {"it has neither the camera (C) nor a light (L, B or O)", "C" + text + "L"},
+        {"a light's group stands in its event", labelled},
+        {"a light's group stands in its event, and a path begins at the camera", "C" + labelled},
+        {"'|' joins the item before and the item behind it alone", parenthesised(text)}};
     for (const Slip& slip : slips) {
         lpe::ChannelSource corrected;
         corrected.expression = prefixes + slip.meant;
