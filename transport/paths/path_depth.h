@@ -10,7 +10,8 @@
 // the way that rays took before: all strategies count alike, those that join subpaths too, in bodies with holes or the
 // wrong way out. The medium of one that is open, or the wrong way out, may fill all of space, and where it absorbs
 // nothing a walk there has no end: a subpath has at most 65,536 scatterings, or "maxdepth" where that is more. A half
-// space that absorbs nothing has let 99.6 % of its light out by then (what is left after n falls as 1 / sqrt(n)).
+// space that absorbs nothing has let 99.6 % of its light out by then: 2 / sqrt(pi n) is left after n steps of any
+// symmetric kind, the first of them inwards (Sparre Andersen 1954), surface and index apart.
 #pragma once
 
 #include <cstdint>

@@ -43,10 +43,6 @@ const char* type_name(StoredType type) {
     return "";
 }
 
-std::string near_hint(const std::string& word, const std::vector<std::string>& known) {
-    return near_miss(word, known);
-}
-
 /// "half", "float", "uint"; nothing when the word is none of them.
 std::optional<StoredType> type_named(const std::string& word) {
     for (const StoredType type : {StoredType::half_float, StoredType::single_float, StoredType::unsigned_int})
@@ -102,7 +98,7 @@ Status set_compression(ExrStorage& row, ChannelKind kind, bool all, const std::s
                                 "' loses bits, so that splits would not sum; expected none, rle, zips, zip or piz, or "
                                 "dwaa or dwab, whose loss verify knows");
     return error_at(where, "'" + word + "' says nothing about storage; expected " + expected_words,
-                    near_hint(name, known));
+                    near_miss(name, known));
 }
 
 Status override_row(ExrStorage& row, ChannelKind kind, bool all, const std::string& text, const SourceLocation& where) {
@@ -174,7 +170,7 @@ Status override_exr_storage(ExrStorageTable& table, const std::string& kind, con
     known.emplace_back("all");
     std::string list;
     for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
-    return error_at(where, "unknown kind of channel '" + kind + "'; expected one of: " + list, near_hint(kind, known));
+    return error_at(where, "unknown kind of channel '" + kind + "'; expected one of: " + list, near_miss(kind, known));
 }
 
 std::string color_interop_id(const Chromaticities& primaries) {

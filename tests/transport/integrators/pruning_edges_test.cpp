@@ -10,6 +10,13 @@ LookAt 0 4 -6  0 0 0  0 1 0
 Camera "perspective" "float fov" 50
 WorldBegin
 )";
+const std::string lamp_ball = R"(
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [8 8 8]
+  Translate 0 3 1
+  Shape "sphere" "float radius" 0.3
+AttributeEnd
+)";
 const std::string floor_of_grey = R"(
 Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 0 -3  -3 0 3  3 0 3  3 0 -3]
@@ -57,11 +64,7 @@ TEST_CASE("channels that take light without throughput are not pruned", "[render
     const std::string lamps = R"(
 LightSource "point" "point3 from" [1 3 0] "rgb I" [4 4 4]
 LightSource "point" "point3 from" [-1 3 0] "rgb I" [4 4 4]
-AttributeBegin
-  AreaLightSource "diffuse" "rgb L" [8 8 8]
-  Translate 0 3 1
-  Shape "sphere" "float radius" 0.3
-AttributeEnd
+)" + lamp_ball + R"(
 AttributeBegin
   Material "coateddiffuse"
   Translate 0 0.6 0
@@ -116,12 +119,7 @@ AttributeEnd
 }
 
 TEST_CASE("an effect that is forced on changes no choice of a pilot", "[render][pruning][effects]") {
-    const std::string glass = R"(
-AttributeBegin
-  AreaLightSource "diffuse" "rgb L" [8 8 8]
-  Translate 0 3 1
-  Shape "sphere" "float radius" 0.3
-AttributeEnd
+    const std::string glass = lamp_ball + R"(
 AttributeBegin
   Material "dielectric"
   Translate 0 0.7 0
