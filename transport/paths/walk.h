@@ -31,7 +31,7 @@
 #include "transport/paths/subpath.h"
 #include "transport/paths/vertex.h"
 #include "transport/paths/walk_visitor.h"
-#include "transport/samplers/pixel_sampler.h"
+#include "transport/samplers/sampler_batch.h"
 
 namespace raylex::transport {
 
@@ -58,6 +58,7 @@ class Walk {
           in_media_(scene.asks_for_media()),
           has_footprints_(mode == TransportMode::radiance && scene.materials->filters_images()),
           paths_(capacity),
+          pairs_(capacity),
           wavelengths_(scene, capacity) {
         if (options.densities) sums_.resize(capacity);
         queue_.reserve(capacity);
@@ -80,6 +81,14 @@ class Walk {
         ++(is_camera_ray(paths_[row]) ? counters_->camera_rays : counters_->scattering_rays);
     }
     [[nodiscard]] bool going() const { return queue_.count > 0; }
+    /// Draws a pair of numbers for every vertex (`which` of SubpathDimensions), together where that is faster.
+    void draw_pairs(std::uint32_t which);
+    /// Of vertex j, as drawn last: until the vertex is left.
+    [[nodiscard]] Vec2 pair(std::size_t j) const {
+        if (pairs_are_drawn_) return pairs_[j];
+        const std::uint32_t row = vertices_.rows[j];
+        return samplers_[row].get_2d(dimensions.of(paths_[row].depth, pair_));
+    }
     template <class Visitor>
     void advance(display::DisplayServices& display, Visitor& visitor);
     template <class Visitor>
@@ -171,6 +180,9 @@ class Walk {
     std::span<const PixelSampler> samplers_;  // by row
     IntegratorCounters* counters_ = nullptr;
     std::vector<Subpath> paths_;  // by row
+    SamplerBatch pairs_;          // [vertex]
+    std::uint32_t pair_ = 0;
+    bool pairs_are_drawn_ = false;
     PathWavelengths wavelengths_;
     std::vector<StrategySums> sums_;  // by row
     RayQueue queue_;                  // of the next vertices
@@ -373,9 +385,23 @@ template <TransportMode mode>
 }
 
 template <TransportMode mode>
+void Walk<mode>::draw_pairs(std::uint32_t which) {
+    pair_ = which;
+    pairs_are_drawn_ = vertices_.count > 0 && SamplerBatch::takes(samplers_[vertices_.rows[0]]);
+    if (!pairs_are_drawn_) return;
+    pairs_.clear();
+    for (std::size_t j = 0; j < vertices_.count; ++j) {
+        const std::uint32_t row = vertices_.rows[j];
+        pairs_.add(samplers_[row], dimensions.of(paths_[row].depth, which));
+    }
+    pairs_.draw();
+}
+
+template <TransportMode mode>
 template <class Visitor>
 void Walk<mode>::scatter(Visitor& visitor) {
     const VertexBatch& v = vertices_;
+    draw_pairs(dimensions.scatter);
     const std::size_t passed_on = queue_.count;  // through cutouts: counted already
     // A path's last scattering may be its connection to the camera, and a light subpath's always is; where it may be
     // less than an event, it is counted when it comes.
@@ -403,8 +429,7 @@ void Walk<mode>::scatter(Visitor& visitor) {
         Real u_lobe = bsdf.chooses_lobes() ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
         if constexpr (Visitor::splits)
             if (path.all_lobes) u_lobe = lobe_number(visitor.branch);
-        BsdfSample s =
-            sample_scattering<mode>(bsdf, point, u_lobe, sampler.get_2d(dimensions.of(depth, dimensions.scatter)));
+        BsdfSample s = sample_scattering<mode>(bsdf, point, u_lobe, pair(j));
         if (wavelengths_.any()) wavelengths_.leave<mode>(v, j, path, s);
         if (!(s.pdf > 0) || s.weight.is_black()) {
             finish(row);

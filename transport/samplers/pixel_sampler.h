@@ -79,7 +79,16 @@ constexpr std::uint32_t spread_bits(std::uint32_t x) {
 }
 
 constexpr Real unit_float(std::uint32_t bits) {
-    return static_cast<Real>(bits >> 8) * 0x1p-24f;
+    return static_cast<Real>(static_cast<std::int32_t>(bits >> 8)) * 0x1p-24f;
+}
+
+/// A point of the copy of the sequence that belongs to `hash`.
+constexpr void sobol_pair(std::uint64_t hash, std::uint32_t reversed_index, Real& x, Real& y) {
+    const auto low = static_cast<std::uint32_t>(hash), high = static_cast<std::uint32_t>(hash >> 32);
+    const std::uint32_t index = reverse_bits(owen_hash(reversed_index, low));
+    const std::uint32_t second = reversed_sobol_1(index);
+    x = unit_float(reverse_bits(owen_hash(index, high)));
+    y = unit_float(reverse_bits(owen_hash(second, (low ^ (high * 0x9e3779b9u)) + 0x7f4a7c15u)));
 }
 
 }  // namespace sampler_detail
@@ -131,13 +140,9 @@ class PixelSampler {
     [[nodiscard]] Vec2 get_2d(std::uint32_t dimension) const {
         if (source_ != Source::sobol) [[unlikely]]
             return plain_2d(dimension);
-        const std::uint64_t h = hash(dimension);
-        const auto low = static_cast<std::uint32_t>(h), high = static_cast<std::uint32_t>(h >> 32);
-        using namespace sampler_detail;
-        const std::uint32_t index = reverse_bits(owen_hash(reversed_index_, low));
-        const std::uint32_t second = reversed_sobol_1(index);
-        return {unit_float(reverse_bits(owen_hash(index, high))),
-                unit_float(reverse_bits(owen_hash(second, (low ^ (high * 0x9e3779b9u)) + 0x7f4a7c15u)))};
+        Vec2 pair;
+        sampler_detail::sobol_pair(hash(dimension), reversed_index_, pair.x, pair.y);
+        return pair;
     }
     /// Independent of every other number, whatever the sampler: for choices of which few are made per path.
     [[nodiscard]] Real get_random(std::uint32_t dimension) const {
@@ -155,6 +160,7 @@ class PixelSampler {
     }
 
   private:
+    friend class SamplerBatch;
     static std::uint64_t key_of(std::uint64_t seed, std::uint32_t x, std::uint32_t y) {
         const std::uint64_t pixel = (static_cast<std::uint64_t>(y) << 32) | x;
         return sampler_detail::mix(sampler_detail::mix(seed + 0x9e3779b97f4a7c15ull) ^ pixel);
@@ -193,8 +199,9 @@ class PixelSampler {
         return {sampler_detail::unit_float(static_cast<std::uint32_t>(h)),
                 sampler_detail::unit_float(static_cast<std::uint32_t>(h >> 32))};
     }
+    static std::uint64_t dimension_key(std::uint32_t dimension) { return dimension * 0xd1342543de82ef95ull; }
     [[nodiscard]] std::uint64_t hash(std::uint32_t dimension) const {
-        return sampler_detail::mix(key_ ^ (dimension * 0xd1342543de82ef95ull));
+        return sampler_detail::mix(key_ ^ dimension_key(dimension));
     }
     std::uint64_t key_ = 0;
     std::uint32_t reversed_index_ = 0;

@@ -1,4 +1,5 @@
 #include "transport/samplers/sampler.h"
+#include "transport/samplers/sampler_batch.h"
 
 #include <catch2/catch.hpp>
 
@@ -113,6 +114,34 @@ TEST_CASE("a number depends on nothing but its key", "[samplers][law3]") {
     CHECK_FALSE(z.get_2d(9) == PixelSampler(SamplerKind::zsobol, 2, 2, 3, 9, 4).get_2d(9));
     CHECK_FALSE(z.get_2d(9) == PixelSampler(SamplerKind::zsobol, 1, 3, 2, 9, 4).get_2d(9));
     CHECK_FALSE(z.key(9) == PixelSampler(SamplerKind::zsobol, 1, 3, 2, 9, 4).key(9));
+}
+
+TEST_CASE("pairs drawn together have the bits of those drawn one by one", "[samplers]") {
+    CHECK_FALSE(SamplerBatch::takes(PixelSampler(SamplerKind::independent, 1, 2, 3, 4)));
+    if (!SamplerBatch::takes(PixelSampler(SamplerKind::sobol, 1, 2, 3, 4))) {
+        WARN("this machine draws them one by one: nothing to compare");
+        return;
+    }
+    SamplerBatch batch(70);
+    for (std::size_t count = 0; count <= 70; ++count) {  // whole vectors and what is left beside them
+        std::vector<PixelSampler> samplers;
+        std::vector<std::uint32_t> dimensions;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const SamplerKind kind = i % 3 == 0 ? SamplerKind::zsobol : SamplerKind::sobol;
+            const std::uint64_t sample = i % 5 == 0 ? (std::uint64_t{1} << 33) + i : i * count;
+            samplers.emplace_back(kind, 7 + i % 2, static_cast<int>(i % 11) - 3, 1000 - static_cast<int>(i), sample);
+            dimensions.push_back(i % 7 == 0 ? (1u << 26) + i : i * 5);
+        }
+        batch.clear();
+        for (std::size_t i = 0; i < count; ++i) batch.add(samplers[i], dimensions[i]);
+        batch.draw();
+        for (std::size_t i = 0; i < count; ++i) {
+            CAPTURE(count, i);
+            const Vec2 alone = samplers[i].get_2d(dimensions[i]);
+            REQUIRE(batch[i].x == alone.x);
+            REQUIRE(batch[i].y == alone.y);
+        }
+    }
 }
 
 TEST_CASE("pairs of different dimensions, and pixels, are uncorrelated", "[samplers]") {

@@ -65,6 +65,7 @@ void Bdpt::integrate(const CameraBatch& batch, IntegratorThread& state, ThreadSe
         camera.advance(services.display, ends);
         write_first_hits(context_, camera.vertices(), camera.first_entries(), thread.first_hits, services.display);
         const VertexBatch& v = camera.vertices();
+        if (can_sample_lights_) camera.draw_light_pairs();
         for (std::size_t j = 0; j < v.count; ++j) {
             if (!camera.can_connect(j)) continue;
             const display::Foresight::Ahead ahead =

@@ -167,8 +167,10 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
         write_first_hits(context_, camera.vertices(), camera.first_entries(), thread.first_hits, services.display);
         if (splits_.any() || watch_ != nullptr)
             for (std::size_t j = 0; j < camera.vertices().count; ++j) camera.split(j);
-        if (can_sample_lights_)
+        if (can_sample_lights_) {
+            camera.draw_light_pairs();
             for (std::size_t j = 0; j < camera.vertices().count; ++j) sample_light(thread, j);
+        }
         thread.connections.report(camera, thread.counters);
         camera.scatter();
     }

@@ -90,6 +90,9 @@ class CameraSubpaths {
         path.light_share = light_share;
         path.ray_share = ray_share;
     }
+    /// Numbers of light samples from the vertices.
+    void draw_light_pairs() { walk_.draw_pairs(light_sample_dimension); }
+    [[nodiscard]] Vec2 light_pair(std::size_t j) const { return walk_.pair(j); }
     /// Says at how many rays subpaths leave vertex j, before light is sampled there.
     void split(std::size_t j);
     [[nodiscard]] const StrategySums& sums(std::uint32_t row) const { return walk_.sums(row); }

@@ -10,7 +10,8 @@
 
 namespace raylex::transport {
 
-/// A light sample from vertex j, with what the emitter's own cutout leaves of it. False where nothing can arrive.
+/// A light sample from vertex j, by the pair that CameraSubpaths::draw_light_pairs() has drawn, with what the emitter's
+/// own cutout leaves of it. False where nothing can arrive.
 inline bool draw_light_sample(const SceneView& scene, const LightChooser& chooser, const CameraSubpaths& subpaths,
                               std::size_t j, LightSample& sample) {
     const LightTable& lights = *scene.lights;
@@ -20,8 +21,8 @@ inline bool draw_light_sample(const SceneView& scene, const LightChooser& choose
     constexpr const SubpathDimensions& dimensions = subpath_dimensions<TransportMode::radiance>;
     const std::uint32_t depth = subpaths.path(row).depth;
     const Real u_choice = chooser.needs_number() ? sampler.get_1d(dimensions.of(depth, light_choice_dimension)) : 0.0f;
-    const Vec2 u = sampler.get_2d(dimensions.of(depth, light_sample_dimension));
-    if (!lights.sample(chooser, *scene.geometry, {point.position, point.shading_normal}, u_choice, u, sample))
+    if (!lights.sample(chooser, *scene.geometry, {point.position, point.shading_normal}, u_choice,
+                       subpaths.light_pair(j), sample))
         return false;
     if (!subpaths.can_connect(j, sample.wi)) return false;
     if (scene.tests_alpha()) sample.radiance *= emitter_opacity(scene, sample, point.position);

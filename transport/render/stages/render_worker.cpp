@@ -61,6 +61,7 @@ RenderWorker::RenderWorker(const PreparedJob& prepared, RenderTarget& target, Ti
       rays_(batch_capacity),
       weights_(job_.sampling.camera->weighs_rays() ? batch_capacity : 0),
       samplers_(batch_capacity),
+      filter_pairs_(batch_capacity),
       leave_(leave) {}
 
 void RenderWorker::begin_tile(std::uint64_t tile) {
@@ -89,11 +90,19 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::
     if (left_) return;
     const CameraSampling& from = job_.sampling;
     const bool lens = from.camera->has_lens();
+    filter_pairs_.clear();
     for (int k = 0; k < count; ++k) {
         const std::uint64_t sample = first + static_cast<std::uint64_t>(k);
-        PixelSampler& sampler = samplers_[count_];
+        PixelSampler& sampler = samplers_[count_ + static_cast<std::size_t>(k)];
         make_at(sampler, [&] { return PixelSampler(from.sampler, from.seed, x, y, sample, from.arrangement_bits); });
-        const Vec2 u = sampler.get_2d(filter_dimension);
+        filter_pairs_.add(sampler, filter_dimension);
+    }
+    const bool together = count > 0 && SamplerBatch::takes(samplers_[count_]);
+    if (together) filter_pairs_.draw();
+    for (int k = 0; k < count; ++k) {
+        const std::uint64_t sample = first + static_cast<std::uint64_t>(k);
+        const PixelSampler& sampler = samplers_[count_];
+        const Vec2 u = together ? filter_pairs_[static_cast<std::size_t>(k)] : sampler.get_2d(filter_dimension);
         const display::FilterSample offset = from.splat
                                                  ? display::FilterSample{to_float(u.x) - 0.5f, to_float(u.y) - 0.5f, 1}
                                                  : from.filter->sample(to_float(u.x), to_float(u.y));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "transport/render/stages/render_target.h"
+#include "transport/samplers/sampler_batch.h"
 
 namespace raylex::transport {
 
@@ -101,6 +102,7 @@ class RenderWorker {
     std::vector<Real> weights_;      // of `rays_`; empty where all count alike
     geoaovs::RayBatch camera_rays_;  // of `rays_`, when an AOV asks for depth
     std::vector<PixelSampler> samplers_;
+    SamplerBatch filter_pairs_;  // of the pixel that is added
     std::size_t count_ = 0;
     std::uint32_t tile_ = 0;
     TileLocks::Group adding_;  // of the tile
