@@ -115,6 +115,13 @@ Error error_at(const SourceLocation& where, std::string message, std::string hin
     return error;
 }
 
+Error named_by(Error error, std::string_view what, const SourceLocation& where) {
+    if (!error.hint.empty()) error.hint += "; ";
+    error.hint += "named by " + std::string(what);
+    if (!where.file.empty()) error.hint += " at " + where.file + ":" + std::to_string(where.line);
+    return error;
+}
+
 const Parameter* ParameterSet::find(std::string_view name) const {
     for (const Parameter& parameter : parameters) {
         if (parameter.name != name) continue;

@@ -20,6 +20,8 @@ struct SourceLocation {
 
 /// An Error at `where`.
 Error error_at(const SourceLocation& where, std::string message, std::string hint = {});
+/// The Error of a file that something at `where` names: its hint says so as "named by `what` at file:line".
+Error named_by(Error error, std::string_view what, const SourceLocation& where);
 
 enum class ParameterType : std::uint8_t {
     boolean,

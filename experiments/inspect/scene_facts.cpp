@@ -124,6 +124,22 @@ double coordinate(float rendered, double origin) {
     return (std::abs(rendered) <= std::numeric_limits<float>::min() ? 0.0 : double{rendered}) + origin;
 }
 
+std::string medium_text(const MediumFact& medium) {
+    if (!medium.emits) return medium.name + (medium.scatters ? " (scatters)" : " (absorbs)");
+    return medium.name + (medium.scatters ? " (scatters, emits)" : " (emits)");
+}
+
+/// Without vacuum, as which media stay that nothing uses, and without the insides of subsurface materials.
+std::vector<MediumFact> named_media(const transport::MediumTable& media) {
+    std::vector<MediumFact> facts;
+    for (std::size_t i = 0; i < media.size(); ++i) {
+        const transport::Medium& medium = media[static_cast<std::int32_t>(i)];
+        const bool is_vacuum = medium.grid == nullptr && medium.sigma_t == Rgb{} && !medium.emits;
+        if (!medium.in_body && !is_vacuum) facts.push_back({media.names()[i], medium.scatters, medium.emits});
+    }
+    return facts;
+}
+
 Json json_of(const std::vector<KindCount>& kinds) {
     Json json = Json::object();
     for (const KindCount& each : kinds) json[each.kind] = each.count;
@@ -177,6 +193,7 @@ void add_built_facts(const transport::BuiltScene& built, SceneFacts& facts) {
     }
     facts.build_seconds = built.build_seconds;
     facts.grid_bytes = built.view().media->grid_bytes();
+    facts.media_by_name = named_media(*built.view().media);
     for (const Error& warning : built.warnings) {
         const std::string text = warning.to_string();
         if (std::find(facts.warnings.begin(), facts.warnings.end(), text) == facts.warnings.end())
@@ -201,6 +218,11 @@ std::vector<std::string> lines_of(const SceneFacts& facts) {
     line("materials", kinds_text(facts.materials));
     line("textures", kinds_text(facts.textures));
     line("media", kinds_text(facts.media));
+    if (!facts.media_by_name.empty()) {
+        std::vector<std::string> media;
+        for (const MediumFact& each : facts.media_by_name) media.push_back(medium_text(each));
+        line("medium names", names_text(media, 12));
+    }
     line("lights", kinds_text(facts.lights) + "; " + counted(facts.emitters, "emitter") + " to choose from");
     line("labels", names_text(facts.labels, 12));
     line("light groups", names_text(facts.light_groups, 12));
@@ -254,6 +276,9 @@ Json json_of(const SceneFacts& facts) {
         json["build_seconds"] = facts.build_seconds;
         json["peak_bytes"] = facts.peak_bytes;
         json["grid_bytes"] = facts.grid_bytes;
+        json["media_by_name"] = Json::object();
+        for (const MediumFact& each : facts.media_by_name)
+            json["media_by_name"][each.name] = {{"scatters", each.scatters}, {"emits", each.emits}};
     }
     return json;
 }

@@ -17,6 +17,12 @@ struct KindCount {
     std::uint64_t count = 0;
 };
 
+/// A medium that paths meet, by the name that its events have as label.
+struct MediumFact {
+    std::string name;
+    bool scatters = false, emits = false;
+};
+
 struct SceneFacts {
     std::string file;
     std::vector<KindCount> shapes;      ///< directives by kind, those of objects once
@@ -39,6 +45,7 @@ struct SceneFacts {
     double read_seconds = 0, build_seconds = 0;
     std::uint64_t peak_bytes = 0;  ///< of the process so far, what building took for a while included
     std::uint64_t grid_bytes = 0;  ///< of the grids of media, as they are rendered
+    std::vector<MediumFact> media_by_name;
 };
 
 SceneFacts scene_facts(const transport::SceneDescription& scene);

@@ -66,6 +66,26 @@ TEST_CASE("raylex scene info counts what a scene holds and says where it stands"
     CHECK(contains(run_raylex(folder, "scene info room.pbrt --picture room.jpg").err, "expected a PNG file name"));
 }
 
+TEST_CASE("raylex scene info says by name what media do") {
+    const Folder folder;
+    folder.write("media.pbrt",
+                 "MakeNamedMedium \"smoke\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [1 1 1]\n"
+                 "MakeNamedMedium \"ink\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [0 0 0]\n"
+                 "MakeNamedMedium \"fire\" \"string type\" \"uniformgrid\" \"integer nx\" 1 \"integer ny\" 1 "
+                 "\"integer nz\" 1 \"float density\" [1] \"rgb sigma_s\" [1 1 1] \"rgb Le\" [1 1 1]\n"
+                 "MakeNamedMedium \"unused\" \"string type\" \"homogeneous\"\n"
+                 "WorldBegin\nMaterial \"interface\"\n"
+                 "MediumInterface \"smoke\" \"\" Shape \"sphere\"\nTranslate 4 0 0\n"
+                 "MediumInterface \"ink\" \"\" Shape \"sphere\"\nTranslate 4 0 0\n"
+                 "MediumInterface \"fire\" \"\" Shape \"sphere\"\nTranslate 4 0 0\n"
+                 "Material \"subsurface\" MediumInterface \"\" \"\" Shape \"sphere\"\n");
+    const Outcome outcome = run_raylex(folder, "scene info media.pbrt --json facts.json");
+    CAPTURE(outcome.out, outcome.err);
+    REQUIRE(outcome.code == 0);
+    CHECK(contains(outcome.out, "medium names  smoke (scatters), ink (absorbs), fire (scatters, emits)\n"));
+    CHECK(experiments::parse_json(folder.read("facts.json"))["media_by_name"]["fire"]["emits"] == true);
+}
+
 TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, and exits with 1") {
     const Folder folder;
     const auto check = [&](const std::string& world, const std::string& doubt) {
@@ -206,12 +226,42 @@ TEST_CASE("raylex scene check tells all files that are missing, each at its line
     const Folder folder;
     folder.write("gaps.pbrt",
                  "WorldBegin\nLightSource \"infinite\" \"string filename\" \"no/sky.exr\"\n"
+                 "MakeNamedMaterial \"wood\" \"string type\" \"diffuse\" NamedMaterial \"wood\"\n"
                  "Shape \"plymesh\" \"string filename\" \"no/mesh.ply\"\n");
     const Outcome outcome = run_raylex(folder, "scene check gaps.pbrt");
     INFO(outcome.out << outcome.err);
     CHECK(outcome.code == 1);
-    CHECK(contains(outcome.out, "2 files that cannot be found"));
+    CHECK(contains(outcome.out, "0 doubts, 2 files that cannot be found"));  // the mesh may use the wood
     CHECK(contains(outcome.err, "gaps.pbrt:2:24: cannot find file 'no/sky.exr'"));
-    CHECK(contains(outcome.err, "gaps.pbrt:3:1: cannot find file 'no/mesh.ply'"));
+    CHECK(contains(outcome.err, "gaps.pbrt:4:1: cannot find file 'no/mesh.ply'"));
     CHECK(contains(outcome.err, "looked in"));
+
+    folder.write("ptex.pbrt", "WorldBegin\nTexture \"a\" \"spectrum\" \"ptex\" \"string filename\" \"no/a.ptx\"\n");
+    const Outcome ptex = run_raylex(folder, "render ptex.pbrt");
+    CHECK(ptex.code == 2);
+    CHECK(contains(ptex.err, "ptex.pbrt:2:31: cannot find file 'no/a.ptx'"));
+    CHECK(contains(ptex.err, "of ptex textures raylex reads no files: imagemap takes images"));
+}
+
+TEST_CASE("a file that cannot be read says where the scene names it") {
+    const Folder folder;
+    folder.write("bad.spd", "400 1\n300 1\n");
+    folder.write("bad.dat", "# radius thickness eta diameter\n1 2 3\n");
+    folder.write("bad.png", "no picture");
+    const auto said = [&](const std::string& scene) {
+        folder.write("names.pbrt", "# a scene\n" + scene);
+        const Outcome outcome = run_raylex(folder, "render names.pbrt --spp 1 -o out.exr");
+        CHECK(outcome.code == 2);
+        return outcome.err;
+    };
+    using Catch::Matchers::Contains;
+    CHECK_THAT(said("WorldBegin\nLightSource \"infinite\" \"spectrum L\" \"bad.spd\"\n"),
+               Contains("bad.spd: spectrum file: wavelength 300 follows 400") &&
+                   Contains("named by 'spectrum L' at names.pbrt:3"));
+    CHECK_THAT(said("Camera \"realistic\" \"string lensfile\" \"bad.dat\"\nWorldBegin\nLightSource \"infinite\"\n"),
+               Contains("bad.dat:2: 3 numbers in a row") && Contains("named by 'lensfile' at names.pbrt:2"));
+    CHECK_THAT(said("WorldBegin\n\nLightSource \"infinite\" \"string filename\" \"bad.png\"\n"),
+               Contains("bad.png: unknown image format") && Contains("named by the infinite light at names.pbrt:4"));
+    CHECK_THAT(said("WorldBegin\nLightSource \"infinite\"\nShape \"plymesh\" \"string filename\" \"bad.png\"\n"),
+               Contains("named by the plymesh at names.pbrt:4"));
 }

@@ -81,12 +81,7 @@ Result<Aperture> Aperture::named(const std::string& name, const SourceLocation& 
                     static_cast<float>(shape((x + 0.5) / (resolution / 2) - 1, 1 - (y + 0.5) / (resolution / 2))));
     } else {
         auto image = read_image(name);
-        if (!image) {
-            Error error = image.error();
-            if (!error.hint.empty()) error.hint += "; ";
-            error.hint += "named by 'aperture' at " + where.file + ":" + std::to_string(where.line);
-            return error;
-        }
+        if (!image) return named_by(image.error(), "'aperture'", where);
         static_cast<void>(clear_invalid_texels(*image, NegativeTexels::cleared));
         aperture.width_ = image->width;
         aperture.height_ = image->height;

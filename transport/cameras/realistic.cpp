@@ -24,7 +24,7 @@ Result<std::unique_ptr<Camera>> RealisticCamera::build(const SceneEntity& entity
     if (!aperture) return aperture.error();
     std::vector<Error> warnings;
     auto lens = LensSystem::read(*file, *diameter * 1e-3, std::move(*aperture), entity.location, warnings);
-    if (!lens) return lens.error();
+    if (!lens) return named_by(lens.error(), "'lensfile'", entity.location);
     if (Status s = lens->focus(*distance, entity.location); !s) return s.error();
     const double diagonal = placement.film_diagonal * 1e-3,
                  aspect = static_cast<double>(placement.height) / static_cast<double>(placement.width);

@@ -176,7 +176,7 @@ Result<VisibleSpectrum> read_text(const Parameter& parameter, bool extend) {
         return error_at(parameter.location, "'" + name + "' is neither a named spectrum nor a readable file",
                         known_names_hint(name));
     Result<SampledSpectrum> samples = read_spd(name);
-    if (!samples) return samples.error();
+    if (!samples) return named_by(samples.error(), "'spectrum " + parameter.name + "'", parameter.location);
     return resample(samples->wavelengths, samples->values, extend);
 }
 

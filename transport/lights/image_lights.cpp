@@ -115,12 +115,7 @@ Result<RgbImage> read_light_image(const SceneEntity& source, const std::string& 
                                   ImageValues values) {
     auto image =
         read_image(resolve_path(file, source.location.file.empty() ? context.scene.file : source.location.file), "");
-    if (!image) {
-        Error error = image.error();
-        if (!error.hint.empty()) error.hint += "; ";
-        error.hint += "named by the " + source.type + " light at line " + std::to_string(source.location.line);
-        return error;
-    }
+    if (!image) return named_by(image.error(), "the " + source.type + " light", source.location);
     if (const auto invalid = clear_invalid_texels(*image, NegativeTexels::cleared))
         context.warnings.push_back(
             error_at(source.location, "image '" + file + "' of a " + source.type + " light: " + *invalid));

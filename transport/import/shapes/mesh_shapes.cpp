@@ -192,12 +192,7 @@ Result<std::vector<SceneShape>> make_ply_mesh(const ParameterSet& set, const Sha
     const Result<std::string> path = context.search.find(*name, where);
     if (!path) return path.error();
     Result<PlyMesh> mesh = read_ply(*path);
-    if (!mesh) {
-        Error error = mesh.error();
-        error.hint += (error.hint.empty() ? "" : "; ") + std::string("named by the plymesh at ") + where.file + ":" +
-                      std::to_string(where.line);
-        return error;
-    }
+    if (!mesh) return named_by(mesh.error(), "the plymesh", where);
 
     SceneShape base;
     base.location = set.location;

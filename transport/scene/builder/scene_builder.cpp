@@ -232,7 +232,11 @@ Status SceneBuilder::add_texture(const SceneName& name, TextureValue value, cons
     const Result<Transform> transform = settled(to_world, where);
     if (!transform) return transform.error();
     Result<SceneEntity> entity = make_entity(type, EntityKind::texture, std::move(parameters), where, !spectrum);
-    if (!entity) return entity.error();
+    if (!entity) {
+        Error error = entity.error();  // finding the file would not help
+        if (type == "ptex") error.hint += "; of ptex textures raylex reads no files: imagemap takes images";
+        return error;
+    }
     SceneTexture texture;
     static_cast<SceneEntity&>(texture) = std::move(*entity);
     texture.name = name.text;
