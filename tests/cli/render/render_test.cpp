@@ -330,9 +330,3 @@ TEST_CASE("a job's parameter that its type does not have is refused before rende
     folder.write("f.toml", scene + "[filter]\ntype = 'gaussian'\nradius = 3.0\n");
     check_refused(folder, "render f.toml", {"f.toml:5:", "'radius'", "xradius"});
 }
-
-TEST_CASE("an unknown subcommand is named, with what there is") {
-    const Folder folder;
-    check_refused(folder, "rendr room.pbrt", {"'rendr'", "did you mean 'render'"});
-    check_refused(folder, "lpe chek", {"'chek'", "did you mean 'check'", "raylex lpe --help"});
-}
