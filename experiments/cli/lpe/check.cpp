@@ -259,7 +259,7 @@ Result<std::optional<lpe::ChannelSource>> find_whole(const CheckOptions& options
     one.file.channels.emplace_back().source = bare_expression(options.of, options.dialect.value(), "", "--of");
     std::vector<std::string> warnings;
     auto expanded = expanded_channels(one, warnings);
-    if (!expanded) return expanded.error();
+    if (!expanded) return about_channel_name(expanded.error(), options.of, set);
     for (const std::string& warning : warnings) print_warning(warning);
     return std::optional(std::move(expanded->front()));
 }
