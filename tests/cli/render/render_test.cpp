@@ -195,6 +195,11 @@ TEST_CASE("--dialect rules the --lpe that follow it") {
     REQUIRE(run_raylex(folder, "render room.pbrt --spp 1 --lpe a='CD?<L.>' --dialect osl --lpe b='CDDL'").code == 0);
     check_refused(folder, "render room.pbrt -o b.exr --spp 1 --dialect osl --lpe a='CD?L'", {"--lpe a", "^"});
     check_refused(folder, "render room.pbrt -o b.exr --dialect french --lpe a=CDL", {"french", "renderman or osl"});
+    // One that rules nothing is a slip, wherever it stands.
+    const std::string no_effect = "follows '--dialect osl'";
+    check_refused(folder, "render room.pbrt -o b.exr --lpe a=CDL --dialect osl", {no_effect, "expected it before"});
+    check_refused(folder, "render room.pbrt -o b.exr --dialect osl --aov z", {no_effect});
+    check_refused(folder, "render room.pbrt -o b.exr --dialect osl --dialect renderman --lpe a=CDL", {no_effect});
 }
 
 TEST_CASE("bad scenes end with file, line and what was expected", "[law7]") {
