@@ -38,10 +38,7 @@ void print_sampling(const RenderSummary& of) {
 
 void print_summary(const RenderSummary& of) {
     const transport::RenderStatistics& statistics = of.output.statistics;
-    for (const display::SplitVerdict& verdict : of.splits) {
-        print_verdict(verdict_line(verdict), verdict.holds);
-        if (!verdict.holds) print_line("  " + write_residual_map(verdict, of.image));
-    }
+    print_verdicts_of_new(of.splits, of.image);
     if (of.deep) print_verdict(deep_line(*of.deep), of.deep->holds);
     if (of.atlas) {
         const auto pixels = static_cast<std::uint64_t>(of.output.width) * static_cast<std::uint64_t>(of.output.height);

@@ -202,6 +202,17 @@ TEST_CASE("--dialect rules the --lpe that follow it") {
     check_refused(folder, "render room.pbrt -o b.exr --dialect osl --dialect renderman --lpe a=CDL", {no_effect});
 }
 
+TEST_CASE("the map of a failure that an earlier render left goes when its split holds") {
+    const SceneFolder folder;
+    for (const char* name : {"out.light_groups.residual.png", "out.other.residual.png", "other.residual.png"})
+        folder.write(name, "of an earlier image");
+    REQUIRE(run_raylex(folder, "render room.pbrt -o out.exr --spp 1 --light-groups").code == 0);
+    CHECK_FALSE(folder.has("out.light_groups.residual.png"));
+    // A split of another name may be of anything.
+    CHECK(folder.has("out.other.residual.png"));
+    CHECK(folder.has("other.residual.png"));
+}
+
 TEST_CASE("bad scenes end with file, line and what was expected", "[law7]") {
     const Folder folder;
     check_refused(folder, "render absent.pbrt", {"absent.pbrt"});
