@@ -79,6 +79,8 @@ int merge_records(const ImageMergeOptions& options, const std::vector<std::strin
     if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
     if (Status writable = display::check_writable(options.output); !writable) return report_error(writable.error());
     const std::vector<std::string> records = records_of(options);
+    if (is_standard_output(options.atlas))
+        return report_error("an atlas cannot go to standard output, '-'; expected the name of a file");
     if (!options.atlas.empty())
         if (Status writable = display::check_writable(options.atlas); !writable) return report_error(writable.error());
     if (records.empty())

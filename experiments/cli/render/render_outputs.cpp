@@ -53,14 +53,14 @@ void print_memory(const RenderOutputs& outputs, std::uint64_t limit) {
 }
 
 std::vector<std::string> requested_files(const Job& job) {
+    const std::string statistics = is_standard_output(job.statistics) ? std::string() : job.statistics;
+    std::vector<std::string> files;
     if (job.shard) {
-        std::vector<std::string> files{job.shard->record, job.statistics};
-        if (job.statistics.empty()) files.pop_back();
-        return files;
+        files = {job.shard->record, statistics};
+    } else {
+        files = {job.output, job.preview, statistics, job.outputs.deep.file, job.outputs.atlas.file};
+        for (const display::DriverRequest& request : job.outputs.drivers) files.push_back(file_of(request));
     }
-    std::vector<std::string> files{job.output, job.preview, job.statistics, job.outputs.deep.file,
-                                   job.outputs.atlas.file};
-    for (const display::DriverRequest& request : job.outputs.drivers) files.push_back(file_of(request));
     std::erase_if(files, [](const std::string& file) { return file.empty(); });
     return files;
 }

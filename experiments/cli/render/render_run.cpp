@@ -121,6 +121,7 @@ class RenderRun {
 
     /// Everything that must be writable after the render is asked for before it.
     Step check_outputs() {
+        take_standard_output_for(job_.statistics);
         if (fs::path(job_.output).extension() != ".exr")
             return report_error("the output '" + job_.output +
                                 "' has no name ending in .exr; expected an OpenEXR file name");
@@ -130,6 +131,8 @@ class RenderRun {
             for (const std::string& path : {job_.output, checkpoint_file(job_)}) display::remove_abandoned(path);
         std::vector<std::string> taken{job_.scene_file, job_.job_file};
         for (const std::string& path : requested_files(job_)) {
+            if (is_standard_output(path))
+                return report_error("an image cannot go to standard output, '-'; expected the name of a file");
             for (const std::string& other : taken) {
                 std::error_code failed;
                 if (!other.empty() && (path == other || fs::equivalent(path, other, failed)))
@@ -419,7 +422,7 @@ class RenderRun {
         if (job_.statistics.empty()) return go_on;
         RunRecord record{&job_,   &*output_,   arguments_,        phases_,         warnings_,
                          splits_, attributes_, outputs_.memory(), outputs_.deep(), loaded_->effects};
-        Status written = display::write_text_file(job_.statistics, statistics_json(record));
+        Status written = write_text(job_.statistics, statistics_json(record));
         if (!written) return report_error(written.error());
         return go_on;
     }

@@ -61,7 +61,7 @@ void print_summary(const RenderSummary& of) {
     if (!of.beauties.empty())
         print_line("the beauty by another name: " + lpe::joined_by(of.beauties, ", ") + " (every path of this scene)");
     for (const std::string& path : of.files) print_line(path);
-    if (!of.job.statistics.empty()) print_line(of.job.statistics);
+    if (!of.job.statistics.empty() && !is_standard_output(of.job.statistics)) print_line(of.job.statistics);
     const auto seconds = [&of](const char* phase) { return duration_text(of.phases.at(phase).wall_seconds); };
     const double cpu = statistics.render_cpu_seconds;
     print_line("load " + seconds("load") + ", plan " + seconds("plan") + ", build " + seconds("build") + ", prepare " +
