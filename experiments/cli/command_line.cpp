@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "display/services/parameters.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/image_commands.h"
 #include "experiments/cli/input_options.h"
+#include "experiments/cli/unknown_words.h"
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
@@ -25,20 +25,17 @@ int finish_parse(const CLI::App& app, const CLI::ParseError& error) {
     return code == 0 ? exit_holds : exit_bad_input;
 }
 
-/// CLI11 asks for a subcommand without saying that it did not know the word that was there.
+/// CLI11 asks for a subcommand without saying that it did not know the word that was there, and for an option that is
+/// required without saying that it did not know another, which may be that one misspelt.
 std::string what_failed(const CLI::App& command, const CLI::Error& error) {
+    const auto* extras = dynamic_cast<const CLI::ExtrasError*>(&error);
+    const auto* required = dynamic_cast<const CLI::RequiredError*>(&error);
+    if (extras != nullptr || required != nullptr)
+        if (std::string unknown = unknown_option(command); !unknown.empty()) return unknown;
+    if (command.get_subcommands([](const CLI::App*) { return true; }).empty()) return error.what();
     const std::vector<std::string> rest = command.remaining();
-    std::vector<std::string> known;
-    std::string list;
-    for (const CLI::App* each : command.get_subcommands([](const CLI::App*) { return true; })) {
-        known.push_back(each->get_name());
-        list += (list.empty() ? "" : ", ") + each->get_name();
-    }
-    if (known.empty()) return error.what();
-    if (rest.empty() || rest.front().starts_with('-')) return std::string(error.what()) + "; expected one of: " + list;
-    const std::string near = nearest_name(rest.front(), known);
-    return "unknown subcommand '" + rest.front() + "'; expected one of: " + list +
-           (near.empty() ? "" : "\ndid you mean '" + near + "'?");
+    return rest.empty() ? std::string(error.what()) + "; " + expected_subcommands(command)
+                        : unknown_subcommand(command, rest.front());
 }
 
 /// --color on every command, since nobody remembers on which side of one it belongs. It holds from where it is read on:
@@ -77,14 +74,10 @@ int run_command_line(int argc, const char* const* argv) {
         "what --budget does.");
     app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
         // The innermost subcommand that was named is the one whose help is of use.
-        std::string command = "raylex";
         const CLI::App* innermost = failed;
-        while (!innermost->get_subcommands().empty()) {
-            innermost = innermost->get_subcommands().front();
-            command += " " + innermost->get_name();
-        }
+        while (!innermost->get_subcommands().empty()) innermost = innermost->get_subcommands().front();
         return "raylex: " + tinted("error:", Tint::error, true) + " " + what_failed(*innermost, error) + "\nRun '" +
-               command + " --help' for what is expected.\n";
+               command_words(*innermost) + " --help' for what is expected.\n";
     });
     add_render_command(app, context);
     add_lpe_command(app, context);
@@ -101,6 +94,7 @@ int run_command_line(int argc, const char* const* argv) {
     add_stability_command(app, context);
     add_plugins_command(app, context);
     add_ocio_command(app, context);
+    add_help_command(app, context);
     add_color_option(app);
     add_input_options(app);
     if (Status ready = prepare_reading(); !ready) return report_error(ready.error());

@@ -26,7 +26,7 @@ bool is_path_option(const CLI::Option& option) {
 }
 
 std::string value_standing_alone(const CLI::Option& option, const std::string& value) {
-    if (!is_path_option(option)) return value;
+    if (!is_path_option(option) || is_standard_output(value)) return value;
     std::error_code failed;
     const bool by_name = option.check_lname("plugin") || option.check_lname("ocio");
     return by_name && !fs::exists(value, failed) ? value : absolute_path(value);

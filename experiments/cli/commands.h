@@ -29,5 +29,6 @@ void add_submit_command(CLI::App& app, CommandContext& context);
 void add_status_command(CLI::App& app, CommandContext& context);
 void add_experiment_command(CLI::App& app, CommandContext& context);
 void add_scene_command(CLI::App& app, CommandContext& context);
+void add_help_command(CLI::App& app, CommandContext& context);
 
 }  // namespace raylex::experiments

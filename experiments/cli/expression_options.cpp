@@ -64,19 +64,31 @@ void add_expression_options(const OptionGroup& group, ExpressionOptions& options
 Status read_expressions(const CLI::App& command, const ExpressionOptions& options, Job& job) {
     lpe::Dialect dialect = lpe::Dialect::renderman;
     std::size_t next_expression = 0, next_dialect = 0, next_file = 0;
+    bool rules_nothing = false;
+    const auto check_dialect = [&]() -> Status {
+        if (!rules_nothing) return success();
+        return error_at(at_option("--dialect"), "no --lpe or --channels follows '--dialect " +
+                                                    options.dialects[next_dialect - 1] +
+                                                    "', and it is of those that follow; expected it before them");
+    };
     for (const CLI::Option* option : command.parse_order()) {
         if (option->get_name() == "--dialect") {
+            if (Status used = check_dialect(); !used) return used;
             auto parsed = parse_dialect(options.dialects[next_dialect++], at_option("--dialect"));
             if (!parsed) return parsed.error();
             dialect = *parsed;
+            rules_nothing = true;
         } else if (option->get_name() == "--lpe") {
             auto request = parse_named_expression(options.expressions[next_expression++], dialect, "--lpe");
             if (!request) return request.error();
             job.expressions.push_back(std::move(*request));
+            rules_nothing = false;
         } else if (option->get_name() == "--channels") {
             if (Status read = read_channel_file(options.channel_files[next_file++], dialect, job); !read) return read;
+            rules_nothing = false;
         }
     }
+    if (Status used = check_dialect(); !used) return used;
     if (!options.partition.empty()) job.shipped_partition = true;
     if (options.light_groups) job.light_groups = true;
     return success();

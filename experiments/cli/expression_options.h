@@ -21,7 +21,7 @@ struct ExpressionOptions {
 
 void add_expression_options(const OptionGroup& group, ExpressionOptions& options);
 /// Adds to the job: --lpe NAME=EXPR and --channels FILE in the order given, each in the dialect of the last --dialect
-/// before it, then partition and light groups.
+/// before it, then partition and light groups. Errors: theirs, and a --dialect that none of them follows.
 Status read_expressions(const CLI::App& command, const ExpressionOptions& options, Job& job);
 
 /// "NAME=EXPR" as given to `option`.

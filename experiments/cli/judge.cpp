@@ -2,12 +2,15 @@
 
 #include <filesystem>
 
+#include "display/output/atomic_file.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/tint.h"
 
 namespace raylex::experiments {
 namespace {
+
+namespace fs = std::filesystem;
 
 std::string target_name(const display::SplitVerdict& verdict) {
     return verdict.of.empty() ? "beauty" : verdict.of;
@@ -56,6 +59,12 @@ std::string allowance_text(const display::SplitVerdict& verdict) {
     return text;
 }
 
+fs::path residual_map_beside(const display::SplitVerdict& verdict, const display::ExrImage& image) {
+    const fs::path source(image.path);
+    return source.parent_path() /
+           (source.stem().string() + "." + (verdict.partition.empty() ? "sum" : verdict.partition) + ".residual.png");
+}
+
 }  // namespace
 
 std::string verdict_text(const display::SplitVerdict& verdict, const std::string& title) {
@@ -95,19 +104,28 @@ std::string verdict_line(const display::SplitVerdict& verdict) {
 }
 
 std::string write_residual_map(const display::SplitVerdict& verdict, const display::ExrImage& image) {
-    namespace fs = std::filesystem;
     if (verdict.residual.empty()) return "no residual map: the image has no pixels";
-    const fs::path source(image.path);
-    const fs::path name =
-        source.stem().string() + "." + (verdict.partition.empty() ? "sum" : verdict.partition) + ".residual.png";
+    const fs::path beside = residual_map_beside(verdict, image);
     std::string reason;
-    for (const fs::path& path : {source.parent_path() / name, name}) {
+    for (const fs::path& path : {beside, beside.filename()}) {
         Status written = display::write_residual_png(path.string(), verdict, image.width, image.height);
         if (written)
             return "residual map: " + path.string() + " (blue to violet within the bound, red to yellow above it)";
         reason = written.error().message;
     }
     return "no residual map: " + reason;
+}
+
+bool print_verdicts_of_new(std::span<const display::SplitVerdict> verdicts, const display::ExrImage& image) {
+    bool hold = true;
+    for (const display::SplitVerdict& verdict : verdicts) {
+        print_verdict(verdict_line(verdict), verdict.holds);
+        hold = hold && verdict.holds;
+        const std::string map = residual_map_beside(verdict, image).string();
+        if (!verdict.holds) print_line("  " + write_residual_map(verdict, image));
+        else if (Status removed = display::remove_file(map); !removed) print_warning(removed.error().to_string());
+    }
+    return hold;
 }
 
 std::string atlas_line(const display::AtlasVerdict& verdict, std::uint64_t pixels) {

@@ -1,6 +1,7 @@
 // Split-sum verdicts as text, and the heat map that a failure leaves.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "display/output/atlas/atlas_file.h"
@@ -25,5 +26,9 @@ int judge_atlas(display::AtlasFile& file);
 /// Writes STEM.PARTITION.residual.png beside the image, or into the current directory when that fails. The text says
 /// where it is, or why there is none.
 std::string write_residual_map(const display::SplitVerdict& verdict, const display::ExrImage& image);
+
+/// Verdicts on an image that took the place of an earlier one, a line each; a failure leaves its map, and where the
+/// split holds, the map that the earlier image left is of no image any more and is removed. Returns whether all hold.
+bool print_verdicts_of_new(std::span<const display::SplitVerdict> verdicts, const display::ExrImage& image);
 
 }  // namespace raylex::experiments

@@ -9,6 +9,7 @@
 #include "experiments/job/job_tables.h"
 #include "experiments/job/sampling_requests.h"
 #include "experiments/job/text/toml_text.h"
+#include "experiments/program/console.h"
 #include "transport/plugins/plugin_loader.h"
 
 namespace raylex::experiments {
@@ -36,7 +37,8 @@ void read_files(TomlTable& root, const std::string& job_path, Job& job) {
         TomlTable output(root.source(), *table, "[output]");
         if (output.read("file", job.output)) job.output = beside_job(job_path, job.output);
         if (output.read("preview", job.preview)) job.preview = beside_job(job_path, job.preview);
-        if (output.read("stats", job.statistics)) job.statistics = beside_job(job_path, job.statistics);
+        if (output.read("stats", job.statistics) && !is_standard_output(job.statistics))
+            job.statistics = beside_job(job_path, job.statistics);
         read_viewer(output, job.outputs);
         output.close();
     }

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "display/output/atomic_file.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/tint.h"
 
@@ -15,6 +16,7 @@ namespace raylex::experiments {
 namespace {
 
 ColorChoice chosen_color = ColorChoice::automatic;
+bool lines_to_error_stream = false;
 
 bool is_colored(int descriptor) {
     if (chosen_color != ColorChoice::automatic) return chosen_color == ColorChoice::always;
@@ -65,11 +67,25 @@ void print_note(const std::string& message) {
 }
 
 void print_line(const std::string& text) {
-    std::printf("%s\n", text.c_str());
+    std::fprintf(lines_to_error_stream ? stderr : stdout, "%s\n", text.c_str());
+}
+
+bool is_standard_output(const std::string& path) {
+    return path == "-";
+}
+
+void take_standard_output_for(const std::string& path) {
+    lines_to_error_stream = lines_to_error_stream || is_standard_output(path);
+}
+
+Status write_text(const std::string& path, const std::string& text) {
+    if (!is_standard_output(path)) return display::write_text_file(path, text);
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    return success();
 }
 
 void print_verdict(const std::string& text, bool holds) {
-    print_line(tinted(text, holds ? Tint::good : Tint::bad, false));
+    print_line(tinted(text, holds ? Tint::good : Tint::bad, lines_to_error_stream));
 }
 
 bool error_stream_is_terminal() {

@@ -14,7 +14,15 @@ int report_error(const Error& error);
 int report_error(const std::string& message);
 void print_warning(const std::string& message);  ///< to standard error
 void print_note(const std::string& message);     ///< to standard error, where standard output is a file for others
-void print_line(const std::string& text);        ///< to standard output
+void print_line(const std::string& text);        ///< to standard output, but see take_standard_output_for()
+
+/// Whether the name of a text file is that of standard output: "-".
+[[nodiscard]] bool is_standard_output(const std::string& path);
+/// Lines, verdicts among them, go to standard error from here on if this is standard output: what reads it expects the
+/// text and nothing else.
+void take_standard_output_for(const std::string& path);
+/// To a file, or to standard output.
+Status write_text(const std::string& path, const std::string& text);
 
 [[nodiscard]] bool error_stream_is_terminal();
 

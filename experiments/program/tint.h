@@ -14,7 +14,7 @@ enum class Tint { error, warning, good, bad };
 /// The text in that colour, when what is written to standard error (or else standard output) is to be coloured.
 [[nodiscard]] std::string tinted(const std::string& text, Tint tint, bool error_stream);
 
-/// To standard output, green where a check holds and red where it does not.
+/// As print_line() does, green where a check holds and red where it does not.
 void print_verdict(const std::string& text, bool holds);
 
 }  // namespace raylex::experiments

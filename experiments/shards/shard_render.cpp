@@ -147,7 +147,8 @@ Result<bool> ShardRender::is_done(const transport::RenderPlan& plan, std::string
         "render as it was begun, choose another file with -o, or remove this one to render the shard again");
 }
 
-Status ShardRender::write(const transport::RenderOutput& output, const display::ImageDescription& description,
+Status ShardRender::write(const std::string& path, const transport::RenderOutput& output,
+                          const display::ImageDescription& description,
                           const std::vector<ObjectRequest>& filters) const {
     RecordedImage image;
     image.description = description;
@@ -160,8 +161,7 @@ Status ShardRender::write(const transport::RenderOutput& output, const display::
     const display::PixelImage& pixels = output.image();
     const auto bands =
         display::record_bands(pixels.layout(), pixels.channels(), output.frame_buffer.takes_raster_splats());
-    auto record =
-        display::RecordFileWriter::create(request_.record, identity_, bands.size() + output.cryptomatte.size() + 1);
+    auto record = display::RecordFileWriter::create(path, identity_, bands.size() + output.cryptomatte.size() + 1);
     if (!record) return record.error();
     Status added = output.bands ? display::add_bands(*record, bands, *output.bands)
                                 : display::add_bands(*record, output.frame_buffer);

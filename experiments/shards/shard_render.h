@@ -47,9 +47,9 @@ class ShardRender {
     /// Error that names the difference.
     Result<bool> is_done(const transport::RenderPlan& plan, std::string& warning);
 
-    /// Writes the record, after is_done().
-    Status write(const transport::RenderOutput& output, const display::ImageDescription& description,
-                 const std::vector<ObjectRequest>& filters) const;
+    /// Writes the record to `path`, after is_done().
+    Status write(const std::string& path, const transport::RenderOutput& output,
+                 const display::ImageDescription& description, const std::vector<ObjectRequest>& filters) const;
 
     [[nodiscard]] const std::string& record() const { return request_.record; }
     [[nodiscard]] const ShardRange& range() const { return range_; }

@@ -92,6 +92,10 @@ TEST_CASE("verify judges anybody's layers by --of and --sum") {
     Outcome nothing = run_raylex(folder, "verify x.exr");
     CHECK(nothing.code == 2);
     CHECK(nothing.err.find("--sum") != std::string::npos);
+    CHECK(nothing.err.find("raylex verify x.exr --of beauty --sum a,b,...") != std::string::npos);
+    // The command that it tells is one that a shell reads.
+    write_image(folder.path("it's one.exr"), 0, {});
+    CHECK(contains(run_raylex(folder, "verify \"it's one.exr\"").err, "raylex verify 'it'\\''s one.exr' --of beauty"));
     CHECK(run_raylex(folder, "verify x.exr --of beauty --sum a,b").code == 0);
     CHECK(run_raylex(folder, "verify x.exr --sum '[ab]*,a,b'").code == 2);
     CHECK(run_raylex(folder, "verify x.exr --of beauty --sum '?'").code == 0);

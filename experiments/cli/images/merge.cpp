@@ -43,14 +43,7 @@ int judge_merged(const std::string& path) {
     if (image.partitions.empty()) return exit_holds;
     auto verdicts = display::check_declared_splits(*file);
     if (!verdicts) return report_error(verdicts.error());
-    int code = exit_holds;
-    for (const display::SplitVerdict& verdict : *verdicts) {
-        print_verdict(verdict_line(verdict), verdict.holds);
-        if (verdict.holds) continue;
-        print_line("  " + write_residual_map(verdict, image));
-        code = exit_does_not_hold;
-    }
-    return code;
+    return print_verdicts_of_new(*verdicts, image) ? exit_holds : exit_does_not_hold;
 }
 
 /// The atlases that stand beside the records, as one; the exit code.
@@ -86,6 +79,8 @@ int merge_records(const ImageMergeOptions& options, const std::vector<std::strin
     if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
     if (Status writable = display::check_writable(options.output); !writable) return report_error(writable.error());
     const std::vector<std::string> records = records_of(options);
+    if (is_standard_output(options.atlas))
+        return report_error("an atlas cannot go to standard output, '-'; expected the name of a file");
     if (!options.atlas.empty())
         if (Status writable = display::check_writable(options.atlas); !writable) return report_error(writable.error());
     if (records.empty())

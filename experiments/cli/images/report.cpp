@@ -26,15 +26,17 @@ int run_report(const ReportOptions& report) {
             return report_error("the page '" + report.page +
                                 "' is one of the images; expected a file of its own, such as page.html");
     }
-    Status writable = display::check_writable(report.page);
-    if (!writable) return report_error(writable.error());
+    take_standard_output_for(report.page);
+    if (!is_standard_output(report.page))
+        if (Status writable = display::check_writable(report.page); !writable) return report_error(writable.error());
     auto color = display::ColorManager::open(report.ocio);
     if (!color) return report_error(color.error());
     auto page = make_page(report.images, *color, report.options);
     if (!page) return report_error(page.error());
-    Status written = display::write_text_file(report.page, *page);
+    Status written = write_text(report.page, *page);
     if (!written) return report_error(written.error());
-    print_line(report.page + ": " + size_text(static_cast<double>(page->size())));
+    print_line((is_standard_output(report.page) ? "standard output" : report.page) + ": " +
+               size_text(static_cast<double>(page->size())));
     return exit_holds;
 }
 
@@ -47,7 +49,9 @@ void add_report_command(CLI::App& app, CommandContext& context) {
     command->add_option("OUT.exr", options->images, "the images, in the order of the page")
         ->required()
         ->option_text("...");
-    command->add_option("-o,--output", options->page, "the page to write")->required()->option_text("PAGE.html");
+    command->add_option("-o,--output", options->page, "the page to write; -: standard output")
+        ->required()
+        ->option_text("PAGE.html");
     command
         ->add_option("--ocio", options->ocio, "OpenColorIO config; default: $OCIO, else the one that ships with raylex")
         ->option_text("FILE");

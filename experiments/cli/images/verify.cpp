@@ -10,6 +10,7 @@
 #include "display/output/splits/split_check.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/judge.h"
+#include "experiments/job/rendering/provenance.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/verify/presets.h"
@@ -25,8 +26,7 @@ struct VerifyOptions {
 };
 
 /// Prints a verdict; a failure leaves its heat map. Returns whether it holds.
-bool print_verdict(const display::SplitVerdict& verdict, const display::ExrImage& image,
-                   const std::string& title = {}) {
+bool tell_verdict(const display::SplitVerdict& verdict, const display::ExrImage& image, const std::string& title = {}) {
     print_line(image.path + ": " + verdict_text(verdict, title));
     if (!verdict.holds) print_line("  " + write_residual_map(verdict, image));
     return verdict.holds;
@@ -71,7 +71,7 @@ int verify_sum_of(const Source& source, const display::ExrImage& image, const Ve
     auto verdict = display::check_split(source, of, options.sums, options.tolerance.value_or(display::Allowance{}));
     if (!verdict) return report_error(verdict.error());
     note_incomplete(image);
-    return print_verdict(*verdict, image) ? exit_holds : exit_does_not_hold;
+    return tell_verdict(*verdict, image) ? exit_holds : exit_does_not_hold;
 }
 
 int verify_sum(const VerifyOptions& options) {
@@ -94,7 +94,7 @@ Result<bool> verify_found(const display::ExrImage& image, const Preset& preset, 
         verdict->partition = split.title;
         for (char& c : verdict->partition)
             if (c == ' ' || c == '/') c = '-';
-        const bool holds = print_verdict(*verdict, image, std::string(preset.renderer) + " " + split.title);
+        const bool holds = tell_verdict(*verdict, image, std::string(preset.renderer) + " " + split.title);
         print_line("  " + verdict->of + " = " + split.formula);
         if (!split.note.empty()) print_line("  " + split.note);
         all_hold = all_hold && holds;
@@ -155,13 +155,13 @@ std::string some_layers(const display::ExrImage& image) {
 
 std::string without_partition(const display::ExrImage& image) {
     std::string text = image.path + ": no partition is declared in the header, so there is nothing to judge. ";
-    const std::string command = "raylex verify '" + image.path + "'";
+    const std::string command = "raylex verify " + shell_command({image.path});
     for (const Preset& preset : presets())
         if (is_named_after(preset, image))
             text += "Its layers are named as " + std::string(preset.renderer) + " names them: " + command +
                     " --preset " + preset.name + ". ";
-    return text + "Say which layers must sum to which: " + command + " --of beauty --sum '" + some_layers(image) +
-           "'. The layers are: " + display::list_names(image.layer_names());
+    return text + "Say which layers must sum to which: " + command + " --of beauty --sum " +
+           shell_command({some_layers(image)}) + ". The layers are: " + display::list_names(image.layer_names());
 }
 
 int verify_declared(const VerifyOptions& options) {
@@ -186,7 +186,7 @@ int verify_declared(const VerifyOptions& options) {
         auto verdicts = display::check_declared_splits(*bands, options.tolerance.value_or(display::Allowance{}));
         if (!verdicts) return report_error(verdicts.error());
         note_incomplete(image);
-        for (const display::SplitVerdict& verdict : *verdicts) all_hold = print_verdict(verdict, image) && all_hold;
+        for (const display::SplitVerdict& verdict : *verdicts) all_hold = tell_verdict(verdict, image) && all_hold;
     }
     if (!without.empty()) return report_error(without);
     return all_hold ? exit_holds : exit_does_not_hold;

@@ -1,10 +1,12 @@
 // Expressions and channels as the `raylex lpe` commands take them.
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <filesystem>
 #include <map>
 #include <utility>
 
+#include "display/services/parameters.h"
 #include "experiments/cli/expression_options.h"
 #include "experiments/cli/lpe/commands.h"
 #include "experiments/program/console.h"
@@ -134,13 +136,30 @@ Result<lpe::ChannelSource> channel_or_expression(const std::string& text, const 
     if (arguments.files.empty()) return source;
     auto set = read_channel_set(arguments, dialect);
     if (!set) return set.error();
+    const ChannelSet all = *set;
     std::erase_if(set->file.channels, [&](const lpe::FileChannel& each) { return each.source.name != text; });
     if (set->file.channels.empty()) set->file.channels.emplace_back().source = std::move(source);
     std::vector<std::string> warnings;
     auto expanded = expanded_channels(*set, warnings);
-    if (!expanded) return expanded.error();
+    if (!expanded) return about_channel_name(expanded.error(), text, all);
     for (const std::string& warning : warnings) print_warning(warning);
     return std::move(expanded->front());
+}
+
+Error about_channel_name(Error error, const std::string& text, const ChannelSet& set) {
+    const auto in_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+    const bool of_text = error.excerpt == text;  // and not of a macro that it names
+    if (!of_text || set.file.channels.empty() || !std::all_of(text.begin(), text.end(), in_name)) return error;
+    std::vector<std::string> names;
+    std::string list;
+    for (const lpe::FileChannel& each : set.file.channels) {
+        if (each.source.name == text) return error;  // the channel is there, and its expression is wrong
+        names.push_back(each.source.name);
+        list += (list.empty() ? "" : ", ") + each.source.name;
+    }
+    const std::string near = near_miss(text, names);
+    error.hint = near.empty() ? "channels that are given: " + list : near;
+    return error;
 }
 
 void add_channel_output(CLI::App& command, ChannelOutput& output, const std::string& description) {

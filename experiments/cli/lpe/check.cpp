@@ -259,7 +259,7 @@ Result<std::optional<lpe::ChannelSource>> find_whole(const CheckOptions& options
     one.file.channels.emplace_back().source = bare_expression(options.of, options.dialect.value(), "", "--of");
     std::vector<std::string> warnings;
     auto expanded = expanded_channels(one, warnings);
-    if (!expanded) return expanded.error();
+    if (!expanded) return about_channel_name(expanded.error(), options.of, set);
     for (const std::string& warning : warnings) print_warning(warning);
     return std::optional(std::move(expanded->front()));
 }
@@ -327,6 +327,9 @@ int finish(const CheckOptions& options, ChannelSet& set, const std::vector<Check
 }
 
 int run_check(CheckOptions options) {
+    if (options.json && is_standard_output(options.output.path))
+        return report_error("--json and -o - both write to standard output; expected the name of a file behind -o");
+    take_standard_output_for(options.output.path);
     if (Status taken = take_channel_files(options.channels); !taken) return report_error(taken.error());
     auto set = read_channel_set(options.channels, options.dialect.value());
     if (!set) return report_error(set.error());
@@ -381,7 +384,9 @@ void add_lpe_check_commands(CLI::App& lpe, CommandContext& context) {
         ->option_text("NAME");
     check->add_flag("--json", options->json, "everything as JSON on standard output");
     add_path_options(*check, options->paths);
-    add_channel_output(*check, options->output, "also writes the channels, in any format; any verdict");
+    add_channel_output(*check, options->output,
+                       "also writes the channels, in any format; any verdict. -: to standard output, and what is said "
+                       "to standard error");
     add_scene_option(*check, options->scene);
     add_dialect_option(*check, options->dialect);
     check->footer(

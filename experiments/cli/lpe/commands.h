@@ -79,6 +79,9 @@ Result<std::vector<lpe::ChannelSource>> read_channels(const ChannelArguments& ar
 Result<lpe::ChannelSource> channel_or_expression(const std::string& text, const ChannelArguments& arguments,
                                                  lpe::Dialect dialect, const std::string& what);
 
+/// The error of a text that is no channel of the set, and no expression: the hint is about the names of the set.
+Error about_channel_name(Error error, const std::string& text, const ChannelSet& set);
+
 /// -o and --write-as: where channels are written, and as what.
 struct ChannelOutput {
     std::string path, format;

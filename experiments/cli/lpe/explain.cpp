@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "experiments/cli/lpe/layers.h"
+#include "experiments/cli/unknown_words.h"
 #include "experiments/job/channels/likely_slips.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
@@ -116,8 +117,6 @@ Result<Explained> read_explained(ExplainOptions& options) {
     options.others.insert(options.others.begin(), options.expression);
     std::vector<std::string> texts;
     for (const std::string& text : options.others) {
-        if (text.starts_with("--"))
-            return error_at({}, "unknown option '" + text + "'; 'raylex lpe explain --help' lists them");
         auto file = is_channel_file(text);
         if (!file) return file.error();
         (*file ? options.channels.files : texts).push_back(text);
@@ -183,6 +182,7 @@ void add_lpe_explain_commands(CLI::App& lpe, CommandContext& context) {
         "piece "
         "can never match.\nExit codes: 0 explained, 1 explained, and no path matches, 2 bad usage or input.");
     explain->callback([options, explain, &context] {
+        refuse_unknown_options(*explain);
         options->others = explain->remaining();
         context.exit_code = run_explain(*options);
     });

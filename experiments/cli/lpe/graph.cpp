@@ -41,7 +41,8 @@ int run_graph(const GraphOptions& options) {
         sources.insert(sources.end(), channels->begin(), channels->end());
     }
     const bool svg = options.output.ends_with(".svg");
-    if (!svg && !options.output.empty() && !options.output.ends_with(".dot") && !options.output.ends_with(".gv"))
+    const bool no_file = options.output.empty() || is_standard_output(options.output);
+    if (!svg && !no_file && !options.output.ends_with(".dot") && !options.output.ends_with(".gv"))
         return report_error("-o " + options.output + ": expected a name that ends with .svg, .dot or .gv");
     auto graph = lpe::graph_of(sources);
     if (!graph) return report_error(graph.error());
@@ -59,7 +60,7 @@ void add_lpe_graph_commands(CLI::App& lpe, CommandContext& context) {
     CLI::App* graph = lpe.add_subcommand("graph", "Draws the minimised automaton of expressions as SVG or DOT.");
     add_channel_arguments(*graph, options->channels)
         ->description("expressions, channels NAME=EXPR, or files of channels");
-    graph->add_option("-o,--output", options->output, "file to write; default: DOT to standard output")
+    graph->add_option("-o,--output", options->output, "file to write; default, and -: DOT to standard output")
         ->option_text("FILE.{svg,dot}");
     add_dialect_option(*graph, options->dialect);
     graph->footer(

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "experiments/cli/lpe/commands.h"
+#include "experiments/cli/unknown_words.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "lpe/algebra/proofs/paths.h"
@@ -46,12 +47,9 @@ void print_paths(const lpe::PathSet& paths) {
 int run_paths(lpe::Operation operation, const PathOptions& options, const std::vector<std::string>& others) {
     std::vector<lpe::ChannelSource> sources{
         bare_expression(options.first, options.dialect.value(), "", others.empty() ? "expression" : "expression 1")};
-    for (const std::string& text : others) {
-        if (text.starts_with('-'))
-            return report_error("unknown option '" + text + "'; expected --samples, --events or --dialect");
+    for (const std::string& text : others)
         sources.push_back(
             bare_expression(text, options.dialect.value(), "", "expression " + std::to_string(sources.size() + 1)));
-    }
     lpe::PathSetOptions look;
     look.samples = options.samples;
     look.longest_counted = options.events;
@@ -109,6 +107,7 @@ void add_command(CLI::App& lpe, CommandContext& context, const Command& entry) {
         std::string(entry.example) +
         "\nExit codes: 0 there are such paths, 1 there is none (proved), 2 bad usage or input.");
     command->callback([options, command, operation = entry.operation, &context] {
+        refuse_unknown_options(*command);
         context.exit_code = run_paths(operation, *options, command->remaining());
     });
 }

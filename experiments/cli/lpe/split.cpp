@@ -114,7 +114,7 @@ void add_lpe_split_commands(CLI::App& lpe, CommandContext& context) {
         ->add_option("--of", options->of,
                      "what is split: an expression, or the name of a channel of --channels; default: the beauty")
         ->option_text("BEAUTY");
-    add_channel_output(*split, options->output, "file to write; default: standard output, as TOML");
+    add_channel_output(*split, options->output, "file to write; default, and -: standard output, as TOML");
     split->add_option("--prefix", options->request.prefix, "begins every channel's name")->option_text("TEXT");
     split->add_option("--partition", options->partition, "the partition's name in TOML; default split")
         ->option_text("NAME");

@@ -5,6 +5,7 @@
 
 #include "display/output/atomic_file.h"
 #include "experiments/atlas/scene_record.h"
+#include "experiments/cli/render/rescue.h"
 
 namespace raylex::experiments {
 
@@ -66,7 +67,9 @@ Status AtlasOutput::write(const transport::RenderOutput& output, const display::
     display::ImageDescription of_atlas = description;
     of_atlas.attributes["atlas/scene"] = scene_record_;
     const auto source = display::atlas_of_render(*buffer_, *alphabet_, output.frame_buffer, output.beauty, negative_);
-    return display::write_atlas(request_->file, *source, of_atlas);
+    const auto write_to = [&](const std::string& path) { return display::write_atlas(path, *source, of_atlas); };
+    Status written = write_to(request_->file);
+    return written ? written : rescued(written.error(), "the atlas", request_->file, write_to);
 }
 
 Result<std::optional<display::AtlasVerdict>> AtlasOutput::judge() const {

@@ -20,6 +20,7 @@ class AtlasOutput {
     Status make(const Job& job, const transport::RenderPlan& plan);
     /// Null when there is no atlas.
     [[nodiscard]] display::PathAtlas* buffer() const { return buffer_.get(); }
+    /// To its file, or else to the folder for temporary files, as the error says.
     Status write(const transport::RenderOutput& output, const display::ImageDescription& description);
     /// The file just written, its words against its beauty; nothing when there is none.
     Result<std::optional<display::AtlasVerdict>> judge() const;

@@ -186,7 +186,9 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
     files.add("-o,--output", options.output, "OUT.exr",
               "image to write; default: the scene's or job's name with .exr, here");
     add_file_options(files, options.outputs);
-    files.add("--stats", options.statistics, "OUT.json", "also writes times, ray counts and the like as JSON");
+    files.add("--stats", options.statistics, "OUT.json",
+              "also writes times, ray counts and the like as JSON; -: to standard output, and what is said to standard "
+              "error");
     add_sampling_options(sampling, options);
     add_image_options(image, options);
     add_schedule_options(schedule, options);

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "display/output/atomic_file.h"
+#include "display/output/writer/exr_writer.h"
+#include "experiments/cli/render/rescue.h"
 #include "experiments/program/console.h"
 #include "experiments/report/png_driver.h"
 
@@ -51,14 +53,14 @@ void print_memory(const RenderOutputs& outputs, std::uint64_t limit) {
 }
 
 std::vector<std::string> requested_files(const Job& job) {
+    const std::string statistics = is_standard_output(job.statistics) ? std::string() : job.statistics;
+    std::vector<std::string> files;
     if (job.shard) {
-        std::vector<std::string> files{job.shard->record, job.statistics};
-        if (job.statistics.empty()) files.pop_back();
-        return files;
+        files = {job.shard->record, statistics};
+    } else {
+        files = {job.output, job.preview, statistics, job.outputs.deep.file, job.outputs.atlas.file};
+        for (const display::DriverRequest& request : job.outputs.drivers) files.push_back(file_of(request));
     }
-    std::vector<std::string> files{job.output, job.preview, job.statistics, job.outputs.deep.file,
-                                   job.outputs.atlas.file};
-    for (const display::DriverRequest& request : job.outputs.drivers) files.push_back(file_of(request));
     std::erase_if(files, [](const std::string& file) { return file.empty(); });
     return files;
 }
@@ -269,11 +271,24 @@ Status RenderOutputs::close(const transport::RenderOutput& output, const display
     } catch (const display::BandFailure& failure) {  // of what no driver of ours catches
         return failure.error();
     }
-    if (Status atlas = atlas_.write(output, description); closed && !atlas) closed = atlas;
+    if (!closed && closed.error().file == job_->output)
+        closed = rescued(closed.error(), "the image", job_->output, [&](const std::string& path) {
+            return display::write_exr(path, image, output.beauty, description);
+        });
+    // Of several failures one is the error of the render, and all say where their files are.
+    const auto also = [&](const Status& written) {
+        if (!written && closed) closed = written;
+        else if (!written) warnings_.push_back(written.error().to_string());
+    };
+    also(atlas_.write(output, description));
     if (!deep_) return closed;
-    Status deep = display::write_deep_exr(job_->outputs.deep.file, *deep_, output.beauty, description,
-                                          job_->outputs.deep.storage);
-    return closed ? deep : closed;
+    const auto write_deep = [&](const std::string& path) {
+        return display::write_deep_exr(path, *deep_, output.beauty, description, job_->outputs.deep.storage);
+    };
+    const std::string& deep_file = job_->outputs.deep.file;
+    Status deep = write_deep(deep_file);
+    also(deep ? deep : rescued(deep.error(), "the deep image", deep_file, write_deep));
+    return closed;
 }
 
 Result<std::optional<display::DeepVerdict>> RenderOutputs::judge_deep(const display::ExrImage& image) const {

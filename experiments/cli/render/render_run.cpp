@@ -18,6 +18,7 @@
 #include "experiments/cli/render/progress.h"
 #include "experiments/cli/render/render_outputs.h"
 #include "experiments/cli/render/render_summary.h"
+#include "experiments/cli/render/rescue.h"
 #include "experiments/job/channels/channel_plan.h"
 #include "experiments/job/rendering/effect_report.h"
 #include "experiments/job/rendering/job_scene.h"
@@ -120,6 +121,7 @@ class RenderRun {
 
     /// Everything that must be writable after the render is asked for before it.
     Step check_outputs() {
+        take_standard_output_for(job_.statistics);
         if (fs::path(job_.output).extension() != ".exr")
             return report_error("the output '" + job_.output +
                                 "' has no name ending in .exr; expected an OpenEXR file name");
@@ -129,6 +131,8 @@ class RenderRun {
             for (const std::string& path : {job_.output, checkpoint_file(job_)}) display::remove_abandoned(path);
         std::vector<std::string> taken{job_.scene_file, job_.job_file};
         for (const std::string& path : requested_files(job_)) {
+            if (is_standard_output(path))
+                return report_error("an image cannot go to standard output, '-'; expected the name of a file");
             for (const std::string& other : taken) {
                 std::error_code failed;
                 if (!other.empty() && (path == other || fs::equivalent(path, other, failed)))
@@ -351,6 +355,14 @@ class RenderRun {
         return image_description(job_, *loaded_, *output_, partitions_, attributes_);
     }
 
+    int report_unwritten(Error error) const {
+        std::error_code failed;
+        if ((job_.checkpoint_seconds > 0 || output_->bands) && fs::exists(checkpoint_file(job_), failed))
+            error.hint += "\n" + checkpoint_file(job_) + (job_.shard ? ": the same command" : ": --resume") +
+                          " goes on from here";
+        return report_error(error);
+    }
+
     Step write_shard() {
         const PhaseClock clock;
         if (!output_->complete) {
@@ -360,9 +372,12 @@ class RenderRun {
         const display::ImageDescription description = describe_image();
         // The record comes last: where it is, all of the shard is.
         const ShardRange& range = shard_->range();
-        if (Status s = outputs_.atlas().write(*output_, of_samples(description, range.first, range.end)); !s)
-            return report_error(s.error());
-        if (Status s = shard_->write(*output_, description, job_.outputs.filters); !s) return report_error(s.error());
+        const auto write = [&](const std::string& path) {
+            return shard_->write(path, *output_, description, job_.outputs.filters);
+        };
+        Status written = outputs_.atlas().write(*output_, of_samples(description, range.first, range.end));
+        if (written) written = write(shard_->record());
+        if (!written) return report_unwritten(rescued(written.error(), "the shard's record", shard_->record(), write));
         remove_checkpoint();
         phases_["write"] = clock.elapsed();
         return go_on;
@@ -373,37 +388,10 @@ class RenderRun {
         const display::ImageDescription description = describe_image();
         Status written = outputs_.close(*output_, description);
         for (const std::string& warning : outputs_.take_warnings()) warn(warning);
-        if (!written && written.error().file == job_.output) return rescue(written.error(), description);
-        if (!written) return report_error(written.error());
+        if (!written) return report_unwritten(written.error());
         remove_checkpoint();
         phases_["write"] = clock.elapsed();
         return go_on;
-    }
-
-    /// `wanted`, or "NAME.2.exr" and so on where that is there: what an earlier render saved stays.
-    static std::string unused_name(const fs::path& wanted) {
-        constexpr int most = 1000;
-        fs::path path = wanted;
-        std::error_code failed;
-        for (int number = 2; number < most && fs::exists(path, failed); ++number)
-            path = wanted.parent_path() /
-                   (wanted.stem().string() + "." + std::to_string(number) + wanted.extension().string());
-        return fs::exists(path, failed) ? std::string() : path.string();
-    }
-
-    /// The output could not be written after all (a full disk): what was rendered is not given up before the folder for
-    /// temporary files was tried.
-    Step rescue(const Error& failure, const display::ImageDescription& description) {
-        std::error_code failed;
-        const fs::path folder = fs::temp_directory_path(failed);
-        const std::string path = failed ? std::string() : unused_name(folder / fs::path(job_.output).filename());
-        if (!path.empty() &&
-            display::write_exr(path, outputs_.filtered(output_->image()), output_->beauty, description)) {
-            Error error = failure;
-            error.hint = "the image was saved as " + path + " instead";
-            return report_error(error);
-        }
-        return report_error(failure);
     }
 
     /// Judges the file as a reader finds it, not the buffers it came from.
@@ -434,7 +422,7 @@ class RenderRun {
         if (job_.statistics.empty()) return go_on;
         RunRecord record{&job_,   &*output_,   arguments_,        phases_,         warnings_,
                          splits_, attributes_, outputs_.memory(), outputs_.deep(), loaded_->effects};
-        Status written = display::write_text_file(job_.statistics, statistics_json(record));
+        Status written = write_text(job_.statistics, statistics_json(record));
         if (!written) return report_error(written.error());
         return go_on;
     }

@@ -38,10 +38,7 @@ void print_sampling(const RenderSummary& of) {
 
 void print_summary(const RenderSummary& of) {
     const transport::RenderStatistics& statistics = of.output.statistics;
-    for (const display::SplitVerdict& verdict : of.splits) {
-        print_verdict(verdict_line(verdict), verdict.holds);
-        if (!verdict.holds) print_line("  " + write_residual_map(verdict, of.image));
-    }
+    print_verdicts_of_new(of.splits, of.image);
     if (of.deep) print_verdict(deep_line(*of.deep), of.deep->holds);
     if (of.atlas) {
         const auto pixels = static_cast<std::uint64_t>(of.output.width) * static_cast<std::uint64_t>(of.output.height);
@@ -64,7 +61,7 @@ void print_summary(const RenderSummary& of) {
     if (!of.beauties.empty())
         print_line("the beauty by another name: " + lpe::joined_by(of.beauties, ", ") + " (every path of this scene)");
     for (const std::string& path : of.files) print_line(path);
-    if (!of.job.statistics.empty()) print_line(of.job.statistics);
+    if (!of.job.statistics.empty() && !is_standard_output(of.job.statistics)) print_line(of.job.statistics);
     const auto seconds = [&of](const char* phase) { return duration_text(of.phases.at(phase).wall_seconds); };
     const double cpu = statistics.render_cpu_seconds;
     print_line("load " + seconds("load") + ", plan " + seconds("plan") + ", build " + seconds("build") + ", prepare " +

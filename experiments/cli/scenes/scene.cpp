@@ -34,11 +34,23 @@ struct WriteOptions {
     std::vector<std::string> plugins;
 };
 
+int print_scene(const transport::SceneDescription& scene) {
+    const transport::PbrtText text = transport::pbrt_text(scene);
+    if (!text.meshes.empty())
+        return report_error(counted(text.meshes.size(), "mesh", "meshes") +
+                            " of the scene came from files, and go to files beside it; expected the name of a file "
+                            "behind -o");
+    for (const std::string& each : text.left_out) print_warning(each);
+    const Status written = write_text("-", text.text);
+    return written ? exit_holds : report_error(written.error());
+}
+
 int write_scene(const WriteOptions& options) {
     if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
     const auto scene = transport::import_pbrt(options.input);
     if (!scene) return report_error(scene.error());
     print_warnings(scene->warnings);
+    if (is_standard_output(options.output)) return print_scene(*scene);
     std::error_code none;
     if (fs::equivalent(options.input, options.output, none))
         return report_error(error_at({options.output, 0, 0}, "this is the scene that is read", "another file's name"));
@@ -52,7 +64,10 @@ void add_write_command(CLI::App& scene, CommandContext& context) {
     CLI::App* command = scene.add_subcommand("write", "Writes a scene as one resolved pbrt-v4 file.");
     auto options = std::make_shared<WriteOptions>();
     command->add_option("IN.pbrt", options->input, "the scene; what it includes and imports comes along")->required();
-    command->add_option("-o,--output", options->output, "the file; meshes that came from files go to FILE.meshes/")
+    command
+        ->add_option(
+            "-o,--output", options->output,
+            "the file; meshes that came from files go to FILE.meshes/. -: standard output, without such meshes")
         ->option_text("OUT.pbrt")
         ->required();
     add_plugin_option(*command, options->plugins);

@@ -52,6 +52,7 @@ Status write_picture(const transport::BuiltScene& scene, const transport::SceneD
 }
 
 int tell_of(const SceneInfoOptions& options) {
+    take_standard_output_for(options.json);
     if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
     const auto begin = std::chrono::steady_clock::now();
     LoadingLine loading;
@@ -73,7 +74,7 @@ int tell_of(const SceneInfoOptions& options) {
     for (const std::string& line : lines_of(facts)) print_line(line);
     for (const std::string& warning : facts.warnings) print_warning(warning);
     if (!options.json.empty()) {
-        Status written = display::write_text_file(options.json, json_text(json_of(facts), 2) + "\n");
+        Status written = write_text(options.json, json_text(json_of(facts), 2) + "\n");
         if (!written) return report_error(written.error());
     }
     if (!options.picture.empty()) {
@@ -91,7 +92,10 @@ void add_scene_info_command(CLI::App& scene, CommandContext& context) {
     CLI::App* command = scene.add_subcommand("info", "Says what a scene holds: counts, bounds, memory, effects.");
     auto options = std::make_shared<SceneInfoOptions>();
     command->add_option("SCENE.pbrt", options->input, "the scene")->required();
-    command->add_option("--json", options->json, "the same for programs")->option_text("FILE");
+    command
+        ->add_option("--json", options->json,
+                     "the same for programs; -: to standard output, and the text to standard error")
+        ->option_text("FILE");
     auto* picture = command->add_option("--picture", options->picture, "what its camera sees, small: a PNG file")
                         ->option_text("FILE.png")
                         ->check([](const std::string& name) {

@@ -1,15 +1,14 @@
 #include "experiments/job/channels/channel_set.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <iterator>
 #include <optional>
 #include <set>
 #include <utility>
 
-#include "display/output/atomic_file.h"
 #include "experiments/job/channel_tables.h"
+#include "experiments/program/console.h"
 #include "lpe/algebra/proofs/relations.h"
 #include "lpe/read_input.h"
 
@@ -301,8 +300,8 @@ Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& war
 
 Result<std::string> channel_set_text(const ChannelSet& set, const std::string& path, const std::string& format,
                                      std::vector<std::string>& warnings) {
-    if (format == "toml" || (format.empty() && (path.empty() || path.ends_with(".toml"))))
-        return toml_text(set, warnings);
+    const bool no_file = path.empty() || is_standard_output(path);
+    if (format == "toml" || (format.empty() && (no_file || path.ends_with(".toml")))) return toml_text(set, warnings);
     std::optional<lpe::ChannelFormat> kind = format_named(format);
     if (!kind) {
         auto told = lpe::channel_format(path, {});
@@ -313,14 +312,7 @@ Result<std::string> channel_set_text(const ChannelSet& set, const std::string& p
 }
 
 Status write_channel_text(const std::string& text, const std::string& path) {
-    if (path.empty()) {
-        std::fwrite(text.data(), 1, text.size(), stdout);
-        return success();
-    }
-    auto file = display::AtomicFile::create(path);
-    if (!file) return file.error();
-    if (!file->write(text.data(), text.size())) return file->failure();
-    return file->commit();
+    return write_text(path.empty() ? "-" : path, text);
 }
 
 }  // namespace raylex::experiments

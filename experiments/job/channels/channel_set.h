@@ -38,7 +38,7 @@ Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& war
 Result<std::string> channel_set_text(const ChannelSet& set, const std::string& path, const std::string& format,
                                      std::vector<std::string>& warnings);
 
-/// Writes the text to a file that appears whole or not at all; an empty path is standard output.
+/// Writes the text to a file that appears whole or not at all; an empty path is standard output, as "-" is.
 Status write_channel_text(const std::string& text, const std::string& path);
 
 }  // namespace raylex::experiments

@@ -170,8 +170,8 @@ const raylexWords = (section, page) => {
     say(`${count(2)} of ${answers.length} words, ${percent(share)} of the light`
       + (open > 0 ? `; ${open} more stand for paths that it tells apart, such as '${atlas.textOf(answers.indexOf(1))}': up to `
         + `${percent(share + moreShare)}` : '')
-      + `. In full precision: raylex ask ${info.name} --lpe ${quoted(`asked=${expression}`)}`
-      + (dialect.value === 'osl' ? ' --dialect osl' : '') + ' -o layers.exr');
+      + `. In full precision: raylex ask ${quoted(info.name)}${dialect.value === 'osl' ? ' --dialect osl' : ''}`
+      + ` --lpe ${quoted(`asked=${expression}`)} -o layers.exr`);
     section.dataset.asked = expression;
   };
   const quoted = text => `'${text.replace(/'/g, '\'\\\'\'')}'`;

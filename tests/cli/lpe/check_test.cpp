@@ -194,6 +194,11 @@ TEST_CASE("a bare file of channels is taken as one") {
     CHECK(contains(all.out, "transmissive    C<TS>"));
     CHECK(run_raylex(folder, "lpe explain show.rib CL CDL").code == 2);
     CHECK(run_raylex(folder, "lpe explain CL --nothing").code == 2);
+    // A slip in the name of a channel is one of the file's names, not of those that are built in.
+    folder.write("rim.rib", "DisplayChannel \"color rimDiffuse\" \"string source\" \"color lpe:C<RD>[<L.>]\"\n");
+    check_refused(folder, "lpe explain rim.rib rimDifuse", {"'rimDifuse'", "did you mean 'rimDiffuse'?"});
+    check_refused(folder, "lpe check rim.rib --of rimDifuse", {"'rimDifuse'", "did you mean 'rimDiffuse'?"});
+    check_refused(folder, "lpe explain rim.rib keyLight", {"'keyLight'", "channels that are given: rimDiffuse"});
     CHECK(run_raylex(folder, "lpe graph show.rib").code == 0);
 }
 

@@ -1,6 +1,4 @@
 // raylex render --checkpoint and --resume: whatever ends the program, and whenever, the image ends in the same bits.
-#include <fcntl.h>
-#include <unistd.h>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cerrno>
@@ -16,6 +14,7 @@
 #include "display/output/reader/exr_reader.h"
 #include "experiments/cli/command_line.h"
 #include "experiments/job/text/json.h"
+#include "run_here.h"
 #include "support.h"
 #include "tests/support/paths.h"
 
@@ -40,24 +39,6 @@ std::string sums_of(const Folder& folder, const std::string& name) {
                             "rejected_block_sums", "refused_services_calls", "complete"})
         sums += json[key].dump() + "\n";
     return sums;
-}
-
-/// The program within this process, silent: faults are set here.
-int run_here(const std::vector<std::string>& arguments) {
-    std::vector<const char*> words{"raylex"};
-    for (const std::string& each : arguments) words.push_back(each.c_str());
-    std::fflush(stdout);
-    std::fflush(stderr);
-    const int null = open("/dev/null", O_WRONLY), out = dup(1), err = dup(2);
-    dup2(null, 1);
-    dup2(null, 2);
-    const int code = raylex::experiments::run_command_line(static_cast<int>(words.size()), words.data());
-    std::fflush(stdout);
-    std::fflush(stderr);
-    dup2(out, 1);
-    dup2(err, 2);
-    for (const int each : {null, out, err}) close(each);
-    return code;
 }
 
 std::vector<std::string> short_run(const std::string& folder, bool resume) {

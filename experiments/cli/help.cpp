@@ -1,0 +1,40 @@
+// raylex help: what --help says, for those who ask by a word.
+#include <algorithm>
+#include <memory>
+
+#include "experiments/cli/commands.h"
+#include "experiments/cli/unknown_words.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
+
+namespace raylex::experiments {
+namespace {
+
+int print_help(const CLI::App& app, const std::vector<std::string>& words) {
+    const CLI::App* command = &app;
+    for (const std::string& word : words) {
+        const std::vector<const CLI::App*> below = command->get_subcommands([](const CLI::App*) { return true; });
+        if (below.empty())
+            return report_error("'" + command_words(*command) + "' has no subcommands; expected nothing behind it");
+        const auto named =
+            std::find_if(below.begin(), below.end(), [&](const CLI::App* each) { return each->get_name() == word; });
+        if (named == below.end()) return report_error(unknown_subcommand(*command, word));
+        command = *named;
+    }
+    // Not App::help(), which speaks of the subcommand that was given: this one.
+    const std::string text =
+        command->get_formatter()->make_help(command, command_words(*command), CLI::AppFormatMode::Normal);
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    return exit_holds;
+}
+
+}  // namespace
+
+void add_help_command(CLI::App& app, CommandContext& context) {
+    CLI::App* help = app.add_subcommand("help", "Describes a subcommand, as its --help does.");
+    auto words = std::make_shared<std::vector<std::string>>();
+    help->add_option("SUBCOMMAND", *words, "such as render, or lpe check; default: raylex itself")->option_text("...");
+    help->callback([&app, words, &context] { context.exit_code = print_help(app, *words); });
+}
+
+}  // namespace raylex::experiments

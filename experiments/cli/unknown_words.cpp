@@ -1,0 +1,76 @@
+#include "experiments/cli/unknown_words.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+
+#include "display/services/parameters.h"
+#include "lpe/algebra/wording/event_words.h"
+
+namespace raylex::experiments {
+namespace {
+
+bool is_option(const std::string& word) {
+    return word.size() > 1 && word.front() == '-' && word != "--";
+}
+
+/// "--threads" of "--threads=4".
+std::string option_name(const std::string& word) {
+    return word.substr(0, word.find('='));
+}
+
+std::vector<std::string> subcommand_names(const CLI::App& command) {
+    std::vector<std::string> names;
+    for (const CLI::App* each : command.get_subcommands([](const CLI::App*) { return true; }))
+        names.push_back(each->get_name());
+    return names;
+}
+
+/// Dashes are left out of what is compared: one letter is no slip of another for having a dash in common.
+std::string nearest_option(const CLI::App& command, const std::string& name) {
+    std::vector<std::string> known;
+    for (const CLI::Option* option : command.get_options())
+        known.insert(known.end(), option->get_lnames().begin(), option->get_lnames().end());
+    const std::string near = nearest_name(name.substr(std::min(name.find_first_not_of('-'), name.size())), known);
+    return near.empty() ? near : "--" + near;
+}
+
+std::string about_option(const CLI::App& given_to, const CLI::App& innermost, const std::string& word) {
+    const std::string name = option_name(word), text = "unknown option '" + name + "'";
+    if (innermost.get_option_no_throw(name) != nullptr)
+        return text + " of '" + command_words(given_to) + "'; expected it behind '" + command_words(innermost) + "'";
+    const std::string near = nearest_option(given_to, name);
+    return near.empty() ? text : text + "; did you mean '" + near + "'?";
+}
+
+}  // namespace
+
+std::string command_words(const CLI::App& command) {
+    const CLI::App* above = command.get_parent();
+    return (above == nullptr ? "" : command_words(*above) + " ") + command.get_name();
+}
+
+std::string expected_subcommands(const CLI::App& command) {
+    return "expected one of: " + lpe::joined_by(subcommand_names(command), ", ");
+}
+
+std::string unknown_subcommand(const CLI::App& command, const std::string& word) {
+    const std::string near = near_miss(word, subcommand_names(command));
+    return "unknown subcommand '" + word + "'; " + expected_subcommands(command) + (near.empty() ? "" : "\n" + near);
+}
+
+std::string unknown_option(const CLI::App& command) {
+    for (const CLI::App* each = &command; each != nullptr; each = each->get_parent())
+        for (const std::string& word : each->remaining())
+            if (is_option(word)) return about_option(*each, command, word);
+    return {};
+}
+
+void refuse_unknown_options(const CLI::App& command) {
+    for (const std::string& word : command.remaining())
+        if (is_option(word)) throw CLI::ExtrasError(command.get_name(), {word});
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,104 @@
+// What the command line itself says, whatever the command: words that are not known, help, and where
+// text goes.
+#include <catch2/catch.hpp>
+
+#include "experiments/job/text/json.h"
+#include "support.h"
+
+namespace {
+
+using raylex::experiments::parse_json;
+using raylex::test::check_refused;
+using raylex::test::contains;
+using raylex::test::Folder;
+using raylex::test::Outcome;
+using raylex::test::run_raylex;
+using raylex::test::SceneFolder;
+
+}  // namespace
+
+TEST_CASE("an unknown subcommand is named, with what there is") {
+    const Folder folder;
+    check_refused(folder, "rendr room.pbrt", {"'rendr'", "did you mean 'render'", "raylex --help"});
+    check_refused(folder, "lpe chek", {"'chek'", "did you mean 'check'", "raylex lpe --help"});
+}
+
+TEST_CASE("an unknown option is named, with the one that may be meant") {
+    const Folder folder;
+    check_refused(folder, "render x.toml --threds 2", {"unknown option '--threds'; did you mean '--threads'?"});
+    check_refused(folder, "render x.toml --threds=2", {"unknown option '--threds'; did you mean '--threads'?"});
+    check_refused(folder, "scene info x.pbrt -jsn", {"'-jsn'; did you mean '--json'?", "raylex scene info --help"});
+    check_refused(folder, "--colr never lpe check", {"'--colr'; did you mean '--color'?"});
+    // The option that seems to be missing is the one that is misspelt.
+    check_refused(folder, "experiment run c.toml --outptu o", {"'--outptu'; did you mean '--output'?"});
+    // These take whatever stands behind the first expression.
+    check_refused(folder, "lpe explain CL --dialct osl", {"'--dialct'; did you mean '--dialect'?", "explain --help"});
+    check_refused(folder, "lpe union CL CDL --sampels 2", {"'--sampels'; did you mean '--samples'?", "union --help"});
+    check_refused(folder, "--threads 2 render x.pbrt", {"'--threads' of 'raylex'; expected it behind 'raylex render'"});
+    for (const char* nothing_near : {"render x.pbrt -z", "lpe check --nothing-like-it"}) {
+        const Outcome outcome = run_raylex(folder, nothing_near);
+        CHECK(contains(outcome.err, "unknown option '-"));
+        CHECK_FALSE(contains(outcome.err, "did you mean"));
+    }
+}
+
+TEST_CASE("help by a word is help by an option") {
+    const Folder folder;
+    for (const std::string command : {"", "render", "lpe", "lpe explain"}) {
+        CAPTURE(command);
+        const Outcome asked = run_raylex(folder, "help " + command), option = run_raylex(folder, command + " --help");
+        CHECK(asked.code == 0);
+        CHECK(contains(asked.out, "Usage: raylex " + command));
+        CHECK(asked.out == option.out);
+    }
+    check_refused(folder, "help rendr", {"'rendr'", "did you mean 'render'"});
+    check_refused(folder, "help lpe chek", {"'chek'", "did you mean 'check'"});
+    check_refused(folder, "help render scene", {"'raylex render' has no subcommands"});
+}
+
+TEST_CASE("'-' is standard output to whatever writes text, which then has it to itself") {
+    const SceneFolder folder;
+    const auto run_well = [&](const std::string& arguments) {
+        Outcome outcome = run_raylex(folder, arguments);
+        INFO(arguments << "\n" << outcome.err);
+        REQUIRE(outcome.code == 0);
+        REQUIRE_FALSE(folder.has("-"));
+        return outcome;
+    };
+    run_well("scene write room.pbrt -o again.pbrt");
+    CHECK(run_well("scene write room.pbrt -o -").out == folder.read("again.pbrt"));
+
+    const Outcome info = run_well("scene info room.pbrt --json -");
+    CHECK(parse_json(info.out).is_object());
+    CHECK(contains(info.err, "film rgb 16x16"));
+
+    const Outcome render = run_well("render room.pbrt --spp 1 --light-groups --stats -");
+    CHECK(parse_json(render.out)["complete"] == true);
+    CHECK(contains(render.err, "room.exr: 16x16"));
+    CHECK(contains(render.err, "sums to beauty"));
+    folder.write("jobs/job.toml", "[scene]\nfile = '../room.pbrt'\n[output]\nfile = 'job.exr'\nstats = '-'\n");
+    CHECK(parse_json(run_well("render jobs/job.toml --spp 1").out)["complete"] == true);
+    CHECK_FALSE(folder.has("jobs/-"));
+
+    CHECK(contains(run_well("report room.exr -o -").out.substr(0, 20), "<!DOCTYPE html>"));
+    for (const std::string command : {"lpe split --by lobe", "lpe graph CDL"})
+        CHECK(run_well(command + " -o -").out == run_well(command).out);
+    const Outcome check = run_well("lpe check a=CL b=CDL --what disjoint -o -");
+    CHECK(check.out.starts_with("[[channel]]\nname = \"a\"\n"));
+    CHECK(contains(check.err, "no path is counted by two"));
+    check_refused(folder, "lpe check a=CL --what disjoint --json -o -", {"--json and -o -", "the name of a file"});
+}
+
+TEST_CASE("what is no text has no way to standard output") {
+    const SceneFolder folder;
+    for (const char* output : {"--deep -", "--atlas -", "--driver exr:file=-"})
+        check_refused(folder, "render room.pbrt -o a.exr --spp 1 " + std::string(output), {"standard output, '-'"});
+    check_refused(folder, "render room.pbrt -o -", {"'-' has no name ending in .exr"});
+    check_refused(folder, "merge x.exr.shard-1-of-1 -o x.exr --atlas -", {"standard output, '-'"});
+    // Meshes from files go to files, by whose names label rules call them.
+    folder.write("m.ply",
+                 "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                 "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    folder.write("mesh.pbrt", raylex::test::small_scene() + "Shape \"plymesh\" \"string filename\" \"m.ply\"\n");
+    check_refused(folder, "scene write mesh.pbrt -o -", {"1 mesh of the scene came from files", "behind -o"});
+}
