@@ -248,20 +248,20 @@ TEST_CASE("a file that cannot be read says where the scene names it") {
     folder.write("bad.spd", "400 1\n300 1\n");
     folder.write("bad.dat", "# radius thickness eta diameter\n1 2 3\n");
     folder.write("bad.png", "no picture");
-    const auto said = [&](const std::string& scene) {
+    const auto check = [&](const std::string& scene, const std::string& what, const std::string& where) {
         folder.write("names.pbrt", "# a scene\n" + scene);
         const Outcome outcome = run_raylex(folder, "render names.pbrt --spp 1 -o out.exr");
+        CAPTURE(scene, outcome.err);
         CHECK(outcome.code == 2);
-        return outcome.err;
+        CHECK(contains(outcome.err, what));
+        CHECK(contains(outcome.err, "named by " + where));
     };
-    using Catch::Matchers::Contains;
-    CHECK_THAT(said("WorldBegin\nLightSource \"infinite\" \"spectrum L\" \"bad.spd\"\n"),
-               Contains("bad.spd: spectrum file: wavelength 300 follows 400") &&
-                   Contains("named by 'spectrum L' at names.pbrt:3"));
-    CHECK_THAT(said("Camera \"realistic\" \"string lensfile\" \"bad.dat\"\nWorldBegin\nLightSource \"infinite\"\n"),
-               Contains("bad.dat:2: 3 numbers in a row") && Contains("named by 'lensfile' at names.pbrt:2"));
-    CHECK_THAT(said("WorldBegin\n\nLightSource \"infinite\" \"string filename\" \"bad.png\"\n"),
-               Contains("bad.png: unknown image format") && Contains("named by the infinite light at names.pbrt:4"));
-    CHECK_THAT(said("WorldBegin\nLightSource \"infinite\"\nShape \"plymesh\" \"string filename\" \"bad.png\"\n"),
-               Contains("named by the plymesh at names.pbrt:4"));
+    check("WorldBegin\nLightSource \"infinite\" \"spectrum L\" \"bad.spd\"\n",
+          "bad.spd: spectrum file: wavelength 300 follows 400", "'spectrum L' at names.pbrt:3");
+    check("Camera \"realistic\" \"string lensfile\" \"bad.dat\"\nWorldBegin\nLightSource \"infinite\"\n",
+          "bad.dat:2: 3 numbers in a row", "'lensfile' at names.pbrt:2");
+    check("WorldBegin\n\nLightSource \"infinite\" \"string filename\" \"bad.png\"\n", "bad.png: unknown image format",
+          "the infinite light at names.pbrt:4");
+    check("WorldBegin\nLightSource \"infinite\"\nShape \"plymesh\" \"string filename\" \"bad.png\"\n", "bad.png",
+          "the plymesh at names.pbrt:4");
 }

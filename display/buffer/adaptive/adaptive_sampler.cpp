@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 
 #include "display/buffer/record_bytes.h"
 
 namespace raylex::display {
 namespace {
 
+/// The fewest digits that read back as the value.
 std::string number_text(double value) {
     std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.17g", value);
-    return text.data();
+    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
 Status check_ranges(const AdaptiveSettings& settings) {
@@ -270,7 +270,7 @@ Status AdaptiveSampler::restore_record(std::string_view bytes) {
 
 std::string describe(const AdaptiveSettings& settings) {
     std::string text = "error " + number_text(settings.error) + " of";
-    if (settings.channels.empty()) text += " beauty";
+    if (settings.channels.empty()) text += " beauty (without one: of all light)";
     for (const AdaptiveChannel& each : settings.channels) text += " " + each.name + "*" + number_text(each.weight);
     return text + ", " + std::to_string(settings.min_samples) + " to " + std::to_string(settings.max_samples) +
            " samples, floor " + number_text(settings.floor) + ", neighbourhood " +

@@ -201,7 +201,7 @@ neighbourhood = 2
     auto image = raylex::display::read_exr(folder.path("out.exr"));
     REQUIRE(image);
     CHECK(image->attributes["raylex/adaptive"] ==
-          "error 0.20000000000000001 of beauty*1 direct*0.5, 32 to 1000 samples, floor 0.20000000000000001, "
+          "error 0.2 of beauty*1 direct*0.5, 32 to 1000 samples, floor 0.2, "
           "neighbourhood 2");
     const auto json = raylex::experiments::parse_json(folder.read("s.json"));
     CHECK(json["adaptive"]["error"].get<double>() > 0);
