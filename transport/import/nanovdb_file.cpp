@@ -33,7 +33,8 @@ auto guarded(const std::string& path, const Call& call) -> Result<decltype(call(
     }
 }
 
-/// The library takes it for granted that names end with a zero, and that what is listed is there.
+/// The library takes it for granted that names end with a zero, and that what is listed is there; of another version's
+/// files it says so with memory that it does not give back.
 Status check_segments(const std::string& path, std::uint64_t size) {
     std::ifstream file(path, std::ios::binary);
     std::uint64_t at = 0;  // at most `size`: so much has been read
@@ -43,6 +44,14 @@ Status check_segments(const std::string& path, std::uint64_t size) {
     };
     nanovdb::io::Header segment;
     while (take(segment) && segment.magic == NANOVDB_MAGIC_NUMBER) {  // the library names another beginning
+        if (const std::uint32_t found = segment.version.getMajor(); found != NANOVDB_MAJOR_VERSION_NUMBER)
+            return Error{"the file is of NanoVDB " + std::to_string(found) + "; expected version " +
+                             std::to_string(NANOVDB_MAJOR_VERSION_NUMBER),
+                         path,
+                         0,
+                         0,
+                         {},
+                         {}};
         std::uint64_t bytes = 0;
         for (int i = 0; i < segment.gridCount; ++i) {
             nanovdb::io::MetaData grid;

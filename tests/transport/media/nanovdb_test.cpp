@@ -171,6 +171,10 @@ TEST_CASE("nanovdb files that cannot be read say why", "[media][grids][nanovdb][
     CHECK(contains(refused_medium(medium(folder.path("other.nvdb"))).message, "has no grid 'density'; it has: 'heat'"));
     folder.write("text.nvdb", "this is no grid");
     CHECK(contains(refused_medium(medium(folder.path("text.nvdb"))).message, "not a readable NanoVDB file"));
+    std::string older = whole;
+    older[11] = 1;  // of a version's 32 bits the 11 highest are its major number
+    folder.write("older.nvdb", older);
+    CHECK(contains(refused_medium(medium(folder.path("older.nvdb"))).message, "the file is of NanoVDB 8; expected"));
     const raylex::Error missing = import_test::error_of(medium_scene(medium("nowhere.nvdb"), ""));
     CHECK(contains(missing.message, "nowhere.nvdb"));
     CHECK(missing.line == 2);
