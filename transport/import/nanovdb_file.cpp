@@ -3,6 +3,8 @@
 #include <nanovdb/util/GridHandle.h>
 #include <nanovdb/util/IO.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <exception>
@@ -33,6 +35,31 @@ auto guarded(const std::string& path, const Call& call) -> Result<decltype(call(
     }
 }
 
+/// Of packed data each piece stands behind its size: the library takes memory for as much before it reads, and Blosc
+/// reads as far as a header of the piece says.
+Status check_packed(std::ifstream& file, nanovdb::io::Codec codec, const nanovdb::io::MetaData& grid, std::uint64_t at,
+                    const std::string& path) {
+    const std::uint64_t end = at + grid.fileSize;
+    std::uint64_t left = grid.gridSize;
+    do {
+        std::uint64_t size = 0;
+        file.seekg(static_cast<std::streamoff>(at));
+        if (end - at < sizeof size || !file.read(reinterpret_cast<char*>(&size), sizeof size))
+            return damaged(path, "a packed grid ends early");
+        at += sizeof size;
+        if (size > end - at) return damaged(path, "a piece of a packed grid is larger than the grid");
+        at += size;
+        if (codec != nanovdb::io::Codec::BLOSC) return success();
+        std::array<std::uint32_t, 4> header{};  // what it is, bytes unpacked, bytes of a block, bytes packed
+        const std::uint64_t piece = std::min<std::uint64_t>(left, nanovdb::io::Internal::MAX_SIZE);
+        if (size < sizeof header || !file.read(reinterpret_cast<char*>(&header), sizeof header) || header[1] != piece ||
+            header[3] != size)
+            return damaged(path, "a piece of a packed grid has another size than its header says");
+        left -= piece;
+    } while (left > 0);
+    return success();
+}
+
 /// The library takes it for granted that names end with a zero, and that what is listed is there; of another version's
 /// files it says so with memory that it does not give back.
 Status check_segments(const std::string& path, std::uint64_t size) {
@@ -53,8 +80,9 @@ Status check_segments(const std::string& path, std::uint64_t size) {
                          {},
                          {}};
         std::uint64_t bytes = 0;
+        std::vector<nanovdb::io::MetaData> grids;
         for (int i = 0; i < segment.gridCount; ++i) {
-            nanovdb::io::MetaData grid;
+            nanovdb::io::MetaData& grid = grids.emplace_back();
             if (!take(grid)) return damaged(path, "it ends in its list of grids");
             if (grid.nameSize == 0 || grid.nameSize > size - at)
                 return damaged(path, "a grid's name is longer than the file");
@@ -65,7 +93,11 @@ Status check_segments(const std::string& path, std::uint64_t size) {
                 return damaged(path, "a grid is larger than the file");
             bytes += grid.fileSize;
         }
-        at += bytes;
+        for (const nanovdb::io::MetaData& grid : grids) {
+            if (segment.codec != nanovdb::io::Codec::NONE)  // what the grids themselves say is not asked
+                if (Status s = check_packed(file, segment.codec, grid, at, path); !s) return s;
+            at += grid.fileSize;
+        }
         file.seekg(static_cast<std::streamoff>(at));
     }
     return success();
@@ -83,6 +115,8 @@ Result<std::vector<MetaData>> read_meta_data(const std::string& path) {
     if (!grids) return grids;
     if (grids->empty()) return Error{"not a readable NanoVDB file: it has no grid", path, 0, 0, {}, {}};
     for (const MetaData& grid : *grids) {
+        if (grid.gridSize == 0)  // which ends the library
+            return damaged(path, "grid '" + grid.gridName + "' is too small to be one");
         const bool packed = grid.codec != nanovdb::io::Codec::NONE;
         const std::uint64_t most =
             packed ? std::max(size * budget(Budget::unpack_ratio), budget(Budget::unpack_floor)) : size;
