@@ -148,7 +148,8 @@ class TreeReader {
   private:
     [[nodiscard]] bool holds(const void* at, std::uint64_t bytes) const {
         const auto address = reinterpret_cast<std::uintptr_t>(at), begin = reinterpret_cast<std::uintptr_t>(begin_);
-        return address >= begin && address % 8 == 0 && address - begin <= size_ && bytes <= size_ - (address - begin);
+        return address >= begin && address % NANOVDB_DATA_ALIGNMENT == 0 && address - begin <= size_ &&
+               bytes <= size_ - (address - begin);
     }
     /// At an offset that the file says: no pointer is made of it before it is known to lead to within.
     [[nodiscard]] bool holds(const void* from, std::int64_t offset, std::uint64_t bytes) const {
