@@ -13,6 +13,9 @@ namespace {
 
 constexpr double millimetre = 1e-3;
 constexpr std::size_t most_elements = 1000;
+// Beyond these, rays are lost to rounding, or to overflow: radii of 1e10 mm are written for flat surfaces, and no glass
+// has an index near 100.
+constexpr double longest = 1e12, largest_index = 100;
 
 Status read_row(const std::string& line, const std::string& path, int number, std::vector<double>& numbers) {
     std::istringstream words(line);
@@ -76,6 +79,9 @@ Result<LensSystem> LensSystem::read(const std::string& path, double stop_diamete
         if (!(row[3] > 0)) return bad_row("a diameter that is not positive", path, number, line);
         if (!(row[1] >= 0)) return bad_row("a negative thickness", path, number, line);
         if (!(row[2] == 0 || row[2] >= 1)) return bad_row("an index below 1", path, number, line);
+        if (row[2] > largest_index) return bad_row("an index above 100", path, number, line);
+        if (std::max({std::abs(row[0]), row[1], row[3]}) > longest)
+            return bad_row("a length above 1e12 mm", path, number, line);
         if (lens.elements_.size() == most_elements)
             return bad_row("more than " + std::to_string(most_elements) + " elements", path, number, line);
         LensElement element{row[0] * millimetre, row[1] * millimetre, row[2] == 0 ? 1 : row[2],

@@ -3,6 +3,8 @@
 #include <nanovdb/util/GridHandle.h>
 #include <nanovdb/util/IO.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <exception>
@@ -33,7 +35,33 @@ auto guarded(const std::string& path, const Call& call) -> Result<decltype(call(
     }
 }
 
-/// The library takes it for granted that names end with a zero, and that what is listed is there.
+/// Of packed data each piece stands behind its size: the library takes memory for as much before it reads, and Blosc
+/// reads as far as a header of the piece says.
+Status check_packed(std::ifstream& file, nanovdb::io::Codec codec, const nanovdb::io::MetaData& grid, std::uint64_t at,
+                    const std::string& path) {
+    const std::uint64_t end = at + grid.fileSize;
+    std::uint64_t left = grid.gridSize;
+    do {
+        std::uint64_t size = 0;
+        file.seekg(static_cast<std::streamoff>(at));
+        if (end - at < sizeof size || !file.read(reinterpret_cast<char*>(&size), sizeof size))
+            return damaged(path, "a packed grid ends early");
+        at += sizeof size;
+        if (size > end - at) return damaged(path, "a piece of a packed grid is larger than the grid");
+        at += size;
+        if (codec != nanovdb::io::Codec::BLOSC) return success();
+        std::array<std::uint32_t, 4> header{};  // what it is, bytes unpacked, bytes of a block, bytes packed
+        const std::uint64_t piece = std::min<std::uint64_t>(left, nanovdb::io::Internal::MAX_SIZE);
+        if (size < sizeof header || !file.read(reinterpret_cast<char*>(&header), sizeof header) || header[1] != piece ||
+            header[3] != size)
+            return damaged(path, "a piece of a packed grid has another size than its header says");
+        left -= piece;
+    } while (left > 0);
+    return success();
+}
+
+/// The library takes it for granted that names end with a zero, and that what is listed is there; of another version's
+/// files it says so with memory that it does not give back.
 Status check_segments(const std::string& path, std::uint64_t size) {
     std::ifstream file(path, std::ios::binary);
     std::uint64_t at = 0;  // at most `size`: so much has been read
@@ -43,9 +71,18 @@ Status check_segments(const std::string& path, std::uint64_t size) {
     };
     nanovdb::io::Header segment;
     while (take(segment) && segment.magic == NANOVDB_MAGIC_NUMBER) {  // the library names another beginning
+        if (const std::uint32_t found = segment.version.getMajor(); found != NANOVDB_MAJOR_VERSION_NUMBER)
+            return Error{"the file is of NanoVDB " + std::to_string(found) + "; expected version " +
+                             std::to_string(NANOVDB_MAJOR_VERSION_NUMBER),
+                         path,
+                         0,
+                         0,
+                         {},
+                         {}};
         std::uint64_t bytes = 0;
+        std::vector<nanovdb::io::MetaData> grids;
         for (int i = 0; i < segment.gridCount; ++i) {
-            nanovdb::io::MetaData grid;
+            nanovdb::io::MetaData& grid = grids.emplace_back();
             if (!take(grid)) return damaged(path, "it ends in its list of grids");
             if (grid.nameSize == 0 || grid.nameSize > size - at)
                 return damaged(path, "a grid's name is longer than the file");
@@ -56,7 +93,11 @@ Status check_segments(const std::string& path, std::uint64_t size) {
                 return damaged(path, "a grid is larger than the file");
             bytes += grid.fileSize;
         }
-        at += bytes;
+        for (const nanovdb::io::MetaData& grid : grids) {
+            if (segment.codec != nanovdb::io::Codec::NONE)  // what the grids themselves say is not asked
+                if (Status s = check_packed(file, segment.codec, grid, at, path); !s) return s;
+            at += grid.fileSize;
+        }
         file.seekg(static_cast<std::streamoff>(at));
     }
     return success();
@@ -74,6 +115,8 @@ Result<std::vector<MetaData>> read_meta_data(const std::string& path) {
     if (!grids) return grids;
     if (grids->empty()) return Error{"not a readable NanoVDB file: it has no grid", path, 0, 0, {}, {}};
     for (const MetaData& grid : *grids) {
+        if (grid.gridSize == 0)  // which ends the library
+            return damaged(path, "grid '" + grid.gridName + "' is too small to be one");
         const bool packed = grid.codec != nanovdb::io::Codec::NONE;
         const std::uint64_t most =
             packed ? std::max(size * budget(Budget::unpack_ratio), budget(Budget::unpack_floor)) : size;
@@ -105,7 +148,8 @@ class TreeReader {
   private:
     [[nodiscard]] bool holds(const void* at, std::uint64_t bytes) const {
         const auto address = reinterpret_cast<std::uintptr_t>(at), begin = reinterpret_cast<std::uintptr_t>(begin_);
-        return address >= begin && address % 8 == 0 && address - begin <= size_ && bytes <= size_ - (address - begin);
+        return address >= begin && address % NANOVDB_DATA_ALIGNMENT == 0 && address - begin <= size_ &&
+               bytes <= size_ - (address - begin);
     }
     /// At an offset that the file says: no pointer is made of it before it is known to lead to within.
     [[nodiscard]] bool holds(const void* from, std::int64_t offset, std::uint64_t bytes) const {

@@ -26,8 +26,10 @@ class MixMaterial final : public Material {
           amount_(amount),
           shares_(shares),
           salt_(salt),
-          depth_(1 + std::max(depth_of(first), depth_of(second))) {
-        // Once and each once: mixes of mixes that share their parts would list them as often as there are ways down.
+          depth_(1 + std::max(depth_of(first), depth_of(second))),
+          interior_(first.interior() != nullptr ? first.interior() : second.interior()) {
+        // Once and each once: mixes of mixes that share their parts would list them as often as there are ways down,
+        // which double with each mix; so it is with the interior.
         first.append_lobes(lobes_);
         second.append_lobes(lobes_);
         std::sort(lobes_.begin(), lobes_.end());
@@ -48,9 +50,7 @@ class MixMaterial final : public Material {
         if (shares_.whole >= 0) amount = among_surfaces(textures, point, amount);
         return (draw(point.random_key) < amount ? second_ : first_).chosen(textures, point);
     }
-    const Medium* interior() const override {
-        return first_.interior() != nullptr ? first_.interior() : second_.interior();
-    }
+    const Medium* interior() const override { return interior_; }
     TextureId surface_share() const override { return shares_.whole; }
     void append_lobes(std::vector<LobeId>& lobes) const override {
         lobes.insert(lobes.end(), lobes_.begin(), lobes_.end());
@@ -76,6 +76,7 @@ class MixMaterial final : public Material {
     SurfaceShares shares_;
     std::uint32_t salt_;
     std::uint64_t depth_;
+    const Medium* interior_;
     std::vector<LobeId> lobes_;
 };
 

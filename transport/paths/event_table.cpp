@@ -1,5 +1,6 @@
 #include "transport/paths/event_table.h"
 
+#include <map>
 #include <set>
 #include <utility>
 
@@ -125,25 +126,30 @@ display::Foresight::Alphabet EventTable::alphabet() const {
 }
 
 void EventTable::find_scatterings(const MaterialTable& materials, std::size_t media, bool regularizes) {
-    materials_ = materials.size();
-    std::vector<std::vector<LobeId>> found(materials_);
-    for (std::size_t m = 0; m < materials_; ++m) {
-        append_lobes(*materials.material(m), regularizes, found[m]);
-        std::sort(found[m].begin(), found[m].end());
-        found[m].erase(std::unique(found[m].begin(), found[m].end()), found[m].end());
+    std::vector<std::vector<LobeId>> kinds(1);
+    std::map<std::string, std::uint32_t> known;  // a lobe a character
+    kind_of_.push_back(0);
+    for (std::size_t m = 0; m < materials.size(); ++m) {
+        std::vector<LobeId> found;
+        append_lobes(*materials.material(m), regularizes, found);
+        std::sort(found.begin(), found.end());
+        found.erase(std::unique(found.begin(), found.end()), found.end());
+        const auto [kind, added] =
+            known.emplace(std::string(found.begin(), found.end()), static_cast<std::uint32_t>(kinds.size()));
+        if (added) kinds.push_back(std::move(found));
+        kind_of_.push_back(kind->second);
     }
+    kinds_ = kinds.size();
     const std::size_t labels = static_cast<std::size_t>(first_medium_label_) + media;
     for (std::size_t label = 0; label < labels; ++label)
-        for (std::size_t material = 0; material <= materials_; ++material) {
-            begin_.push_back(static_cast<std::uint32_t>(by_material_.size()));
-            const bool in_medium = label >= static_cast<std::size_t>(first_medium_label_);
-            if (in_medium != (material == 0)) continue;
+        for (std::size_t kind = 0; kind < kinds_; ++kind) {
+            const auto begin = static_cast<std::uint32_t>(by_kind_.size());
             const auto at = static_cast<std::int32_t>(label);
-            if (in_medium) by_material_.push_back(scatter(at, 0));
-            else
-                for (const LobeId lobe : found[material - 1]) by_material_.push_back(scatter(at, lobe));
+            if (at < first_medium_label_)
+                for (const LobeId lobe : kinds[kind]) by_kind_.push_back(scatter(at, lobe));
+            else if (kind == 0) by_kind_.push_back(scatter(at, 0));
+            rows_.push_back({begin, static_cast<std::uint32_t>(by_kind_.size()) - begin});
         }
-    begin_.push_back(static_cast<std::uint32_t>(by_material_.size()));
 }
 
 void EventTable::find_scatterings_in_use(const EmbreeScene& geometry, const MediumTable& media) {

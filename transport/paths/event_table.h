@@ -83,9 +83,9 @@ class EventTable {
     /// The events of scattering by a material at an object of this label, or inside a medium by medium_label() and
     /// SurfacePoint::no_material.
     [[nodiscard]] std::span<const lpe::EventClass> scatterings(std::int32_t label, std::int32_t material) const {
-        const std::size_t at =
-            static_cast<std::size_t>(label) * (materials_ + 1) + static_cast<std::size_t>(material + 1);
-        return {by_material_.data() + begin_[at], by_material_.data() + begin_[at + 1]};
+        const Row row =
+            rows_[static_cast<std::size_t>(label) * kinds_ + kind_of_[static_cast<std::size_t>(material + 1)]];
+        return {by_kind_.data() + row.begin, row.count};
     }
     [[nodiscard]] const display::Foresight& foresight() const { return foresight_; }
     /// What paths of this scene can bring; of scatterings nothing without prunes().
@@ -100,10 +100,16 @@ class EventTable {
     std::size_t lobe_count_ = 0;
     std::int32_t first_medium_label_ = 0;
     bool any_ = false, prunes_ = true, passes_cutouts_ = false, emits_ = false;
-    std::vector<std::uint32_t> begin_;  // [label][material + 1], into by_material_
-    std::vector<lpe::EventClass> by_material_;
+    // Materials that scatter by the same lobes are of one kind: a scene has thousands of labels and of materials, and
+    // few kinds. 0 is no material.
+    std::vector<std::uint32_t> kind_of_;  // [material + 1]
+    struct Row {
+        std::uint32_t begin, count;  // in by_kind_
+    };
+    std::vector<Row> rows_;  // [label][kind]
+    std::vector<lpe::EventClass> by_kind_;
     std::vector<lpe::EventClass> in_use_;  ///< of materials on objects that have them, and of media that scatter
-    std::size_t materials_ = 0;
+    std::size_t kinds_ = 0;
     display::Foresight foresight_;
 };
 

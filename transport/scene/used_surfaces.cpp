@@ -1,23 +1,48 @@
 #include "transport/scene/used_surfaces.h"
 
 #include <algorithm>
-#include <map>
-#include <string_view>
+#include <utility>
 
 namespace raylex::transport {
 
+namespace {
+
+void append_found(const std::multimap<std::string_view, std::size_t>& names, const std::string& name,
+                  std::vector<std::size_t>& found) {
+    const auto [begin, end] = names.equal_range(name);
+    for (auto each = begin; each != end; ++each) found.push_back(each->second);
+}
+
+}  // namespace
+
+NamedSurfaces::NamedSurfaces(const SceneDescription& of) : scene(of) {
+    for (std::size_t i = 0; i < scene.materials.size(); ++i)
+        if (!scene.materials[i].name.empty()) materials.emplace(scene.materials[i].name, i);
+    for (std::size_t i = 0; i < scene.textures.size(); ++i) textures.emplace(scene.textures[i].name, i);
+}
+
+void NamedSurfaces::append_textures(const ParameterSet& set, std::vector<std::size_t>& found) const {
+    for (const Parameter& each : set.parameters)
+        if (each.type == ParameterType::texture)
+            for (const std::string& name : each.strings) append_found(textures, name, found);
+}
+
 UsedSurfaces::UsedSurfaces(const SceneDescription& scene)
     : material_seen_(scene.materials.size(), 0), texture_seen_(scene.textures.size(), 0) {
+    const NamedSurfaces names(scene);
     for_each_shape(scene, [&](const SceneShape& shape) {
         shapes_.push_back(&shape);
-        use_material(scene, static_cast<std::size_t>(std::max(shape.material, 0)));
-        if (!shape.alpha_texture.empty()) use_texture(scene, shape.alpha_texture);
+        use_material(names, static_cast<std::size_t>(std::max(shape.material, 0)));
+        if (shape.alpha_texture.empty()) return;
+        std::vector<std::size_t> alpha;
+        append_found(names.textures, shape.alpha_texture, alpha);
+        use_textures(names, std::move(alpha));
     });
 }
 
-UsedSurfaces::UsedSurfaces(const SceneDescription& scene, std::size_t material)
-    : material_seen_(scene.materials.size(), 0), texture_seen_(scene.textures.size(), 0) {
-    use_material(scene, material);
+UsedSurfaces::UsedSurfaces(const NamedSurfaces& names, std::size_t material)
+    : material_seen_(names.scene.materials.size(), 0), texture_seen_(names.scene.textures.size(), 0) {
+    use_material(names, material);
 }
 
 bool is_filtered_image(const SceneTexture& texture) {
@@ -42,41 +67,50 @@ void read_images_unfiltered(SceneDescription& scene) {
 std::vector<std::uint8_t> materials_with_filtered_images(const SceneDescription& scene) {
     std::vector<std::uint8_t> found(scene.materials.size(), 0);
     if (std::none_of(scene.textures.begin(), scene.textures.end(), is_filtered_image)) return found;
+    const NamedSurfaces names(scene);
     for (std::size_t i = 0; i < found.size(); ++i) {
-        const UsedSurfaces used(scene, i);
+        const UsedSurfaces used(names, i);
         found[i] = std::any_of(used.textures().begin(), used.textures().end(),
                                [](const SceneTexture* each) { return is_filtered_image(*each); });
     }
     return found;
 }
 
-void UsedSurfaces::use_material(const SceneDescription& scene, std::size_t index) {
-    if (index >= material_seen_.size() || material_seen_[index] != 0) return;
-    material_seen_[index] = 1;
-    const SceneEntity& material = scene.materials[index];
-    materials_.push_back(&material);
-    use_textures_of(scene, material.parameters);
-    if (material.type != "mix") return;
-    for (const Parameter& each : material.parameters.parameters)
-        if (each.name == "materials")
-            for (const std::string& name : each.strings)
-                for (std::size_t i = 0; i < scene.materials.size(); ++i)
-                    if (!name.empty() && scene.materials[i].name == name) use_material(scene, i);
-}
-
-void UsedSurfaces::use_texture(const SceneDescription& scene, const std::string& name) {
-    for (std::size_t i = 0; i < texture_seen_.size(); ++i) {
-        if (scene.textures[i].name != name || texture_seen_[i] != 0) continue;
-        texture_seen_[i] = 1;
-        textures_.push_back(&scene.textures[i]);
-        use_textures_of(scene, scene.textures[i].parameters);
+// What is left to look at is a list, the next last: chains of mixes and of textures may be longer than the stack is
+// deep.
+void UsedSurfaces::use_material(const NamedSurfaces& names, std::size_t index) {
+    std::vector<std::size_t> left{index};
+    while (!left.empty()) {
+        index = left.back();
+        left.pop_back();
+        if (index >= material_seen_.size() || material_seen_[index] != 0) continue;
+        material_seen_[index] = 1;
+        const SceneEntity& material = names.scene.materials[index];
+        materials_.push_back(&material);
+        std::vector<std::size_t> textures;
+        names.append_textures(material.parameters, textures);
+        use_textures(names, std::move(textures));
+        const std::size_t first = left.size();
+        if (material.type == "mix")
+            for (const Parameter& each : material.parameters.parameters)
+                if (each.name == "materials")
+                    for (const std::string& name : each.strings) append_found(names.materials, name, left);
+        std::reverse(left.begin() + static_cast<std::ptrdiff_t>(first), left.end());
     }
 }
 
-void UsedSurfaces::use_textures_of(const SceneDescription& scene, const ParameterSet& set) {
-    for (const Parameter& each : set.parameters)
-        if (each.type == ParameterType::texture)
-            for (const std::string& name : each.strings) use_texture(scene, name);
+void UsedSurfaces::use_textures(const NamedSurfaces& names, std::vector<std::size_t> left) {
+    std::reverse(left.begin(), left.end());
+    while (!left.empty()) {
+        const std::size_t index = left.back();
+        left.pop_back();
+        if (texture_seen_[index] != 0) continue;
+        texture_seen_[index] = 1;
+        textures_.push_back(&names.scene.textures[index]);
+        const std::size_t first = left.size();
+        names.append_textures(textures_.back()->parameters, left);
+        std::reverse(left.begin() + static_cast<std::ptrdiff_t>(first), left.end());
+    }
 }
 
 bool is_interface(const SceneEntity& material) {

@@ -2,18 +2,29 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "transport/scene/scene_description.h"
 
 namespace raylex::transport {
 
+/// A scene's materials and textures by name, of which it may have thousands; those of one name in the scene's order.
+struct NamedSurfaces {
+    explicit NamedSurfaces(const SceneDescription& scene);
+    /// The textures that parameters name.
+    void append_textures(const ParameterSet& set, std::vector<std::size_t>& found) const;
+    const SceneDescription& scene;
+    std::multimap<std::string_view, std::size_t> materials, textures;  ///< indices
+};
+
 class UsedSurfaces {
   public:
     explicit UsedSurfaces(const SceneDescription& scene);
     /// Of one material alone.
-    UsedSurfaces(const SceneDescription& scene, std::size_t material);
+    UsedSurfaces(const NamedSurfaces& names, std::size_t material);
 
     /// The scene's own, then those of every object, placed or not: all are built.
     [[nodiscard]] const std::vector<const SceneShape*>& shapes() const { return shapes_; }
@@ -21,9 +32,8 @@ class UsedSurfaces {
     [[nodiscard]] const std::vector<const SceneTexture*>& textures() const { return textures_; }
 
   private:
-    void use_material(const SceneDescription& scene, std::size_t index);
-    void use_texture(const SceneDescription& scene, const std::string& name);
-    void use_textures_of(const SceneDescription& scene, const ParameterSet& set);
+    void use_material(const NamedSurfaces& names, std::size_t index);
+    void use_textures(const NamedSurfaces& names, std::vector<std::size_t> left);
 
     std::vector<const SceneShape*> shapes_;
     std::vector<const SceneEntity*> materials_;

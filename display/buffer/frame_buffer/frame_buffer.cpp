@@ -26,6 +26,11 @@ Status check_layout(const FrameBufferLayout& layout) {
     if (layout.block_size <= 0 || !std::has_single_bit(static_cast<unsigned>(layout.block_size)))
         return error_at({},
                         "frame buffer block size " + std::to_string(layout.block_size) + "; expected a power of two");
+    // So that sums with the channels' scales are exponents, too: records say what they like.
+    constexpr int largest_exponent = 512;
+    if (layout.quantum_exponent < -largest_exponent || layout.quantum_exponent > largest_exponent)
+        return error_at(
+            {}, "frame buffer of quanta of 2^" + std::to_string(layout.quantum_exponent) + "; expected -512 to 512");
     return success();
 }
 
@@ -33,7 +38,7 @@ Status check_scales(std::span<const ChannelDefinition> channels) {
     const ChannelDefinition* light = nullptr;
     for (const ChannelDefinition& channel : channels) {
         const int scale = channel.scale_exponent;
-        if (std::abs(scale) > largest_scale_exponent)
+        if (scale < -largest_scale_exponent || scale > largest_scale_exponent)  // abs(INT_MIN) is below 0
             return error_at({}, "channel '" + channel.name + "' has values of the order of 2^" + std::to_string(scale) +
                                     "; expected -256 to 256");
         if (channel.source != invalid_channel && static_cast<std::size_t>(channel.source) < channels.size() &&

@@ -55,7 +55,6 @@ ChannelDefinition read_channel(RecordReader& reader) {
     definition.statistic = read_enum(reader, Statistic::odd);
     definition.miss_value = reader.number<float>();
     definition.scale_exponent = reader.number<int>();
-    if (std::abs(definition.scale_exponent) > largest_scale_exponent) reader.fail();
     return definition;
 }
 

@@ -1,7 +1,8 @@
 #include "experiments/job/channels/likely_slips.h"
 
+#include <cstddef>
 #include <optional>
-#include <regex>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -33,10 +34,22 @@ std::string parenthesised(const std::string& text) {
     return several ? result + ")" : text;
 }
 
-/// L'key' for <L.'key'>, as other events are labelled.
-std::string labelled_lights(const std::string& text) {
-    static const std::regex bare(R"(([LBO])('[^']*'))");
-    return std::regex_replace(text, bare, "<$1.$2>");
+/// L'key' for <L.'key'>, as other events are labelled. By hand, as std::regex calls itself for each character within
+/// the quotes: the stack ends before the longest expression does (lpe/limits.h).
+std::string labelled_lights(std::string_view text) {
+    constexpr auto none = std::string_view::npos;
+    std::string result;
+    for (std::size_t at = 0; at < text.size();) {
+        const bool light = (text[at] == 'L' || text[at] == 'B' || text[at] == 'O') && text.substr(at + 1, 1) == "'";
+        const std::size_t close = light ? text.find('\'', at + 2) : none;
+        if (close == none) {
+            result += text[at++];
+            continue;
+        }
+        result += '<' + std::string(1, text[at]) + '.' + std::string(text.substr(at + 1, close - at)) + '>';
+        at = close + 1;
+    }
+    return result;
 }
 
 }  // namespace

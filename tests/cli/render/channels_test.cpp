@@ -137,4 +137,7 @@ TEST_CASE("layers that will be black say why, in either dialect, and what was me
     warned("--lpe 'a=lpe:D+'", "did you mean 'lpe:CD+L'?");
     warned("--lpe \"a=C<RD>L'key'\"", "did you mean 'C<RD><L.'key'>'?");
     warned("--lpe 'a=CDL|CSL'", "did you mean '(CDL)|(CSL)'?");
+    // An L that is a label's last letter and the next label far behind it look like a light with a label of that
+    // length.
+    warned("--lpe \"a=D'L'" + std::string(60'000, ' ') + "'key'D\"", "it has neither the camera (C) nor a light");
 }

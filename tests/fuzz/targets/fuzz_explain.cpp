@@ -1,8 +1,10 @@
-// Any bytes as an expression to be explained and drawn, and its shortest path to be doubted: sentences, notes, graph
-// and the reason why a path does not match.
+// Any bytes as an expression to be explained and drawn, and its shortest path to be doubted: sentences, notes, graph,
+// the reason why a path does not match and, where none does, what was meant.
+#include "experiments/job/channels/likely_slips.h"
 #include "lpe/algebra/explanation/explain.h"
 #include "lpe/algebra/explanation/why_not.h"
 #include "lpe/algebra/graphs/graph.h"
+#include "lpe/algebra/proofs/check.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace raylex::lpe;
@@ -29,6 +31,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                           "a sample without its end is a live prefix: " + sample.text);
         }
     }
+    const auto word = find_word(source);
+    if (word && !*word) static_cast<void>(raylex::experiments::likely_slip(source, Words()));
     const auto graph = graph_of({&source, 1});
     if (graph) fuzz::require(!to_dot(*graph).empty() && !to_svg(*graph).empty(), "a graph can be drawn");
     return 0;

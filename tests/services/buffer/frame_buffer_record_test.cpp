@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <span>
 #include <utility>
@@ -178,6 +179,13 @@ TEST_CASE("a record that ends too early or is of another version is refused", "[
     other = bytes;
     other[7] = 0x7f;
     CHECK_FALSE(FrameBuffer::from_record(other).ok());
+    // And a quantum that with a channel's scale is no exponent.
+    other = bytes;
+    const int largest = std::numeric_limits<int>::max();
+    std::memcpy(&other[16], &largest, sizeof largest);
+    const auto coarse = FrameBuffer::from_record(other);
+    REQUIRE_FALSE(coarse.ok());
+    CHECK(coarse.error().message.find("expected -512 to 512") != std::string::npos);
 }
 
 TEST_CASE("sums of every width go through bytes and back", "[framebuffer][record]") {

@@ -64,8 +64,10 @@ TEST_CASE("a channel of another scale has the same digits", "[frame_buffer][law3
     std::vector<ChannelDefinition> channels{test::expression_channel("a", "CL"), test::expression_channel("b", "CDL")};
     channels[1].scale_exponent = 3;
     CHECK(!FrameBuffer::create({1, 1}, channels).ok());
-    channels[0].scale_exponent = channels[1].scale_exponent = 257;
-    CHECK(!FrameBuffer::create({1, 1}, channels).ok());
+    for (const int scale : {257, -257, std::numeric_limits<int>::min()}) {
+        channels[0].scale_exponent = channels[1].scale_exponent = scale;
+        CHECK(!FrameBuffer::create({1, 1}, channels).ok());
+    }
 }
 
 TEST_CASE("statistics survive an offset of 1e6", "[frame_buffer][statistical]") {

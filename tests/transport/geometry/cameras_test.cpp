@@ -336,7 +336,8 @@ TEST_CASE("cameras and lens files name what is wrong with them", "[camera][law7]
     for (const Case& each :
          {Case{"", "no lens element"}, Case{"50 6 1.5\n", "3 numbers in a row"}, Case{"50 6 x 30\n", "found 'x'"},
           Case{"50 6 1.5 -30\n", "diameter"}, Case{"50 -6 1.5 30\n", "negative thickness"},
-          Case{"50 6 0.5 30\n", "index below 1"}, Case{"50 6 1e999 30\n", "found '1e999'"}}) {
+          Case{"50 6 0.5 30\n", "index below 1"}, Case{"50 6 1e999 30\n", "found '1e999'"},
+          Case{"50 6 1e64 30\n", "index above 100"}, Case{"-1e200 6 1.5 30\n", "length above 1e12 mm"}}) {
         const TextFile file("# lens\n" + each.lens);
         std::vector<Error> warnings;
         const auto camera =

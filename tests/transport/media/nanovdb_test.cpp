@@ -171,6 +171,17 @@ TEST_CASE("nanovdb files that cannot be read say why", "[media][grids][nanovdb][
     CHECK(contains(refused_medium(medium(folder.path("other.nvdb"))).message, "has no grid 'density'; it has: 'heat'"));
     folder.write("text.nvdb", "this is no grid");
     CHECK(contains(refused_medium(medium(folder.path("text.nvdb"))).message, "not a readable NanoVDB file"));
+    std::string older = whole;
+    older[11] = 1;  // of a version's 32 bits the 11 highest are its major number
+    folder.write("older.nvdb", older);
+    CHECK(contains(refused_medium(medium(folder.path("older.nvdb"))).message, "the file is of NanoVDB 8; expected"));
+    // The size of packed data, for which memory is taken first, stands before it.
+    write(folder.path("packed.nvdb"), handles(density_grid()), nanovdb::io::Codec::ZIP);
+    std::string packed = folder.read("packed.nvdb");
+    const std::string size_of_it("\x78\x9c", 2);  // what zlib begins with
+    packed[packed.find(size_of_it, 16 + 176) - 2] = 0x7e;
+    folder.write("packed.nvdb", packed);
+    CHECK(contains(refused_medium(medium(folder.path("packed.nvdb"))).message, "larger than the grid"));
     const raylex::Error missing = import_test::error_of(medium_scene(medium("nowhere.nvdb"), ""));
     CHECK(contains(missing.message, "nowhere.nvdb"));
     CHECK(missing.line == 2);

@@ -217,19 +217,21 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, Paramet
     const auto warn = [&](const std::string& message, const SourceLocation& location) {
         if (said_.insert(message).second) warnings.push_back(error_at(location, message));
     };
-    for (std::size_t i = 0; i < set.parameters.size(); ++i) {
-        const Parameter& parameter = set.parameters[i];
-        if (!holds(known, parameter.name)) {
+    const bool no_surface = kind == EntityKind::material && type == "interface";
+    const auto unknown = [&](const Parameter& each) { return !holds(known, each.name); };
+    // All at once: Attribute may have set thousands, for every shape.
+    if (!no_surface) {
+        const auto others = set.parameters.begin() + static_cast<std::ptrdiff_t>(own);
+        set.parameters.erase(std::remove_if(others, set.parameters.end(), unknown), set.parameters.end());
+    }
+    for (const Parameter& parameter : set.parameters) {
+        if (unknown(parameter)) {
+            if (!no_surface) return unknown_parameter(kind_name(kind), type, parameter, {known.begin(), known.end()});
             // pbrt makes no material of it, so it never looks at what it was given.
-            if (kind == EntityKind::material && type == "interface") {
-                parameter.used = true;
-                warn(std::string("parameter '") + parameter.name + "' of " + kind_name(kind) + " '" + type +
-                         "' is ignored: there is no surface",
-                     parameter.location);
-                continue;
-            }
-            if (i < own) return unknown_parameter(kind_name(kind), type, parameter, {known.begin(), known.end()});
-            set.parameters.erase(set.parameters.begin() + static_cast<std::ptrdiff_t>(i--));
+            parameter.used = true;
+            warn(std::string("parameter '") + parameter.name + "' of " + kind_name(kind) + " '" + type +
+                     "' is ignored: there is no surface",
+                 parameter.location);
             continue;
         }
         if (row == nullptr) continue;

@@ -252,6 +252,10 @@ Status SceneReader::attribute(Directive& directive) {
         std::erase_if(defaults, [&](const DefaultParameter& d) { return d.parameter.name == parameter.name; });
         defaults.push_back({std::move(parameter), state_.color_space});
     }
+    // Each is looked at for every entity of its kind.
+    if (defaults.size() > budget(Budget::parameters))
+        return over_budget(Budget::parameters, "Attribute has set too many parameters of '" + target + "'",
+                           directive.location.file, directive.location.line, directive.location.column);
     state_.defaults = std::move(changed);
     return success();
 }

@@ -54,8 +54,9 @@ Result<ParameterSet> SceneBuilder::checked(const std::string& type, EntityKind k
     for (Parameter& parameter : set.parameters)
         if (parameter.location.file.empty()) parameter.location = where;
     const std::size_t own = set.parameters.size();
+    // Against the own ones alone, as there may be thousands of others, of which no two have the same name.
     for (Parameter& fallback : parameters.fallbacks)
-        if (std::none_of(set.parameters.begin(), set.parameters.end(),
+        if (std::none_of(set.parameters.begin(), set.parameters.begin() + static_cast<std::ptrdiff_t>(own),
                          [&](const Parameter& p) { return p.name == fallback.name; }))
             set.parameters.push_back(std::move(fallback));
     for (const Parameter& parameter : set.parameters)
