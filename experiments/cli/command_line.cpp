@@ -1,8 +1,8 @@
 #include "experiments/cli/command_line.h"
 
-#include <cerrno>
 #include <exception>
 #include <iostream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -21,7 +21,10 @@ namespace {
 
 /// CLI11's own codes (101 to 114) all mean bad usage; help and version are success.
 int finish_parse(const CLI::App& app, const CLI::ParseError& error) {
-    const int code = app.exit(error, std::cout, std::cerr);
+    std::ostringstream help;
+    const int code = app.exit(error, help, std::cerr);
+    write_output(help.str());
+    if (output_is_lost()) return report_error("cannot write to standard output");
     return code == 0 ? exit_holds : exit_bad_input;
 }
 
@@ -30,10 +33,14 @@ int finish_parse(const CLI::App& app, const CLI::ParseError& error) {
 std::string what_failed(const CLI::App& command, const CLI::Error& error) {
     const auto* extras = dynamic_cast<const CLI::ExtrasError*>(&error);
     const auto* required = dynamic_cast<const CLI::RequiredError*>(&error);
+    const bool has_subcommands = !command.get_subcommands([](const CLI::App*) { return true; }).empty();
+    const std::vector<std::string> rest = command.remaining();
+    // A word that should have been one: what stands behind it are its options.
+    if (has_subcommands && !rest.empty() && !rest.front().starts_with('-'))
+        return unknown_subcommand(command, rest.front());
     if (extras != nullptr || required != nullptr)
         if (std::string unknown = unknown_option(command); !unknown.empty()) return unknown;
-    if (command.get_subcommands([](const CLI::App*) { return true; }).empty()) return error.what();
-    const std::vector<std::string> rest = command.remaining();
+    if (!has_subcommands) return error.what();
     return rest.empty() ? std::string(error.what()) + "; " + expected_subcommands(command)
                         : unknown_subcommand(command, rest.front());
 }
@@ -103,8 +110,7 @@ int run_command_line(int argc, const char* const* argv) {
     } catch (const CLI::ParseError& error) { return finish_parse(app, error); } catch (const std::bad_alloc&) {
         return report_error("out of memory; a smaller --resolution or fewer channels need less");
     } catch (const std::exception& error) { return report_error(std::string("unexpected failure: ") + error.what()); }
-    // A reader that has seen enough (| head) is no failure.
-    if (std::fflush(stdout) != 0 && errno != EPIPE) return report_error("cannot write to standard output");
+    if (output_is_lost()) return report_error("cannot write to standard output");
     // What was being read when somebody interrupted is no bad input.
     if (context.exit_code == exit_bad_input && reading_stopped()) return exit_interrupted;
     return context.exit_code;

@@ -93,7 +93,7 @@ std::string absolute_path(const std::string& path) {
 int print_commands(const CommandPlan& plan, const std::string& format) {
     auto text = plan_text(plan, format);
     if (!text) return report_error(text.error());
-    std::fwrite(text->data(), 1, text->size(), stdout);
+    write_output(*text);
     return exit_holds;
 }
 

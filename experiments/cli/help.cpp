@@ -24,7 +24,7 @@ int print_help(const CLI::App& app, const std::vector<std::string>& words) {
     // Not App::help(), which speaks of the subcommand that was given: this one.
     const std::string text =
         command->get_formatter()->make_help(command, command_words(*command), CLI::AppFormatMode::Normal);
-    std::fwrite(text.data(), 1, text.size(), stdout);
+    write_output(text);
     return exit_holds;
 }
 

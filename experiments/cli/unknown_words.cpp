@@ -1,7 +1,6 @@
 #include "experiments/cli/unknown_words.h"
 
 #include <algorithm>
-#include <vector>
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -39,6 +38,8 @@ std::string nearest_option(const CLI::App& command, const std::string& name) {
 
 std::string about_option(const CLI::App& given_to, const CLI::App& innermost, const std::string& word) {
     const std::string name = option_name(word), text = "unknown option '" + name + "'";
+    if (&given_to == &innermost && innermost.get_option_no_throw(name) != nullptr)
+        return "option '" + name + "' stands behind '--', where words are no options; expected it before";
     if (innermost.get_option_no_throw(name) != nullptr)
         return text + " of '" + command_words(given_to) + "'; expected it behind '" + command_words(innermost) + "'";
     const std::string near = nearest_option(given_to, name);
@@ -68,9 +69,12 @@ std::string unknown_option(const CLI::App& command) {
     return {};
 }
 
-void refuse_unknown_options(const CLI::App& command) {
-    for (const std::string& word : command.remaining())
+std::vector<std::string> further_words(const CLI::App& command) {
+    std::vector<std::string> words = command.remaining();
+    for (const std::string& word : words)
         if (is_option(word)) throw CLI::ExtrasError(command.get_name(), {word});
+    std::erase(words, "--");
+    return words;
 }
 
 }  // namespace raylex::experiments

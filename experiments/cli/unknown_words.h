@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <CLI/App.hpp>
 
@@ -19,8 +20,8 @@ std::string unknown_subcommand(const CLI::App& command, const std::string& word)
 /// and left over, or empty.
 std::string unknown_option(const CLI::App& command);
 
-/// For commands that take all that is left over: throws CLI::ExtrasError where an option is among it, so that the error
-/// reads as that of any other command.
-void refuse_unknown_options(const CLI::App& command);
+/// For commands that take all that is left over, which may stand behind "--". Throws CLI::ExtrasError where an option
+/// is among it, so that the error reads as that of any other command.
+std::vector<std::string> further_words(const CLI::App& command);
 
 }  // namespace raylex::experiments

@@ -264,8 +264,10 @@ std::vector<Error> scene_doubts(const SceneDescription& scene, const transport::
     doubt_bodies(scene, scene.shapes, doubts);
     for (const transport::SceneObject& object : scene.objects) doubt_bodies(scene, object.shapes, doubts);
     doubts.insert(doubts.end(), built.dark_lights.begin(), built.dark_lights.end());
-    // What stands in for a file that is missing uses nothing, so nothing can be said to be unused.
-    if (scene.placeholders.empty()) doubt_unused_entities(scene, everything_used(scene), doubts);
+    // What stands in for a mesh is of a material of its own, so whatever seems unused may be that mesh's.
+    const auto is_mesh = [](const std::string& file) { return file.ends_with(".ply") || file.ends_with(".ply.gz"); };
+    if (std::none_of(scene.placeholders.begin(), scene.placeholders.end(), is_mesh))
+        doubt_unused_entities(scene, everything_used(scene), doubts);
     return doubts;
 }
 

@@ -129,7 +129,7 @@ std::string medium_text(const MediumFact& medium) {
     return medium.name + (medium.scatters ? " (scatters, emits)" : " (emits)");
 }
 
-/// Without vacuum, as which media stay that nothing uses, and without the insides of subsurface materials.
+/// All that something uses but vacuum, without the insides of subsurface materials.
 std::vector<MediumFact> named_media(const transport::MediumTable& media) {
     std::vector<MediumFact> facts;
     for (std::size_t i = 0; i < media.size(); ++i) {

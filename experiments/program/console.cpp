@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -35,6 +36,12 @@ std::string printable(std::string text) {
     return text;
 }
 
+int output_failure = 0;  // errno of the first write to standard output that failed
+
+void note_output(bool is_written) {
+    if (!is_written && output_failure == 0) output_failure = errno;
+}
+
 }  // namespace
 
 void choose_color(ColorChoice choice) {
@@ -47,8 +54,17 @@ std::string tinted(const std::string& text, Tint tint, bool error_stream) {
     return code + text + "\x1b[0m";
 }
 
+void write_output(const std::string& text) {
+    note_output(std::fwrite(text.data(), 1, text.size(), stdout) == text.size());
+}
+
+bool output_is_lost() {
+    note_output(std::fflush(stdout) == 0);
+    return output_failure != 0 && output_failure != EPIPE;
+}
+
 int report_error(const std::string& message) {
-    std::fflush(stdout);
+    note_output(std::fflush(stdout) == 0);
     std::fprintf(stderr, "raylex: %s %s\n", tinted("error:", Tint::error, true).c_str(), printable(message).c_str());
     return exit_bad_input;
 }
@@ -67,7 +83,8 @@ void print_note(const std::string& message) {
 }
 
 void print_line(const std::string& text) {
-    std::fprintf(lines_to_error_stream ? stderr : stdout, "%s\n", text.c_str());
+    if (lines_to_error_stream) std::fprintf(stderr, "%s\n", text.c_str());
+    else write_output(text + "\n");
 }
 
 bool is_standard_output(const std::string& path) {
@@ -80,7 +97,7 @@ void take_standard_output_for(const std::string& path) {
 
 Status write_text(const std::string& path, const std::string& text) {
     if (!is_standard_output(path)) return display::write_text_file(path, text);
-    std::fwrite(text.data(), 1, text.size(), stdout);
+    write_output(text);
     return success();
 }
 

@@ -16,6 +16,12 @@ void print_warning(const std::string& message);  ///< to standard error
 void print_note(const std::string& message);     ///< to standard error, where standard output is a file for others
 void print_line(const std::string& text);        ///< to standard output, but see take_standard_output_for()
 
+/// To standard output, as it stands.
+void write_output(const std::string& text);
+/// Whether what was written to standard output did not all get there, though somebody still reads it: `| head` is no
+/// loss.
+[[nodiscard]] bool output_is_lost();
+
 /// Whether the name of a text file is that of standard output: "-".
 [[nodiscard]] bool is_standard_output(const std::string& path);
 /// Lines, verdicts among them, go to standard error from here on if this is standard output: what reads it expects the

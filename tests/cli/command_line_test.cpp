@@ -13,6 +13,7 @@ using raylex::test::contains;
 using raylex::test::Folder;
 using raylex::test::Outcome;
 using raylex::test::run_raylex;
+using raylex::test::run_shell;
 using raylex::test::SceneFolder;
 
 }  // namespace
@@ -21,6 +22,31 @@ TEST_CASE("an unknown subcommand is named, with what there is") {
     const Folder folder;
     check_refused(folder, "rendr room.pbrt", {"'rendr'", "did you mean 'render'", "raylex --help"});
     check_refused(folder, "lpe chek", {"'chek'", "did you mean 'check'", "raylex lpe --help"});
+    for (const char* with_options : {"rendr room.pbrt --spp 4", "rendr room.pbrt -o out.exr"})
+        check_refused(folder, with_options, {"unknown subcommand 'rendr'", "did you mean 'render'"});
+}
+
+TEST_CASE("text that standard output does not take is an error; that a reader has seen enough is none") {
+    const Folder folder;
+    // Short texts and those that are longer than a buffer fail in different calls.
+    for (const char* command : {"lpe explain CL", "help render", "render --help", "plugins"}) {
+        CAPTURE(command);
+        const Outcome full = run_shell(folder, "\"$RAYLEX\" " + std::string(command) + " > /dev/full");
+        CHECK(full.code == 2);
+        CHECK(contains(full.err, "cannot write to standard output"));
+        // The reader is gone before anything is written.
+        const Outcome left =
+            run_shell(folder, "set -o pipefail; { sleep 0.3; \"$RAYLEX\" " + std::string(command) + "; } | true");
+        CAPTURE(left.err);
+        CHECK(left.code == 0);
+        CHECK(left.err.empty());
+    }
+}
+
+TEST_CASE("words behind '--' are no options") {
+    const Folder folder;
+    CHECK(run_raylex(folder, "lpe explain -- CL").code == 0);
+    check_refused(folder, "scene write -- -r.pbrt -o a.pbrt", {"'-o' stands behind '--'"});
 }
 
 TEST_CASE("an unknown option is named, with the one that may be meant") {

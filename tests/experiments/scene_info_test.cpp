@@ -236,6 +236,11 @@ TEST_CASE("raylex scene check tells all files that are missing, each at its line
     CHECK(contains(outcome.err, "gaps.pbrt:4:1: cannot find file 'no/mesh.ply'"));
     CHECK(contains(outcome.err, "looked in"));
 
+    folder.write("sky.pbrt",
+                 "WorldBegin\nLightSource \"infinite\" \"string filename\" \"no/sky.exr\"\n"
+                 "MakeNamedMaterial \"wood\" \"string type\" \"diffuse\"\nShape \"sphere\"\n");
+    CHECK(contains(run_raylex(folder, "scene check sky.pbrt").out, "'wood' is used by nothing"));  // a sky uses nothing
+
     folder.write("ptex.pbrt", "WorldBegin\nTexture \"a\" \"spectrum\" \"ptex\" \"string filename\" \"no/a.ptx\"\n");
     const Outcome ptex = run_raylex(folder, "render ptex.pbrt");
     CHECK(ptex.code == 2);

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <filesystem>
 #include <map>
+#include <string_view>
 #include <utility>
 
 #include "display/services/parameters.h"
@@ -147,7 +148,10 @@ Result<lpe::ChannelSource> channel_or_expression(const std::string& text, const 
 }
 
 Error about_channel_name(Error error, const std::string& text, const ChannelSet& set) {
-    const auto in_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+    const auto in_name = [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+               std::string_view("_-.:").find(c) != std::string::npos;
+    };
     const bool of_text = error.excerpt == text;  // and not of a macro that it names
     if (!of_text || set.file.channels.empty() || !std::all_of(text.begin(), text.end(), in_name)) return error;
     std::vector<std::string> names;
@@ -157,9 +161,9 @@ Error about_channel_name(Error error, const std::string& text, const ChannelSet&
         names.push_back(each.source.name);
         list += (list.empty() ? "" : ", ") + each.source.name;
     }
-    const std::string near = near_miss(text, names);
-    error.hint = near.empty() ? "channels that are given: " + list : near;
-    return error;
+    if (const std::string near = near_miss(text, names); !near.empty()) error.hint = near;
+    else if (text.find_first_of("-.:") == std::string::npos) error.hint = "channels that are given: " + list;
+    return error;  // with a dot it may as well be an expression
 }
 
 void add_channel_output(CLI::App& command, ChannelOutput& output, const std::string& description) {

@@ -182,8 +182,7 @@ void add_lpe_explain_commands(CLI::App& lpe, CommandContext& context) {
         "piece "
         "can never match.\nExit codes: 0 explained, 1 explained, and no path matches, 2 bad usage or input.");
     explain->callback([options, explain, &context] {
-        refuse_unknown_options(*explain);
-        options->others = explain->remaining();
+        options->others = further_words(*explain);
         context.exit_code = run_explain(*options);
     });
 }

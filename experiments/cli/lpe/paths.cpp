@@ -107,8 +107,7 @@ void add_command(CLI::App& lpe, CommandContext& context, const Command& entry) {
         std::string(entry.example) +
         "\nExit codes: 0 there are such paths, 1 there is none (proved), 2 bad usage or input.");
     command->callback([options, command, operation = entry.operation, &context] {
-        refuse_unknown_options(*command);
-        context.exit_code = run_paths(operation, *options, command->remaining());
+        context.exit_code = run_paths(operation, *options, further_words(*command));
     });
 }
 

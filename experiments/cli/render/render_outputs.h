@@ -39,8 +39,8 @@ class RenderOutputs {
 
     void update(const transport::RenderProgress& progress);
 
-    /// Writes all. What cannot be written goes to the folder for temporary files, as the errors say: the first of them
-    /// is returned, others become warnings.
+    /// Writes all. The image, the deep image or the atlas go to the folder for temporary files where they cannot be
+    /// written, as the errors say: the first of them is returned, others become warnings.
     Status close(const transport::RenderOutput& output, const display::ImageDescription& description);
 
     /// The image as files and viewers get it: through the display filters. It and this object must outlive the result.

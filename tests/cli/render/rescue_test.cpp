@@ -4,6 +4,8 @@
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "display/output/atomic_file.h"
 #include "experiments/cli/render/rescue.h"
@@ -13,12 +15,34 @@
 using namespace raylex::test;
 using raylex::display::FileCall;
 
+namespace {
+
+/// $TMPDIR, until it goes out of scope.
+class TemporaryFolder {
+  public:
+    explicit TemporaryFolder(const std::string& path) {
+        if (const char* before = std::getenv("TMPDIR")) before_ = before;
+        setenv("TMPDIR", path.c_str(), 1);
+    }
+    ~TemporaryFolder() {
+        if (before_) setenv("TMPDIR", before_->c_str(), 1);
+        else unsetenv("TMPDIR");
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  private:
+    std::optional<std::string> before_;
+};
+
+}  // namespace
+
 TEST_CASE("what cannot be written to its place goes to the folder for temporary files", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const std::string temporary = "temporary", place = folder.path("place") + "/", saved = folder.path(temporary) + "/";
     std::filesystem::create_directory(folder.path("place"));
-    setenv("TMPDIR", folder.path(temporary).c_str(), 1);
+    const TemporaryFolder chosen(folder.path(temporary));
     std::vector<std::string> arguments{
         "render", folder.path("room.pbrt"), "-o", place + "out.exr", "--spp", "32", "--lpe", "d=CDL"};
     const auto run = [&](const std::vector<std::string>& more, const std::string& full) {
@@ -61,12 +85,11 @@ TEST_CASE("what cannot be written to its place goes to the folder for temporary 
         CHECK(run_here({"merge", saved + record, place + "out.exr.shard-2-of-2", "-o", place + "out.exr"}) == 0);
         CHECK((image_bits(place + "out.exr") == expected));
     }
-    unsetenv("TMPDIR");
 }
 
 TEST_CASE("a rescue says where the file is, and takes the name of no other", "[law7]") {
     const Folder folder;
-    setenv("TMPDIR", folder.path().c_str(), 1);
+    const TemporaryFolder chosen(folder.path());
     folder.write("out.exr", "of an earlier render");
     const raylex::Error failure = raylex::error_at({"far/out.exr", 0, 0}, "cannot write the file");
     std::string written;
@@ -80,5 +103,4 @@ TEST_CASE("a rescue says where the file is, and takes the name of no other", "[l
     const raylex::Error twice =
         raylex::experiments::rescued(saved, "the atlas", "far/a.exr", [&](auto&) { return raylex::Status(failure); });
     CHECK(contains(twice.hint, saved.hint + "\nthe atlas could not be saved"));
-    unsetenv("TMPDIR");
 }
