@@ -270,7 +270,7 @@ Status AdaptiveSampler::restore_record(std::string_view bytes) {
 
 std::string describe(const AdaptiveSettings& settings) {
     std::string text = "error " + number_text(settings.error) + " of";
-    if (settings.channels.empty()) text += " beauty (without one: of all light)";
+    if (settings.channels.empty()) text += " beauty or all light";
     for (const AdaptiveChannel& each : settings.channels) text += " " + each.name + "*" + number_text(each.weight);
     return text + ", " + std::to_string(settings.min_samples) + " to " + std::to_string(settings.max_samples) +
            " samples, floor " + number_text(settings.floor) + ", neighbourhood " +

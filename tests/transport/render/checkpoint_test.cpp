@@ -168,7 +168,7 @@ TEST_CASE("a checkpoint of another render is refused, and what differs is named"
     names(other, "instruction set: ");
     other = settings;
     other.adaptive.emplace();
-    names(other, "adaptive: nothing there, error 0.01 of beauty (without one: of all light), 64 to 65536 samples");
+    names(other, "adaptive: nothing there, error 0.01 of beauty or all light, 64 to 65536 samples");
 
     std::string text = room;
     text.replace(text.find("0.7 0.6 0.5"), 3, "0.8");
