@@ -42,7 +42,7 @@ CASES = {
 }
 # A function belongs to the first loop of which it has a word in its name.
 LOOPS = [
-    ("sampler", ["Sampler", "draw_sampler_pairs"]),
+    ("sampler", ["Sampler", "draw_sampler_pairs", "sobol_pair"]),
     ("film", ["FrameBuffer", "FixedSum", "SplatGate", "add_pixel"]),
     ("channels", ["display::"]),
     ("camera", ["Camera::"]),

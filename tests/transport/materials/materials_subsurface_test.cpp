@@ -228,15 +228,19 @@ TEST_CASE("all forms of subsurface parameters, and their mistakes", "[materials]
     CHECK(estimate(mixed).mean > 0.2);
 }
 
+namespace {
+
+/// A white sky, seen from (0, 0, -6) towards what follows, of subsurface with those parameters.
+std::string subsurface_under_sky(const std::string& fov, const std::string& parameters) {
+    return plain_film + "LookAt 0 0 -6  0 0 0  0 1 0 Camera \"perspective\" \"float fov\" " + fov +
+           "\nWorldBegin LightSource \"infinite\" Material \"subsurface\" " + parameters + "\n";
+}
+
+}  // namespace
+
 TEST_CASE("walks in the medium of a body that is open, or faces inwards, end", "[materials][render]") {
     // Nothing absorbs and the medium is everywhere behind the surface: without a bound these would go on for ever.
-    const std::string view = plain_film + R"(
-        LookAt 0 0 -6  0 0 0  0 1 0
-        Camera "perspective" "float fov" 40
-        WorldBegin
-        LightSource "infinite"
-        Material "subsurface" "rgb sigma_a" [0 0 0] "rgb sigma_s" [2 2 2]
-        )";
+    const std::string view = subsurface_under_sky("40", R"("rgb sigma_a" [0 0 0] "rgb sigma_s" [2 2 2])");
     transport::RenderSettings settings;
     settings.samples_per_pixel = 1;
     settings.resolution = {{4, 4}};
@@ -254,13 +258,7 @@ TEST_CASE("walks in the medium of a body that is open, or faces inwards, end", "
 
 TEST_CASE("one sheet is the surface of a half space", "[materials][render]") {
     // As the top of a box 80 mean free paths deep: where people write ground, snow or water as one quad.
-    const std::string view = plain_film + R"(
-        LookAt 0 0 -6  0 0 0  0 1 0
-        Camera "perspective" "float fov" 30
-        WorldBegin
-        LightSource "infinite"
-        Material "subsurface" "rgb reflectance" [.8 .6 .4] "rgb mfp" [.05 .05 .05]
-        )";
+    const std::string view = subsurface_under_sky("30", R"("rgb reflectance" [.8 .6 .4] "rgb mfp" [.05 .05 .05])");
     transport::RenderSettings settings;
     settings.samples_per_pixel = 64;
     settings.resolution = {{8, 8}};
