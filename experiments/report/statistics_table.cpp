@@ -93,6 +93,8 @@ std::string statistics_table(const std::string& record) {
     text += row("Shadow rays", counted(number_at(json, "/rays/shadow")));
     if (const double count = number_at(json, "/branches"); count > 0)
         text += row("Further rays of split paths", counted(count));
+    if (const double count = number_at(json, "/rays/pilot"); count > 0)
+        text += row("Rays traced before, to choose how to sample", counted(count));
     const std::pair<const char*, const char*> pruned[] = {
         {"Paths ended: no layer takes what they could become", "/pruned/paths"},
         {"Light samples not drawn: no light counts there", "/pruned/light_samples"},

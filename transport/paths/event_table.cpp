@@ -1,5 +1,6 @@
 #include "transport/paths/event_table.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <utility>
@@ -7,6 +8,13 @@
 #include "transport/materials/bsdf/lobes.h"
 
 namespace raylex::transport {
+namespace {
+
+bool has_density(LobeId lobe) {
+    return lobe_kinds()[lobe].scatter != lpe::Scatter::singular;
+}
+
+}  // namespace
 
 lpe::Event scattering_event(const std::string& object_label, const LobeKind& lobe, const lpe::LobeSlots& slots) {
     lpe::Event event;
@@ -117,6 +125,7 @@ EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene, c
 display::Foresight::Alphabet EventTable::alphabet() const {
     display::Foresight::Alphabet alphabet;
     alphabet.scatterings = in_use_;
+    alphabet.with_density = in_use_with_density_;
     if (passes_cutouts_) alphabet.straight = straight_;
     alphabet.terminals = terminal_;
     if (emits_) alphabet.terminals.push_back(emission_);
@@ -134,6 +143,7 @@ void EventTable::find_scatterings(const MaterialTable& materials, std::size_t me
         append_lobes(*materials.material(m), regularizes, found);
         std::sort(found.begin(), found.end());
         found.erase(std::unique(found.begin(), found.end()), found.end());
+        std::stable_partition(found.begin(), found.end(), has_density);
         const auto [kind, added] =
             known.emplace(std::string(found.begin(), found.end()), static_cast<std::uint32_t>(kinds.size()));
         if (added) kinds.push_back(std::move(found));
@@ -145,10 +155,16 @@ void EventTable::find_scatterings(const MaterialTable& materials, std::size_t me
         for (std::size_t kind = 0; kind < kinds_; ++kind) {
             const auto begin = static_cast<std::uint32_t>(by_kind_.size());
             const auto at = static_cast<std::int32_t>(label);
-            if (at < first_medium_label_)
+            std::ptrdiff_t with_density = 0;
+            if (at < first_medium_label_) {
                 for (const LobeId lobe : kinds[kind]) by_kind_.push_back(scatter(at, lobe));
-            else if (kind == 0) by_kind_.push_back(scatter(at, 0));
-            rows_.push_back({begin, static_cast<std::uint32_t>(by_kind_.size()) - begin});
+                with_density = std::count_if(kinds[kind].begin(), kinds[kind].end(), has_density);
+            } else if (kind == 0) {
+                by_kind_.push_back(scatter(at, 0));
+                with_density = 1;
+            }
+            rows_.push_back(
+                {begin, static_cast<std::uint32_t>(by_kind_.size()) - begin, static_cast<std::uint32_t>(with_density)});
         }
 }
 
@@ -162,13 +178,17 @@ void EventTable::find_scatterings_in_use(const EmbreeScene& geometry, const Medi
         // Which object an instance places is not asked: the others' materials may count too.
         for (const std::int32_t label : given_to_instances) used.emplace(label, shape.material);
     }
-    for (const auto& [label, material] : used)
-        for (const lpe::EventClass event : scatterings(label, material)) in_use_.push_back(event);
+    const auto use = [&](std::int32_t label, std::int32_t material) {
+        const auto all = scatterings(label, material), dense = with_density(label, material);
+        in_use_.insert(in_use_.end(), all.begin(), all.end());
+        in_use_with_density_.insert(in_use_with_density_.end(), dense.begin(), dense.end());
+    };
+    for (const auto& [label, material] : used) use(label, material);
     for (std::size_t i = 0; i < media.size(); ++i)
         if (const auto medium = static_cast<std::int32_t>(i); media[medium].scatters)
-            in_use_.push_back(scatter(medium_label(medium), 0));
-    std::sort(in_use_.begin(), in_use_.end());
-    in_use_.erase(std::unique(in_use_.begin(), in_use_.end()), in_use_.end());
+            use(medium_label(medium), SurfacePoint::no_material);
+    in_use_ = display::Foresight::distinct(std::move(in_use_));
+    in_use_with_density_ = display::Foresight::distinct(std::move(in_use_with_density_));
 }
 
 }  // namespace raylex::transport

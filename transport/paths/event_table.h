@@ -83,9 +83,13 @@ class EventTable {
     /// The events of scattering by a material at an object of this label, or inside a medium by medium_label() and
     /// SurfacePoint::no_material.
     [[nodiscard]] std::span<const lpe::EventClass> scatterings(std::int32_t label, std::int32_t material) const {
-        const Row row =
-            rows_[static_cast<std::size_t>(label) * kinds_ + kind_of_[static_cast<std::size_t>(material + 1)]];
+        const Row& row = row_of(label, material);
         return {by_kind_.data() + row.begin, row.count};
+    }
+    /// Of those the ones that have a density: where light can be sampled and subpaths be joined.
+    [[nodiscard]] std::span<const lpe::EventClass> with_density(std::int32_t label, std::int32_t material) const {
+        const Row& row = row_of(label, material);
+        return {by_kind_.data() + row.begin, row.with_density};
     }
     [[nodiscard]] const display::Foresight& foresight() const { return foresight_; }
     /// What paths of this scene can bring; of scatterings nothing without prunes().
@@ -104,11 +108,15 @@ class EventTable {
     // few kinds. 0 is no material.
     std::vector<std::uint32_t> kind_of_;  // [material + 1]
     struct Row {
-        std::uint32_t begin, count;  // in by_kind_
+        std::uint32_t begin, count, with_density;  // in by_kind_; those with a density come first
     };
+    [[nodiscard]] const Row& row_of(std::int32_t label, std::int32_t material) const {
+        return rows_[static_cast<std::size_t>(label) * kinds_ + kind_of_[static_cast<std::size_t>(material + 1)]];
+    }
     std::vector<Row> rows_;  // [label][kind]
     std::vector<lpe::EventClass> by_kind_;
-    std::vector<lpe::EventClass> in_use_;  ///< of materials on objects that have them, and of media that scatter
+    // Of materials on objects that have them, and of media that scatter.
+    std::vector<lpe::EventClass> in_use_, in_use_with_density_;
     std::size_t kinds_ = 0;
     display::Foresight foresight_;
 };

@@ -205,23 +205,24 @@ class LightRecord {
     void pass_straight(std::uint32_t row, std::int32_t label) {
         if (words_) word_[row] = lpe_->prepend(*words_, word_[row], events_->straight(label));
     }
-    /// Whether anything counts that it may become by scatterings, its own or those of camera subpaths (Law 4).
+    /// Whether anything counts that it may become by scatterings, where others meet it (Law 4).
     [[nodiscard]] bool worth(std::uint32_t row) const {
-        return takes_all() || (words_ && language_->foresight().of(*words_, word_[row]).scatters);
+        return takes_all() || (words_ && language_->foresight().of(*words_, word_[row]).goes_on);
     }
     /// What of it may once its current vertex scatters as the material there does.
     [[nodiscard]] display::LightForesight::Ahead ahead(std::uint32_t row, std::int32_t label,
                                                        std::int32_t material) const {
         if (takes_all()) return {};
-        if (!words_) return {false, false};
-        return language_->foresight().after(*words_, word_[row], events_->scatterings(label, material));
+        if (!words_) return {false, false, false};
+        return language_->foresight().after(*words_, word_[row], events_->scatterings(label, material),
+                                            events_->with_density(label, material));
     }
     /// Whether a camera subpath may be joined with `end`: where they stand, and what scatters there.
     [[nodiscard]] bool worth_joining(const Record& camera, std::uint32_t row, std::int32_t label, std::int32_t material,
                                      const LightEnd& end, std::int32_t material_of_end) const {
         return camera.takes_all(row) || !words_ ||
-               language_->foresight().joins(camera.tracker(row), events_->scatterings(label, material), *end.words,
-                                            end.word, events_->scatterings(end.label, material_of_end));
+               language_->foresight().joins(camera.tracker(row), events_->with_density(label, material), *end.words,
+                                            end.word, events_->with_density(end.label, material_of_end));
     }
     /// The word before the current vertex, which itself scatters from `lobes` when it is joined.
     [[nodiscard]] LightEnd end(std::uint32_t row, std::int32_t label) const {

@@ -73,6 +73,8 @@ Foresight::Foresight(const LpeSetup& setup, const Alphabet& alphabet) {
     make.find_anything();
     make.for_each_step(make.scatterings, [&](State from, State to) { states_[from].scatters |= states_[to].anything; });
     make.pass_cutouts();
+    at_camera_ = {0, false, false};
+    for (const State first : setup.first_states_) join(at_camera_, states_[first]);
 }
 
 std::vector<std::uint64_t> Foresight::sets_of_terminals() const {

@@ -19,6 +19,8 @@ class Foresight {
         std::vector<lpe::EventClass> terminals;
         std::vector<lpe::EventClass> user;  ///< what surfaces say of themselves, ended by `user_terminal`
         lpe::EventClass user_terminal = 0;
+        /// Of `scatterings` those that have a density: where subpaths of both ends can meet.
+        std::vector<lpe::EventClass> with_density = {};
     };
     /// Ascending, each once.
     static std::vector<lpe::EventClass> distinct(std::vector<lpe::EventClass> classes);
@@ -35,6 +37,8 @@ class Foresight {
     Foresight(const LpeSetup& setup, const Alphabet& alphabet);
 
     [[nodiscard]] bool knows() const { return !states_.empty(); }
+    /// Of paths that are still at the camera.
+    [[nodiscard]] const Ahead& at_camera() const { return at_camera_; }
     [[nodiscard]] Ahead of(const Tracker& tracker) const;
     /// The same once the path is scattered by an event of any of these classes.
     [[nodiscard]] Ahead after(const Tracker& tracker, std::span<const lpe::EventClass> scatterings) const;
@@ -50,6 +54,7 @@ class Foresight {
     const lpe::ProgramView* program_ = nullptr;
     std::vector<Ahead> states_;               // [table state]; empty: nothing is known
     std::vector<lpe::EventClass> terminals_;  // distinct, ascending
+    Ahead at_camera_;
     static void join(Ahead& ahead, const Ahead& other) {
         ahead.terminals |= other.terminals;
         ahead.anything |= other.anything;

@@ -25,7 +25,7 @@ struct LightForesight::Maker {
 
     [[nodiscard]] std::vector<Ahead> run(const Foresight::Alphabet& alphabet) const {
         const auto straight = [&](auto visit) { for_each_step(alphabet.straight, visit); };
-        std::vector<std::uint8_t> seen(count), scatters(count);
+        std::vector<std::uint8_t> seen(count), joins(count), goes_on(count);
         for (State state = 1; state < count; ++state) seen[state] = language.accepts(word, camera, state);
         mark_backwards(seen, straight);
         std::vector<std::uint8_t> anything = seen;
@@ -33,10 +33,17 @@ struct LightForesight::Maker {
             for_each_step(alphabet.scatterings, visit);
             straight(visit);
         });
-        for_each_step(alphabet.scatterings, [&](State from, State to) { scatters[from] |= anything[to]; });
-        mark_backwards(scatters, straight);
+        for_each_step(alphabet.with_density, [&](State from, State to) { joins[from] |= anything[to]; });
+        mark_backwards(joins, straight);
+        for_each_step(alphabet.with_density,
+                      [&](State from, State to) { goes_on[from] = goes_on[from] || seen[to] || joins[to]; });
+        mark_backwards(goes_on, [&](auto visit) {
+            for_each_step(alphabet.scatterings, visit);
+            straight(visit);
+        });
         std::vector<Ahead> states;
-        for (State state = 0; state < count; ++state) states.push_back({seen[state] != 0, scatters[state] != 0});
+        for (State state = 0; state < count; ++state)
+            states.push_back({seen[state] != 0, joins[state] != 0, goes_on[state] != 0});
         return states;
     }
 };
@@ -51,13 +58,14 @@ LightForesight::LightForesight(const LpeSetup& setup, const lpe::ReversedProgram
     Foresight::Alphabet events;
     events.scatterings = Foresight::distinct(alphabet.scatterings);
     events.straight = Foresight::distinct(alphabet.straight);
+    events.with_density = Foresight::distinct(alphabet.with_density);
     for (std::size_t word = 0; word < language->word_count(); ++word)
         states_.push_back(
             Maker{*language, word, setup.first_states_.empty() ? State{0} : setup.first_states_[word]}.run(events));
 }
 
 LightForesight::Ahead LightForesight::before(std::span<const State> state, EventClass event) const {
-    Ahead ahead{false, false};
+    Ahead ahead{false, false, false};
     for (std::size_t word = 0; word < states_.size(); ++word)
         unite(ahead, states_[word][language_->before(word, event, state[word])]);
     return ahead;
@@ -69,8 +77,8 @@ LightForesight::Ahead LightForesight::of(EventClass terminal) const {
 }
 
 LightForesight::Ahead LightForesight::of(const LightWords& words, const LightWord& word) const {
-    if (states_.empty()) return {word.live(), word.live()};
-    Ahead ahead{false, false};
+    if (states_.empty()) return {word.live(), word.live(), word.live()};
+    Ahead ahead{false, false, false};
     const State* state = words.states(word);
     for (std::size_t branch = 0; branch < word.branches_; ++branch)
         for (const std::vector<Ahead>& of_word : states_) unite(ahead, of_word[*state++]);
@@ -78,12 +86,15 @@ LightForesight::Ahead LightForesight::of(const LightWords& words, const LightWor
 }
 
 LightForesight::Ahead LightForesight::after(const LightWords& words, const LightWord& word,
-                                            std::span<const EventClass> scatterings) const {
-    if (states_.empty()) return {word.live(), word.live()};
-    Ahead ahead{false, false};
-    for (std::size_t branch = 0; branch < word.branches_; ++branch)
-        for (const EventClass event : scatterings)
-            unite(ahead, before({words.states(word) + branch * states_.size(), states_.size()}, event));
+                                            std::span<const EventClass> scatterings,
+                                            std::span<const EventClass> with_density) const {
+    if (states_.empty()) return {word.live(), word.live(), word.live()};
+    Ahead ahead{false, false, false};
+    for (std::size_t branch = 0; branch < word.branches_; ++branch) {
+        const std::span<const State> state{words.states(word) + branch * states_.size(), states_.size()};
+        for (const EventClass event : with_density) unite(ahead, before(state, event));
+        for (const EventClass event : scatterings) ahead.goes_on |= before(state, event).goes_on;
+    }
     return ahead;
 }
 

@@ -16,9 +16,12 @@ class LightForesight {
   public:
     /// Of a word.
     struct Ahead {
-        bool seen = true;      ///< can count where the camera sees its last vertex, cutouts in between
-        bool scatters = true;  ///< can with scatterings before it, be they the camera subpath's or its own
-        [[nodiscard]] bool anything() const { return seen || scatters; }
+        bool seen = true;   ///< can count where the camera sees its last vertex, cutouts in between
+        bool joins = true;  ///< can where that is joined with a vertex of a camera subpath
+        /// Can with scatterings before it that are the light subpath's own, one of which has a density: where all are
+        /// singular nobody else comes.
+        bool goes_on = true;
+        [[nodiscard]] bool anything() const { return seen || joins || goes_on; }
     };
 
     /// Knows nothing: everything may still come.
@@ -30,9 +33,10 @@ class LightForesight {
     /// Of a light's word.
     [[nodiscard]] Ahead of(lpe::EventClass terminal) const;
     [[nodiscard]] Ahead of(const LightWords& words, const LightWord& word) const;
-    /// The same once an event of any of these classes stands before it.
+    /// The same once an event of any of these classes stands before it; only what has a density is seen or joined.
     [[nodiscard]] Ahead after(const LightWords& words, const LightWord& word,
-                              std::span<const lpe::EventClass> scatterings) const;
+                              std::span<const lpe::EventClass> scatterings,
+                              std::span<const lpe::EventClass> with_density) const;
     /// Whether a channel may accept `camera`, one of `here`, one of `there`, `word`.
     [[nodiscard]] bool joins(const Tracker& camera, std::span<const lpe::EventClass> here, const LightWords& words,
                              const LightWord& word, std::span<const lpe::EventClass> there) const;
@@ -42,7 +46,8 @@ class LightForesight {
     [[nodiscard]] Ahead before(std::span<const lpe::State> state, lpe::EventClass event) const;
     static void unite(Ahead& ahead, const Ahead& other) {
         ahead.seen |= other.seen;
-        ahead.scatters |= other.scatters;
+        ahead.joins |= other.joins;
+        ahead.goes_on |= other.goes_on;
     }
 
     const lpe::ProgramView* program_ = nullptr;

@@ -136,6 +136,7 @@ class LpeSetup {
     [[nodiscard]] bool follows(lpe::EventClass event) const;
 
   private:
+    friend class Foresight;
     friend class LightForesight;
     friend class LpeServices;
     enum Reach : std::uint8_t { reaches_ordinary = 1, reaches_holdouts = 2 };

@@ -128,7 +128,8 @@ std::string statistics_json(const RunRecord& record) {
     json["rays"] = {{"camera", statistics.camera_rays},
                     {"scattering", statistics.scattering_rays},
                     {"shadow", statistics.shadow_rays},
-                    {"total", rays}};
+                    {"total", rays},
+                    {"pilot", statistics.pilot_rays}};
     json["branches"] = statistics.branches;
     json["effects"] = effects_json(record.effects, record.job->effects);
     json["aovs"] = aovs_json(record.job->settings.channels);

@@ -65,15 +65,23 @@ std::vector<std::vector<EventClass>> sequences(const std::vector<EventClass>& ev
 void check_against_all_words(Language& language) {
     const Classes& c = language.classes;
     const std::vector<EventClass> events{c.diffuse, c.singular};
-    const LightForesight foresight = language.foresight({events, {}, {c.light, c.background}, {}, 0});
+    const LightForesight foresight = language.foresight({events, {}, {c.light, c.background}, {}, 0, {c.diffuse}});
     const auto check = [&](const LightWord& word) {
         const LightForesight::Ahead ahead = foresight.of(language.words, word);
         REQUIRE(ahead.seen == language.takes({}, word));
-        bool scatters = false;
+        bool joins = false, goes_on = false;
         for (int more = 1; more <= 4; ++more)
-            for (const std::vector<EventClass>& of_camera : sequences(events, more))
-                scatters = scatters || language.takes(of_camera, word);
-        REQUIRE(ahead.scatters == scatters);
+            for (const std::vector<EventClass>& of_camera : sequences(events, more)) {
+                if (!language.takes(of_camera, word)) continue;
+                joins = joins || of_camera.back() == c.diffuse;
+                // A vertex that the camera sees, or two neighbours that can be joined.
+                bool meets = of_camera.front() == c.diffuse;
+                for (std::size_t i = 1; i < of_camera.size(); ++i)
+                    meets = meets || (of_camera[i - 1] == c.diffuse && of_camera[i] == c.diffuse);
+                goes_on = goes_on || meets;
+            }
+        REQUIRE(ahead.joins == joins);
+        REQUIRE(ahead.goes_on == goes_on);
         for (const std::vector<EventClass>& of_camera : sequences(events, 2)) {
             Tracker tracker = language.services.begin(0);
             language.services.move(tracker, of_camera[0]);
@@ -97,24 +105,29 @@ void check_against_all_words(Language& language) {
 TEST_CASE("what is ahead of a light subpath is read from its word", "[foresight][law4]") {
     Language language({expression_channel("direct", "C<RD>L"), expression_channel("caustic", "C<RD><RS>+L")});
     const Classes& c = language.classes;
-    const LightForesight foresight = language.foresight({{c.diffuse, c.singular}, {}, {c.light}, {}, 0});
-    CHECK(foresight.of(c.light).scatters);
+    const LightForesight foresight = language.foresight({{c.diffuse, c.singular}, {}, {c.light}, {}, 0, {c.diffuse}});
+    CHECK(foresight.of(c.light).goes_on);
+    CHECK(foresight.of(c.light).joins);  // light samples are joins with the light itself
     CHECK_FALSE(foresight.of(c.light).seen);
     CHECK_FALSE(foresight.of(c.emission).anything());
     const LightWord light = language.services.begin(language.words, c.light);
-    LightForesight::Ahead ahead = foresight.after(language.words, light, std::array{c.diffuse});
+    const std::array diffuse{c.diffuse};
+    LightForesight::Ahead ahead = foresight.after(language.words, light, diffuse, diffuse);
     CHECK(ahead.seen);  // direct light, which nothing may come before
-    CHECK_FALSE(ahead.scatters);
-    ahead = foresight.after(language.words, light, std::array{c.singular});
+    CHECK_FALSE(ahead.joins);
+    CHECK_FALSE(ahead.goes_on);
+    ahead = foresight.after(language.words, light, std::array{c.singular}, {});
     CHECK_FALSE(ahead.seen);
-    CHECK(ahead.scatters);
-    CHECK_FALSE(foresight.after(language.words, light, std::array{c.diffuse_through}).anything());
+    CHECK_FALSE(ahead.joins);  // it has no density
+    CHECK(ahead.goes_on);
+    CHECK_FALSE(foresight.after(language.words, light, std::array{c.diffuse_through}, std::array{c.diffuse_through})
+                    .anything());
     const LightWord mirrored = language.services.prepend(language.words, light, c.singular);
-    ahead = foresight.after(language.words, mirrored, std::array{c.diffuse, c.singular});
+    ahead = foresight.after(language.words, mirrored, std::array{c.diffuse, c.singular}, diffuse);
     CHECK(ahead.seen);
-    CHECK(ahead.scatters);
+    CHECK(ahead.goes_on);
     // What the scene does not bring is not waited for.
-    CHECK_FALSE(language.foresight({{c.singular}, {}, {c.light}, {}, 0}).of(c.light).anything());
+    CHECK_FALSE(language.foresight({{c.singular}, {}, {c.light}, {}, 0, {}}).of(c.light).anything());
     CHECK(LightForesight().of(c.emission).anything());  // it knows nothing
 }
 
@@ -140,7 +153,22 @@ TEST_CASE("foresight of light words is that of all words there are", "[foresight
     Language in_lanes = three(6);
     REQUIRE(in_lanes.setup.program().view().has_lanes());
     const Classes& c = in_lanes.classes;
-    CHECK(in_lanes.foresight({{c.singular}, {}, {c.light}, {}, 0}).of(c.emission).anything());
+    CHECK(in_lanes.foresight({{c.singular}, {}, {c.light}, {}, 0, {}}).of(c.emission).anything());
+}
+
+TEST_CASE("no light subpath is begun for words that only a camera subpath can find", "[foresight][law4]") {
+    const auto begun = [](const char* expression) {
+        const Language language({expression_channel("asked", expression)});
+        const Classes& c = language.classes;
+        return language.foresight({{c.diffuse, c.singular}, {}, {c.light}, {}, 0, {c.diffuse}}).of(c.light).goes_on;
+    };
+    CHECK_FALSE(begun("CL"));
+    CHECK_FALSE(begun("C<RS>+L"));
+    CHECK_FALSE(begun("C<RS><RD>L"));      // a light sample's
+    CHECK_FALSE(begun("C<RS><RD><RS>L"));  // no two neighbours have a density, and the camera sees no such vertex
+    CHECK(begun("C<RS><RD><RD><RS>L"));
+    CHECK(begun("C<RD><RS>L"));
+    CHECK(begun("C[DS]*L"));
 }
 
 TEST_CASE("cutouts before the camera and between joined vertices are foreseen", "[foresight][law4]") {
@@ -152,13 +180,16 @@ TEST_CASE("cutouts before the camera and between joined vertices are foreseen", 
         language.setup.classify({lpe::EventType::transmission, lpe::Scatter::straight, 0, {"", ""}});
     const LightWord light = language.services.begin(language.words, c.light);
     const auto ahead = [&](const Foresight::Alphabet& alphabet) {
-        return language.foresight(alphabet).after(language.words, light, std::array{c.diffuse});
+        const std::array diffuse{c.diffuse};
+        return language.foresight(alphabet).after(language.words, light, diffuse, diffuse);
     };
-    CHECK(ahead({{c.diffuse}, {straight}, {c.light}, {}, 0}).seen);
-    CHECK_FALSE(ahead({{c.diffuse}, {straight}, {c.light}, {}, 0}).scatters);
-    CHECK_FALSE(ahead({{c.diffuse}, {}, {c.light}, {}, 0}).anything());
+    const LightForesight::Ahead passing = ahead({{c.diffuse}, {straight}, {c.light}, {}, 0, {c.diffuse}});
+    CHECK(passing.seen);
+    CHECK_FALSE(passing.joins);
+    CHECK_FALSE(passing.goes_on);
+    CHECK_FALSE(ahead({{c.diffuse}, {}, {c.light}, {}, 0, {c.diffuse}}).anything());
     const Tracker tracker = language.services.begin(0);
-    CHECK(language.foresight({{c.diffuse}, {straight}, {c.light}, {}, 0})
+    CHECK(language.foresight({{c.diffuse}, {straight}, {c.light}, {}, 0, {c.diffuse}})
               .joins(tracker, std::array{c.diffuse}, language.words, light, std::array{c.diffuse}));
 }
 

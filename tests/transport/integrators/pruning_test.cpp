@@ -210,7 +210,15 @@ TEST_CASE("what no word joins is not traced from the lights", "[render][pruning]
         const auto caustic = statistics(integrator, "C<RD><TS>+L");
         CHECK(count(caustic, transport::Pruned::light_paths) > 0);
         CHECK(caustic.shadow_rays * 10 < whole.shadow_rays);
+        // What the camera sees through glass alone, or behind glass by a light sample, no light subpath brings.
+        for (const char* unmet : {"C<TS>+L", "C<TS>+<RD>L"}) {
+            const auto of_camera = statistics(integrator, unmet);
+            CAPTURE(unmet);
+            CHECK(count(of_camera, transport::Pruned::light_paths) == of_camera.camera_samples);
+        }
     }
+    CHECK(statistics("bdpt", "C<TS>+L").shadow_rays == 0);
+    CHECK(statistics("bdpt", "C<TS>+<RD>L").shadow_rays > 0);
     // A light path of one ray, and its vertex seen by the camera.
     const auto direct = statistics("lighttracer", "C<RD>L");
     CHECK(direct.scattering_rays <= direct.camera_samples);

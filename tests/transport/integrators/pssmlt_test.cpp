@@ -212,6 +212,26 @@ Shape "sphere" "float radius" 1
     CHECK(metropolis_image.frame_buffer.resolve(0) == render_of(scene, settings).frame_buffer.resolve(0));
 }
 
+TEST_CASE("Metropolis runs no chains for channels that camera rays serve alone", "[pssmlt][render][pruning][law4]") {
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 4;
+    settings.beauty = false;
+    settings.integrator = metropolis(4, 1000);
+    settings.channels = {lpe_channel("seen", "CL")};
+    const auto scene = scene_of(room);
+    const auto pruned = render_of(scene, settings);
+    CHECK(pruned.statistics.camera_rays == pruned.statistics.camera_samples);
+    CHECK(pruned.statistics.pruned[static_cast<std::size_t>(transport::Pruned::paths)] ==
+          pruned.statistics.camera_samples);
+    settings.prune = false;
+    const auto whole = render_of(scene, settings);
+    CHECK(whole.statistics.camera_rays >= whole.statistics.camera_samples + 1000);
+    CHECK(pruned.frame_buffer.resolve(0) == whole.frame_buffer.resolve(0));
+    settings.prune = true;
+    settings.channels.push_back(lpe_channel("lit", "C<RD>L"));
+    CHECK(render_of(scene, settings).statistics.camera_rays >= whole.statistics.camera_samples + 1000);
+}
+
 TEST_CASE("what Metropolis cannot do is refused by name", "[pssmlt][render][law7]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;

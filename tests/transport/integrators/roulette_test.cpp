@@ -76,6 +76,11 @@ TEST_CASE("roulette by what channels may still receive keeps their means", "[ren
     compare(room, {"C<RD>{3}<RS>*<RD>{2}[LB]"});
     compare(room, {"C<RD>{5}L", "C<RD>{6}[LB]"});
     CHECK(by_channels >= 3);  // or else little is compared; the pilot leaves one of them as it is
+    // In media flights ask what is worth a collision, and roulette is played at collisions too.
+    by_channels = 0;
+    compare(foggy_room(), {"C(V|<RD>){5}L"});
+    compare(foggy_room(), {"CV{3}L", "C.*V<RD>{3}V.*L"});
+    CHECK(by_channels >= 1);
 }
 
 TEST_CASE("roulette by channels is the same bits for any number of threads and shards", "[render][pruning][law3]") {

@@ -28,8 +28,9 @@ Status Bdpt::prepare(const IntegratorContext& context) {
     const EventTable& events = *context.events;
     if (events.any()) language_.emplace(*context.lpe, events);
     const LightLanguage* const language = language_ ? &*language_ : nullptr;
-    emitters_ = choose_live_lights(context.scene, events, language, LightChoice::light_sampling);
-    sampled_ = choose_live_lights(context.scene, events, language, LightChoice::mis);
+    using Ahead = display::LightForesight::Ahead;
+    emitters_ = choose_live_lights(context.scene, events, language, LightChoice::light_sampling, &Ahead::goes_on);
+    sampled_ = choose_live_lights(context.scene, events, language, LightChoice::mis, &Ahead::joins);
     sampled_terminals_ = 0;
     for (std::uint32_t light = 0; light < context.scene.lights->lights().size(); ++light)
         if (sampled_.probability(Vec3(), light) > 0)
@@ -112,7 +113,7 @@ void Bdpt::keep_light_vertices(BdptThread& thread) const {
         thread.light_vertices.push_back({v.points[j], v.bsdfs[j], v.sources[j].offset, row, path.depth,
                                          thread.light.vertex_depth(j), thread.light.end(j), thread.last_vertex[row],
                                          ahead, holdout, path.one_wavelength, path.beta, thread.light.sums(row)});
-        if (ahead.scatters) thread.last_vertex[row] = index;
+        if (ahead.joins) thread.last_vertex[row] = index;
     }
 }
 

@@ -44,7 +44,7 @@ class LightTracer final : public Integrator {
         view_ = {context.camera, context.width, context.height, context.filter_radius};
         if (context.events->any()) language_.emplace(*context.lpe, *context.events);
         emitters_ = choose_live_lights(context.scene, *context.events, language_ ? &*language_ : nullptr,
-                                       LightChoice::light_sampling);
+                                       LightChoice::light_sampling, &display::LightForesight::Ahead::goes_on);
         can_emit_ = parameters_.max_depth > 0 && !emitters_.empty() && (context.beauty || context.events->any());
         not_begun_ = !can_emit_ && parameters_.max_depth > 0 && !context.scene.lights->lights().empty();
         if (can_emit_) media_of_lights_ = media_of_lights(context.scene, camera_position(context));

@@ -37,18 +37,20 @@ class PathIntegrator final : public Integrator, private PathTrials {
         traits.saved_state = SavedState::none;
         return traits;
     }
+    [[nodiscard]] std::uint64_t pilot_rays() const override { return pilot_rays_; }
     Status prepare(const IntegratorContext& context) override {
         context_ = context;
+        pilot_rays_ = 0;
         lights_ = LiveLights(context.scene, *context.events, choice(),
                              parameters_.light_selection == LightSelection::receiver);
         can_sample_lights_ = !lights_[LiveLights::all].empty();
         if (can_sample_lights_ && parameters_.strategy == PathStrategy::mis && parameters_.roulette_below > 0)
-            at_last_ = choose_techniques(context, lights_);
+            at_last_ = choose_techniques(context, lights_, pilot_rays_);
         if (!may_prune() || parameters_.strategy != PathStrategy::mis) return success();
         SplitChoice splits;
-        if (parameters_.splits) splits = choose_splits(context, *this);
+        if (parameters_.splits) splits = choose_splits(context, *this, pilot_rays_);
         if (parameters_.channel_roulette && parameters_.roulette_below > 0)
-            roulette_ = choose_roulette(context, *this, splits, parameters_.roulette_below);
+            roulette_ = choose_roulette(context, *this, splits, parameters_.roulette_below, pilot_rays_);
         splits_ = splits.plan;
         return success();
     }
@@ -81,6 +83,7 @@ class PathIntegrator final : public Integrator, private PathTrials {
     SplitPlan splits_;
     RouletteTable roulette_;
     PathWatch* watch_ = nullptr;  // of a pilot's
+    std::uint64_t pilot_rays_ = 0;
 };
 
 std::unique_ptr<Integrator> PathIntegrator::trial(const SplitPlan& plan, std::uint32_t most_depth,

@@ -135,6 +135,7 @@ void Pssmlt::bootstrap(ChainGroup& group, std::uint32_t tile, PssmltThread& thre
 }
 
 void Pssmlt::end_startup() {
+    if (!serve_) return;
     // The running sums over all bootstrap paths, in their order.
     std::vector<double> below;
     below.reserve(groups_.size() * bootstrap_share());
@@ -235,10 +236,11 @@ void Pssmlt::integrate(const CameraBatch& batch, IntegratorThread& state, Thread
     ChainGroup& group = groups_[batch.tile];
     if (batch.startup) {
         services.display.discard_iteration();
-        bootstrap(group, batch.tile, thread, services);
+        if (serve_) bootstrap(group, batch.tile, thread, services);
         return;
     }
     camera_->integrate(batch, *thread.camera, services);
+    if (!serve_) thread.counters.count(Pruned::paths, batch.rays.size());
     if (mean_ > 0) {
         if (!group.started && !services.left) start(group, batch.tile, thread, services);
         for (std::size_t left = batch.rays.size(); left > 0 && !services.left;) {

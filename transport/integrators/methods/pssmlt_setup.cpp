@@ -134,6 +134,8 @@ Status Pssmlt::prepare(const IntegratorContext& context) {
     down_ = static_cast<Real>(context.height) + 2 * reach.y;
     area_share_ = static_cast<double>(across_) * static_cast<double>(down_) /
                   (static_cast<double>(context.width) * static_cast<double>(context.height));
+    serve_ = parameters_.max_depth > 0 &&
+             (context.beauty || !context.events->prunes() || context.events->foresight().at_camera().scatters);
     groups_ = std::vector<ChainGroup>(context.tiles);
     const std::size_t each = std::max<std::size_t>(1, (parameters_.chains + context.tiles / 2) / context.tiles);
     for (ChainGroup& group : groups_) group.chains.resize(each);

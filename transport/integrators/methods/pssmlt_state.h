@@ -136,6 +136,7 @@ class Pssmlt final : public Integrator {
     geoaovs::GeometricAovs no_aovs_{std::span<const display::ChannelDefinition>()};
     Real left_ = 0, top_ = 0, across_ = 0, down_ = 0;  // of the raster where light still counts
     double area_share_ = 1;                            // of it over the image
+    bool serve_ = true;                                // whether anything is taken of what chains find
     double mean_ = 0, bootstrap_mean_ = 0;             // b, and what the bootstrap alone made of it
     mutable std::vector<ChainGroup> groups_;           // [tile]; each has one thread at a time
 };

@@ -62,6 +62,7 @@ class Pilot {
         return true;
     }
 
+    [[nodiscard]] std::uint64_t rays() const { return rays_; }
     [[nodiscard]] double cost_times_variance(const TechniqueShares& shares) const {
         std::vector<Moments> pixels;
         double overall = 0;
@@ -102,6 +103,7 @@ class Pilot {
     SurfaceSource source_;
     Bsdf bsdf_;
     Real time_ = 0;
+    std::uint64_t rays_ = 0;
 };
 
 bool Pilot::trace(std::uint32_t x, std::uint32_t y, std::uint32_t s) {
@@ -114,6 +116,7 @@ bool Pilot::trace(std::uint32_t x, std::uint32_t y, std::uint32_t s) {
                                    numbers.get_2d(lens_dimension), sample_time(scene_, numbers)});
     time_ = ray.time;
     PilotPath& path = paths_.emplace_back();
+    ++rays_;
     Hit hit;
     scene_.geometry->intersect({&ray, 1}, {&hit, 1});
     if (!hit.valid()) return true;
@@ -140,6 +143,7 @@ Found Pilot::sample_light(const LightChooser& chooser, const PixelSampler& numbe
     if (f.value.is_black()) return {};
     Ray ray = shadow_ray(point_.position, point_.geometric_normal, source_.offset.here, sample);
     ray.time = time_;
+    ++rays_;
     std::uint8_t blocked = 0;
     scene_.geometry->occluded({&ray, 1}, {&blocked, 1});
     if (blocked) return {};
@@ -154,6 +158,7 @@ Found Pilot::sample_ray(const LightChooser& chooser, const PixelSampler& numbers
     ray.origin = offset_ray_origin(point_.position, point_.geometric_normal, source_.offset.here, s.wi);
     ray.direction = s.wi;
     ray.time = time_;
+    ++rays_;
     Hit hit;
     scene_.geometry->intersect({&ray, 1}, {&hit, 1});
     const auto counts = [&](std::uint32_t light) {
@@ -198,12 +203,14 @@ bool rays_find_all(const IntegratorContext& context) {
 
 }  // namespace
 
-TechniqueShares choose_techniques(const IntegratorContext& context, const LiveLights& lights) {
+TechniqueShares choose_techniques(const IntegratorContext& context, const LiveLights& lights, std::uint64_t& rays) {
     if (context.beauty || !context.events->prunes() || context.events->wants_user() || context.scene.media->any() ||
         context.scene.geometry->has_alpha())
         return {};
     Pilot pilot(context, lights);
-    if (!pilot.run()) return {};
+    const bool applies = pilot.run();
+    rays += pilot.rays();
+    if (!applies) return {};
     TechniqueShares best;
     double least = 0.95 * pilot.cost_times_variance(best);
     const auto consider = [&](const TechniqueShares& shares) {

@@ -18,6 +18,6 @@ struct TechniqueShares {
 /// over directions (Veach 1997, section 9.2, with fractional numbers of samples), which the samples of both techniques
 /// estimate together. {1, 1} where others do not save 5 %, or where there are media, cutouts or a vertex that more can
 /// follow.
-TechniqueShares choose_techniques(const IntegratorContext& context, const LiveLights& lights);
+TechniqueShares choose_techniques(const IntegratorContext& context, const LiveLights& lights, std::uint64_t& rays);
 
 }  // namespace raylex::transport

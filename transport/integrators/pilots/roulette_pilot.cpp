@@ -43,6 +43,7 @@ class RoulettePilot final : public PathWatch {
           channels_(paths_.channels().size()) {}
 
     [[nodiscard]] RouletteTable run();
+    [[nodiscard]] std::uint64_t rays() const { return pilot_rays(thread_->counters); }
 
     void leaves(std::uint32_t row, std::uint64_t state, Real throughput, bool split) override {
         const auto number = numbers_.try_emplace(state, static_cast<std::uint32_t>(numbers_.size())).first->second;
@@ -67,9 +68,7 @@ class RoulettePilot final : public PathWatch {
         std::size_t first, count;  // of departures_
         std::size_t cell, values;  // in the end
     };
-    [[nodiscard]] bool dear_enough() const {
-        return pilot_rays(thread_->counters) >= most_rays || values_.size() >= most_values;
-    }
+    [[nodiscard]] bool dear_enough() const { return rays() >= most_rays || values_.size() >= most_values; }
     void follow(std::uint32_t round);
     void keep(std::size_t first, std::size_t count);
     void weigh();
@@ -227,10 +226,12 @@ RouletteTable RoulettePilot::run() {
 }  // namespace
 
 RouletteTable choose_roulette(const IntegratorContext& context, const PathTrials& trials, const SplitChoice& splits,
-                              Real below) {
+                              Real below, std::uint64_t& rays) {
     if (!context.events->foresight().knows() || context.events->wants_user()) return {};
     RoulettePilot pilot(context, trials, splits, below);
-    return pilot.run();
+    RouletteTable table = pilot.run();
+    rays += pilot.rays();
+    return table;
 }
 
 }  // namespace raylex::transport

@@ -13,6 +13,6 @@ namespace raylex::transport {
 /// any such rule, so the proportion is the one with the least product. Empty, which leaves roulette to throughput
 /// alone (`below`, as WalkOptions::roulette_below), where that does not save a tenth.
 RouletteTable choose_roulette(const IntegratorContext& context, const PathTrials& trials, const SplitChoice& splits,
-                              Real below);
+                              Real below, std::uint64_t& rays);
 
 }  // namespace raylex::transport

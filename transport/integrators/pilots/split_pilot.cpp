@@ -57,6 +57,8 @@ class SplitPilot {
     /// Where `both_lobes` specular vertices reflect and transmit.
     [[nodiscard]] Costs costs(std::uint8_t both_lobes);
     [[nodiscard]] const Costs& costs() const { return costs_; }
+    /// That were traced so far.
+    [[nodiscard]] std::uint64_t rays() const { return rays_; }
 
   private:
     [[nodiscard]] Trial make(std::uint8_t both_lobes, SplitPlan::Only only) const;
@@ -71,6 +73,7 @@ class SplitPilot {
     std::uint32_t rounds_ = 0;
     Variances variances_;
     Costs costs_;
+    std::uint64_t rays_ = 0;
 };
 
 Trial SplitPilot::make(std::uint8_t both_lobes, SplitPlan::Only only) const {
@@ -124,6 +127,7 @@ void SplitPilot::run() {
         for (Trial* each : {&none, &first, &second}) follow(*each);
         add(none, first, second);
     }
+    for (const Trial* each : {&none, &first, &second}) rays_ += each->rays();
     const double paths = double{grid} * grid * rounds_;
     costs_.before = none.cost() / paths;
     costs_.behind = (first.cost() + second.cost()) / (2 * paths) - costs_.before;
@@ -136,6 +140,7 @@ Costs SplitPilot::costs(std::uint8_t both_lobes) {
         paths_.begin(round);
         follow(trial);
     }
+    rays_ += trial.rays();
     return {costs_.before, trial.cost() / (double{grid} * grid * fewest_rounds) - costs_.before};
 }
 
@@ -161,21 +166,18 @@ void SplitPilot::find_variances() {
     }
 }
 
-}  // namespace
-
-SplitChoice choose_splits(const IntegratorContext& context, const PathTrials& trials) {
-    SplitPilot pilot(context, trials);
+SplitChoice choose(SplitPilot& pilot) {
     SplitChoice choice;
     SplitPlan& best = choice.plan;
     if (pilot.counts_paths()) return choice;
     pilot.run();
     if (!(pilot.costs().behind > 0)) return choice;  // nothing is split
     double least = pilot.cost_times_variance(1);
-    for (const std::uint8_t rays : ray_counts) {
-        const double product = pilot.cost_times_variance(rays);
+    for (const std::uint8_t count : ray_counts) {
+        const double product = pilot.cost_times_variance(count);
         if (!(product < 0.9 * least)) continue;
         least = product;
-        best.rays = rays;
+        best.rays = count;
     }
     choice.noise = pilot.variance(best.rays) / pilot.variance(1);
     // Both lobes are never noisier than one of them. What the rarer one brings is too rare for a pilot to weigh.
@@ -187,6 +189,15 @@ SplitChoice choose_splits(const IntegratorContext& context, const PathTrials& tr
         behind = costs.behind;
         best.both_lobes = lobes;
     }
+    return choice;
+}
+
+}  // namespace
+
+SplitChoice choose_splits(const IntegratorContext& context, const PathTrials& trials, std::uint64_t& rays) {
+    SplitPilot pilot(context, trials);
+    const SplitChoice choice = choose(pilot);
+    rays += pilot.rays();
     return choice;
 }
 

@@ -76,7 +76,7 @@ class LightSubpaths {
         Invalid& report;
         /// What scatters no more may still be joined, or be seen by the camera.
         bool worth_scattering(std::size_t j) {
-            const bool worth = self.ahead(j).scatters;
+            const bool worth = self.ahead(j).goes_on;
             if (!worth) self.walk_.counters().count(Pruned::light_paths);
             return worth;
         }

@@ -29,12 +29,12 @@ LiveLights::LiveLights(const SceneView& scene, const EventTable& events, LightCh
 }
 
 LightChooser choose_live_lights(const SceneView& scene, const EventTable& events, const LightLanguage* language,
-                                LightChoice choice) {
+                                LightChoice choice, bool display::LightForesight::Ahead::*wanted) {
     const std::span<const Light> lights = scene.lights->lights();
-    std::vector<std::uint8_t> wanted(lights.size(), 1);
+    std::vector<std::uint8_t> live(lights.size(), 1);
     for (std::uint32_t light = 0; language != nullptr && light < lights.size(); ++light)
-        wanted[light] = language->foresight().of(events.terminal(light)).scatters;
-    return {lights, choice, wanted};
+        live[light] = language->foresight().of(events.terminal(light)).*wanted;
+    return {lights, choice, live};
 }
 
 }  // namespace raylex::transport

@@ -36,9 +36,9 @@ class LiveLights {
     std::vector<LightChooser> choosers_{2};
 };
 
-/// For methods whose weights cannot depend on where a path stands: one chooser for all vertices, among the lights that
-/// some word of `language` leads to behind a scattering. Null: all.
+/// For methods whose weights cannot depend on where a path stands: one chooser for all vertices, among the lights of
+/// which `language` says this: `joins` where light is sampled, `goes_on` where light subpaths begin. Null: all.
 LightChooser choose_live_lights(const SceneView& scene, const EventTable& events, const LightLanguage* language,
-                                LightChoice choice);
+                                LightChoice choice, bool display::LightForesight::Ahead::*wanted);
 
 }  // namespace raylex::transport
