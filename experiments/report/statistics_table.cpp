@@ -102,7 +102,7 @@ std::string statistics_table(const std::string& record) {
         {"Last rays left to light samples", "/pruned/rays_left_to_light_samples"},
         {"Last light samples left to rays", "/pruned/light_samples_left_to_rays"},
         {"Lobes not drawn: no layer takes that side of a surface", "/pruned/lobes"},
-        {"Light paths ended: no layer takes what they could become", "/pruned/light_paths"},
+        {"Light paths not begun or ended: no layer takes what they could come to", "/pruned/light_paths"},
         {"Joins with light paths not made: no layer takes them", "/pruned/joins"},
         {"Paths ended at random: layers are expected to receive little of them", "/pruned/weak_paths"},
         {"Materials not evaluated: only the geometry of first hits is asked for", "/pruned/closures"}};

@@ -16,7 +16,7 @@ enum class Pruned : std::uint8_t {
     rays_left_to_light_samples,  ///< last vertices where light samples find more for less,
     light_samples_left_to_rays,  ///< and the other way round
     lobes,                       ///< not drawn: no channel takes that side of an interface
-    light_paths,                 ///< not begun or ended: no word of a light subpath can be completed any more
+    light_paths,                 ///< not begun or ended: no word leads on to where one is seen or joined
     joins,                       ///< of its vertices with others or the camera, not looked at: no channel takes any
     weak_paths,                  ///< ended at random: channels are expected to receive little of them
     closures                     ///< of first hits of which AOVs ask for the geometry alone: no texture is looked up

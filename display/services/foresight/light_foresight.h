@@ -18,8 +18,8 @@ class LightForesight {
     struct Ahead {
         bool seen = true;   ///< can count where the camera sees its last vertex, cutouts in between
         bool joins = true;  ///< can where that is joined with a vertex of a camera subpath
-        /// Can with scatterings before it that are the light subpath's own, one of which has a density: where all are
-        /// singular nobody else comes.
+        /// Can with scatterings before it that are the light subpath's own, at one of which it is seen or joined. That
+        /// needs a density there, and of joins at the neighbour too.
         bool goes_on = true;
         [[nodiscard]] bool anything() const { return seen || joins || goes_on; }
     };

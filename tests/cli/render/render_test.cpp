@@ -60,6 +60,7 @@ TEST_CASE("a render writes a verified file, a preview and statistics") {
     CHECK(json["rays"]["camera"] == 16 * 16 * 4);
     CHECK(json["rays"]["total"] == json["rays"]["camera"].get<int>() + json["rays"]["scattering"].get<int>() +
                                        json["rays"]["shadow"].get<int>());
+    CHECK(json["rays"]["pilot"] == 0);  // beauty takes all: nothing is to be learnt
     std::uint64_t paths = 0;
     for (const auto& each : json["path_length_histogram"]) paths += each.get<std::uint64_t>();
     CHECK(paths == 16 * 16 * 4);

@@ -60,6 +60,21 @@ TEST_CASE("what is ahead of a path is read from its state", "[foresight][law4]")
     CHECK(Foresight().after(tracker, std::array{c.diffuse}).anything);  // it knows nothing
 }
 
+TEST_CASE("what is ahead at the camera is told without a path", "[foresight][law4]") {
+    const auto at_camera = [](const char* expression) {
+        const Scene scene({expression_channel("asked", expression)});
+        const Classes& c = scene.classes;
+        return Foresight(scene.setup, {{c.diffuse}, {}, {c.light}, {}, 0}).at_camera();
+    };
+    CHECK(at_camera("CL").anything);
+    CHECK_FALSE(at_camera("CL").scatters);
+    CHECK(at_camera("C<RD>*L").scatters);
+    CHECK(at_camera("C<RD>*L").terminals != 0);
+    CHECK(at_camera("C<RD>+L").terminals == 0);
+    CHECK_FALSE(at_camera("C<RS>L").anything);  // which the scene does not bring
+    CHECK(Foresight().at_camera().scatters);    // it knows nothing
+}
+
 TEST_CASE("what a scene cannot bring is not waited for", "[foresight][law4]") {
     Scene scene({expression_channel("through", "C<TS>.*L"), expression_channel("sky", "C<RD>B")});
     const Classes& c = scene.classes;

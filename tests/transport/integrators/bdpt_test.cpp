@@ -119,11 +119,42 @@ TEST_CASE("bidirectional path tracing gives prefixes, holdouts and user events w
     settings.resolution = {{18, 18}};
     for (const char* expression :
          {"holdouts;C.*", "holdouts;C<RD><.S>+L", "C.*", "unoccluded;C.*", "holdouts;shadows;C[DS]+<L.>",
-          "nothruput;C.*", "holdouts;noinfinitecheck;C.*", "CU2L", "CDU2L", "CU6L"}) {
+          "nothruput;C.*", "holdouts;noinfinitecheck;C.*", "CU2L", "CDU2L", "CU6L", "unoccluded;C.*<.S>[LB]"}) {
         settings.channels.push_back(lpe_channel("c" + std::to_string(settings.channels.size()), expression));
         settings.channels.back().statistics = false;
     }
     compare_with_path(scene, settings, integrator_named("bdpt"), 12, 128);
+}
+
+TEST_CASE("light that only mirrors show is unoccluded's, whatever else bidirectional path tracing is asked for",
+          "[bdpt][render][prefixes][pruning]") {
+    const auto scene = scene_of(plain_film + R"(
+Camera "perspective" "float fov" 60
+WorldBegin
+AttributeBegin
+  Material "conductor" "float roughness" 0
+  Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 -1 2 1 -1 2 1 1 2 -1 1 2]
+AttributeEnd
+Material "diffuse"
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 -1 -3 3 -1 -3 3 -1 3 -3 -1 3]
+AreaLightSource "diffuse" "rgb L" [2 2 2] "bool twosided" true
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 -1 -1 1 -1 -1 1 1 -1 -1 1 -1]
+)");
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 4;
+    settings.beauty = false;
+    settings.channels = {lpe_channel("mirrored", "unoccluded;C<.S>L")};
+    const auto mirrored = [&](const char* integrator) {
+        settings.integrator = integrator_named(integrator);
+        return render_of(scene, settings).frame_buffer.resolve(0);
+    };
+    const std::vector<double> expected = mirrored("path");
+    CHECK(*std::max_element(expected.begin(), expected.end()) > 1);
+    CHECK(mirrored("bdpt") == expected);
+    settings.channels.push_back(lpe_channel("lit", "C<RD>L"));  // light samples find the lamp too
+    CHECK(mirrored("bdpt") == expected);
+    settings.prune = false;
+    CHECK(mirrored("bdpt") == expected);
 }
 
 TEST_CASE("every technique alone, unweighted, finds what all of them find together; weighted they sum to it",

@@ -137,6 +137,15 @@ TEST_CASE("what the light tracer cannot do is refused or said", "[lighttracer][r
     const auto said = render_of(scene, settings);
     REQUIRE(said.warnings.size() == 1);
     CHECK(said.warnings[0].message.find("first scattering is singular") != std::string::npos);
+    settings.channels = {lpe_channel("albedo", "CU2L")};
+    const auto surfaces = render_of(scene, settings);
+    CHECK(std::any_of(surfaces.warnings.begin(), surfaces.warnings.end(), [](const raylex::Error& warning) {
+        return warning.message.find("C.+U is missing") != std::string::npos;
+    }));
+    settings.integrator = integrator_named("path");
+    CHECK(surfaces.frame_buffer.resolve(1) == render_of(scene, settings).frame_buffer.resolve(1));
+    settings.integrator = integrator_named("lighttracer");
+    settings.channels.clear();
     const auto error = [&] {
         const auto output = transport::render(scene, settings);
         return output.ok() ? std::string() : output.error().to_string();

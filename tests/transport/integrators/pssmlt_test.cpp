@@ -121,6 +121,21 @@ TEST_CASE("Metropolis over bidirectional paths finds the path tracer's image, wo
                       {"C.*", "C<Ts>V<Ts>[LB]", "C<Ts>VV+<Ts>[LB]", "C<RD>[LB]", "C<RD><Ts>V.*"});
 }
 
+TEST_CASE("Metropolis has surfaces say of themselves what the path tracer has them say",
+          "[pssmlt][bdpt][render][statistical]") {
+    transport::RenderSettings settings;
+    settings.max_depth = 3;
+    settings.samples_per_pixel = 256;
+    settings.resolution = {{18, 18}};
+    for (const char* expression : {"C.*", "CU2L", "CDU2L", "C<RS>U2L", "CDU6L"})
+        settings.channels.push_back(lpe_channel("c" + std::to_string(settings.channels.size()), expression));
+    for (const char* integrator : {"path", "bdpt"}) {
+        transport::SceneEntity over = metropolis(40, 20000);
+        over.parameters.parameters.push_back(text_parameter("integrator", integrator));
+        compare_with_path(scene_of(room), settings, over, 12, 96);
+    }
+}
+
 TEST_CASE("Metropolis with channels for a target keeps every channel's mean, and spends its steps on them",
           "[pssmlt][render][statistical]") {
     const std::string over = GENERATE("path", "bdpt");
@@ -227,8 +242,24 @@ TEST_CASE("Metropolis runs no chains for channels that camera rays serve alone",
     const auto whole = render_of(scene, settings);
     CHECK(whole.statistics.camera_rays >= whole.statistics.camera_samples + 1000);
     CHECK(pruned.frame_buffer.resolve(0) == whole.frame_buffer.resolve(0));
+    // Nor where nothing is asked of light, or nothing scatters; what nobody left out is not counted.
     settings.prune = true;
-    settings.channels.push_back(lpe_channel("lit", "C<RD>L"));
+    const auto counts = [&](std::uint64_t pruned_paths) {
+        const transport::RenderStatistics statistics = render_of(scene, settings).statistics;
+        CHECK(statistics.camera_rays == statistics.camera_samples);
+        CHECK(statistics.pilot_rays == 0);
+        CHECK(statistics.pruned[static_cast<std::size_t>(transport::Pruned::paths)] == pruned_paths);
+    };
+    counts(pruned.statistics.camera_samples);
+    settings.max_depth = 0;
+    counts(0);
+    settings.beauty = true;
+    counts(0);
+    settings.beauty = false;
+    settings.max_depth.reset();
+    settings.channels = {aov("z")};
+    counts(0);
+    settings.channels = {lpe_channel("seen", "CL"), lpe_channel("lit", "C<RD>L")};
     CHECK(render_of(scene, settings).statistics.camera_rays >= whole.statistics.camera_samples + 1000);
 }
 

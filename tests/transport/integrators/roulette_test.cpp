@@ -100,7 +100,9 @@ TEST_CASE("roulette by channels is the same bits for any number of threads and s
         const auto more = render();
         for (const int channel : {0, 1}) CHECK(one.frame_buffer.resolve(channel) == more.frame_buffer.resolve(channel));
         CHECK(weak_paths(one) == weak_paths(more));
+        CHECK(one.statistics.pilot_rays == more.statistics.pilot_rays);
     }
+    CHECK(one.statistics.pilot_rays > 1000);
     settings.first_sample = 16;
     auto merged = render();
     settings.first_sample = 0;
@@ -124,6 +126,7 @@ TEST_CASE("roulette goes by throughput alone where beauty is asked for, or chann
     transport::RenderSettings settings = channels_alone({deep});
     settings.beauty = true;
     same_bits(settings);  // Law 2
+    CHECK(render_of(scene, settings).statistics.pilot_rays == 0);
     settings.beauty = false;
     settings.prune = false;
     same_bits(settings);

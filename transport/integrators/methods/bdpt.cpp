@@ -36,6 +36,7 @@ Status Bdpt::prepare(const IntegratorContext& context) {
         if (sampled_.probability(Vec3(), light) > 0)
             sampled_terminals_ |= events.foresight().bit_of(events.terminal(light));
     can_sample_lights_ = !sampled_.empty();
+    none_joins_ = !can_sample_lights_ && !LightChooser(context.scene.lights->lights(), LightChoice::mis, {}).empty();
     can_emit_ = parameters_.max_depth > 0 && !emitters_.empty() && (context.beauty || events.any());
     not_begun_ = !can_emit_ && parameters_.max_depth > 0 && !context.scene.lights->lights().empty();
     if (can_emit_) media_of_lights_ = media_of_lights(context.scene, camera_position(context));
@@ -51,8 +52,10 @@ std::unique_ptr<IntegratorThread> Bdpt::make_thread_state() const {
     of_light.emitters = &emitters_;
     of_light.sampled = &sampled_;
     of_light.media_of_lights = media_of_lights_;
-    return std::make_unique<BdptThread>(context_.scene, *context_.events, camera_subpath_options(context_, walk),
-                                        of_light, static_cast<std::size_t>(context_.batch_capacity));
+    CameraSubpathOptions of_camera = camera_subpath_options(context_, walk);
+    of_camera.first_depth = first_depth_;
+    return std::make_unique<BdptThread>(context_.scene, *context_.events, of_camera, of_light,
+                                        static_cast<std::size_t>(context_.batch_capacity));
 }
 
 void Bdpt::integrate(const CameraBatch& batch, IntegratorThread& state, ThreadServices& services) const {
@@ -73,6 +76,7 @@ void Bdpt::integrate(const CameraBatch& batch, IntegratorThread& state, ThreadSe
                 camera.record().ahead(v.rows[j], v.sources[j].label, v.points[j].material);
             if (!ahead.anything) continue;
             if (can_sample_lights_) sample_light(thread, j, ahead);
+            else if (none_joins_) thread.counters.count(Pruned::light_samples);
             join_vertices(thread, j);
         }
         thread.joins.report(camera, thread.counters);

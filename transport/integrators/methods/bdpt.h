@@ -30,8 +30,8 @@ namespace raylex::transport {
 
 struct BdptParameters {
     DepthParameters depth;
-    std::uint32_t first_depth =
-        0;                      ///< light found before so many scattering events is left to others (not a parameter)
+    /// What is found, or said by surfaces, before so many scattering events is left to others (not a parameter).
+    std::uint32_t first_depth = 0;
     bool count_mirrors = true;  ///< WalkOptions::counts_first_specular
 };
 

@@ -22,7 +22,7 @@ void Bdpt::Ends::add(std::uint32_t row, const Rgb& emitted, const LightSample& a
     const Rgb unweighted = camera.throughput(row) * emitted;
     if (unweighted.is_black()) return;
     camera.record().arrive(row, camera.record().events().terminal(at.light), {0, path.depth + 2},
-                           {unweighted * weight, emitted, unweighted, 1, sampled > 0});
+                           {unweighted * weight, emitted, unweighted, 1, !path.specular && sampled > 0});
 }
 
 void Bdpt::Ends::emits(std::size_t j) {

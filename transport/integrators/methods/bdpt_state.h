@@ -83,7 +83,8 @@ class Bdpt final : public Integrator {
     LightChooser emitters_, sampled_;        // where light subpaths begin, and light samples go: live lights
     std::uint64_t sampled_terminals_ = 0;    // Foresight's bits of those
     bool can_emit_ = false, can_sample_lights_ = false;
-    bool not_begun_ = false;  // light subpaths, which no word asks for
+    bool not_begun_ = false;   // light subpaths, which no word asks for
+    bool none_joins_ = false;  // light samples could be drawn, and no word asks for any
 };
 
 /// Light that camera subpaths have found by themselves (s = 0).

@@ -34,6 +34,7 @@ class LightTracer final : public Integrator {
         IntegratorTraits traits;
         traits.max_depth = parameters_.max_depth;
         traits.holdouts = true;
+        traits.user_events = true;
         traits.media = true;
         traits.saved_state = SavedState::none;
         traits.raster_splats = true;
@@ -50,6 +51,7 @@ class LightTracer final : public Integrator {
         if (can_emit_) media_of_lights_ = media_of_lights(context.scene, camera_position(context));
         return camera_->prepare(context);
     }
+    [[nodiscard]] std::uint64_t pilot_rays() const override { return camera_->pilot_rays(); }
     [[nodiscard]] std::vector<std::string> omissions() const override;
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override {
         LightSubpathOptions options;
@@ -144,6 +146,10 @@ std::vector<std::string> LightTracer::omissions() const {
         omitted.emplace_back(
             "integrator 'lighttracer' finds light that media emit only where the camera sees it directly: "
             "C.+O is missing from the image");
+    if (context_.events->wants_user() && parameters_.max_depth > 0)
+        omitted.emplace_back(
+            "integrator 'lighttracer' asks surfaces what they say of themselves (user events) only where the camera "
+            "sees them directly: C.+U is missing from such layers");
     if (curves && parameters_.max_depth > 0)
         omitted.emplace_back(
             "integrator 'lighttracer' sees flat curves and tubes from where light comes, not from the camera: "

@@ -44,9 +44,11 @@ class PathIntegrator final : public Integrator, private PathTrials {
         lights_ = LiveLights(context.scene, *context.events, choice(),
                              parameters_.light_selection == LightSelection::receiver);
         can_sample_lights_ = !lights_[LiveLights::all].empty();
-        if (can_sample_lights_ && parameters_.strategy == PathStrategy::mis && parameters_.roulette_below > 0)
+        const bool scatters =
+            parameters_.max_depth > 0 && context.events->any() && context.events->foresight().at_camera().scatters;
+        if (!may_prune() || !scatters || parameters_.strategy != PathStrategy::mis) return success();
+        if (can_sample_lights_ && parameters_.roulette_below > 0)
             at_last_ = choose_techniques(context, lights_, pilot_rays_);
-        if (!may_prune() || parameters_.strategy != PathStrategy::mis) return success();
         SplitChoice splits;
         if (parameters_.splits) splits = choose_splits(context, *this, pilot_rays_);
         if (parameters_.channel_roulette && parameters_.roulette_below > 0)
@@ -102,6 +104,7 @@ std::unique_ptr<IntegratorThread> PathIntegrator::make_thread_state() const {
     CameraSubpathOptions options = camera_subpath_options(
         context_, {parameters_.max_depth, parameters_.roulette_below, false, parameters_.regularize});
     options.live_lobes = may_prune();
+    options.first_depth = parameters_.first_depth;
     options.splits = splits_;
     if (!roulette_.empty()) options.roulette = &roulette_;
     options.watch = watch_;

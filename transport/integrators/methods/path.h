@@ -34,8 +34,8 @@ struct PathParameters {
     bool splits = true;                            ///< paths that beauty does not take, where that pays (strategy mis)
     bool channel_roulette = true;                  ///< where beauty is not asked for and it pays (strategy mis)
     bool regularize = false;                       ///< as pbrt-v4: biased, where it blurs
-    std::uint32_t first_depth =
-        0;  ///< light found before so many scattering events is left to others (not a parameter)
+    /// What is found, or said by surfaces, before so many scattering events is left to others (not a parameter).
+    std::uint32_t first_depth = 0;
 };
 
 /// The integrator itself, for others that are made of it.

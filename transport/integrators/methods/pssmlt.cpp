@@ -135,7 +135,7 @@ void Pssmlt::bootstrap(ChainGroup& group, std::uint32_t tile, PssmltThread& thre
 }
 
 void Pssmlt::end_startup() {
-    if (!serve_) return;
+    if (!chains_) return;
     // The running sums over all bootstrap paths, in their order.
     std::vector<double> below;
     below.reserve(groups_.size() * bootstrap_share());
@@ -236,11 +236,12 @@ void Pssmlt::integrate(const CameraBatch& batch, IntegratorThread& state, Thread
     ChainGroup& group = groups_[batch.tile];
     if (batch.startup) {
         services.display.discard_iteration();
-        if (serve_) bootstrap(group, batch.tile, thread, services);
+        if (chains_) bootstrap(group, batch.tile, thread, services);
+        thread.take_counters();
         return;
     }
     camera_->integrate(batch, *thread.camera, services);
-    if (!serve_) thread.counters.count(Pruned::paths, batch.rays.size());
+    if (not_begun_) thread.counters.count(Pruned::paths, batch.rays.size());
     if (mean_ > 0) {
         if (!group.started && !services.left) start(group, batch.tile, thread, services);
         for (std::size_t left = batch.rays.size(); left > 0 && !services.left;) {
@@ -256,12 +257,7 @@ void Pssmlt::integrate(const CameraBatch& batch, IntegratorThread& state, Thread
             chain.weight = 0;
         }
     }
-    for (IntegratorThread* part : {thread.camera.get(), thread.path.get()}) {
-        thread.counters.add(part->counters);
-        const std::size_t slots = part->counters.path_lengths.size();
-        part->counters = IntegratorCounters();
-        part->counters.path_lengths.assign(slots, 0);
-    }
+    thread.take_counters();
 }
 
 void Pssmlt::end_iteration(std::uint64_t /*iteration*/, std::span<IntegratorThread* const> /*threads*/) {

@@ -94,6 +94,7 @@ IntegratorTraits Pssmlt::traits() const {
     IntegratorTraits traits;
     traits.max_depth = parameters_.max_depth;
     traits.media = true;
+    traits.user_events = true;
     traits.raster_splats = true;
     traits.tells_words = false;  // chains keep what channels get of a path, and splat that again and again
     return traits;
@@ -134,8 +135,10 @@ Status Pssmlt::prepare(const IntegratorContext& context) {
     down_ = static_cast<Real>(context.height) + 2 * reach.y;
     area_share_ = static_cast<double>(across_) * static_cast<double>(down_) /
                   (static_cast<double>(context.width) * static_cast<double>(context.height));
-    serve_ = parameters_.max_depth > 0 &&
-             (context.beauty || !context.events->prunes() || context.events->foresight().at_camera().scatters);
+    const EventTable& events = *context.events;
+    chains_ =
+        parameters_.max_depth > 0 && (context.beauty || (events.any() && events.foresight().at_camera().scatters));
+    not_begun_ = parameters_.max_depth > 0 && !chains_ && events.any();
     groups_ = std::vector<ChainGroup>(context.tiles);
     const std::size_t each = std::max<std::size_t>(1, (parameters_.chains + context.tiles / 2) / context.tiles);
     for (ChainGroup& group : groups_) group.chains.resize(each);

@@ -62,6 +62,7 @@ void CameraSubpaths::report_surfaces() {
     const VertexBatch& v = vertices();
     for (std::size_t j = 0; j < v.surfaces; ++j) {
         const std::uint32_t row = v.rows[j];
+        if (path(row).depth < options_.first_depth) continue;
         const SurfacePoint& point = v.points[j];
         const std::int32_t label = v.sources[j].label;
         record_.say(row, label, UserLobe::albedo, throughput(row), [&] { return v.bsdfs[j].albedo(point.wo); });

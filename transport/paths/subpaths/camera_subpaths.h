@@ -33,6 +33,7 @@ struct CameraSubpathOptions {
     bool shade_first_hits = false;            ///< for more than their geometry
     bool light_can_be_hit = true;             ///< by a ray: if not, a path's last scattering need not be traced
     bool live_lobes = false;                  ///< closures draw no side that no channel takes; not for `densities`
+    std::uint32_t first_depth = 0;            ///< surfaces before say nothing of themselves
     SplitPlan splits;                         ///< none for samplers of chains
     const RouletteTable* roulette = nullptr;  ///< null: by throughput alone
     PathWatch* watch = nullptr;               ///< a pilot's
