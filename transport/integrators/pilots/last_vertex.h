@@ -17,7 +17,7 @@ struct TechniqueShares {
 /// nearly all of the light. Each of a fixed set of shares is judged by the same samples: its variance is two integrals
 /// over directions (Veach 1997, section 9.2, with fractional numbers of samples), which the samples of both techniques
 /// estimate together. {1, 1} where others do not save 5 %, or where there are media, cutouts or a vertex that more can
-/// follow.
+/// follow. The rays that it traces are added to `rays`.
 TechniqueShares choose_techniques(const IntegratorContext& context, const LiveLights& lights, std::uint64_t& rays);
 
 }  // namespace raylex::transport

@@ -11,7 +11,8 @@ namespace raylex::transport {
 /// on with a chance in proportion to its throughput and to the root of the ratio of the two, which spreads a variance
 /// over a cost best (Rath et al. 2022, "EARS", section 3). Cost and variance of the paths of the pilot are known under
 /// any such rule, so the proportion is the one with the least product. Empty, which leaves roulette to throughput
-/// alone (`below`, as WalkOptions::roulette_below), where that does not save a tenth.
+/// alone (`below`, as WalkOptions::roulette_below), where that does not save a tenth. The rays that it traces are added
+/// to `rays`.
 RouletteTable choose_roulette(const IntegratorContext& context, const PathTrials& trials, const SplitChoice& splits,
                               Real below, std::uint64_t& rays);
 

@@ -14,7 +14,7 @@ struct SplitChoice {
 /// a pilot of some thousand paths that are split in two. With cost c and variance v, before and behind the split, n
 /// rays make (c_before + n c_behind) (v_before + v_behind / n) (Arvo and Kirk 1990; Rath et al. 2022, "EARS", section
 /// 3): v_behind is half of the mean square by which the two rays differ. Every doubling has to save a tenth more. Both
-/// lobes of specular vertices are followed where that costs little.
+/// lobes of specular vertices are followed where that costs little. The rays that it traces are added to `rays`.
 SplitChoice choose_splits(const IntegratorContext& context, const PathTrials& trials, std::uint64_t& rays);
 
 }  // namespace raylex::transport
