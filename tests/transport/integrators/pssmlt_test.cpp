@@ -23,6 +23,21 @@ Material "diffuse" "rgb reflectance" [0.6 0.6 0.6]
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 -1.3 3 3 -1.3 3 3 -1.3 -3 -3 -1.3 -3]
 )";
 
+/// Of images whose words are compared with the path tracer's.
+transport::RenderSettings compared(std::int64_t max_depth) {
+    transport::RenderSettings settings;
+    settings.max_depth = max_depth;
+    settings.samples_per_pixel = 256;
+    settings.resolution = {{18, 18}};
+    return settings;
+}
+
+transport::SceneEntity metropolis_over(const char* integrator, int chains) {
+    transport::SceneEntity entity = metropolis(chains, 20000);
+    entity.parameters.parameters.push_back(text_parameter("integrator", integrator));
+    return entity;
+}
+
 }  // namespace
 
 TEST_CASE("primary samples are a chain whose stationary numbers are uniform", "[pssmlt][samplers]") {
@@ -92,10 +107,7 @@ TEST_CASE("primary samples do not depend on the order of questions", "[pssmlt][s
 }
 
 TEST_CASE("the Metropolis integrator finds the path tracer's image, word by word", "[pssmlt][render][statistical]") {
-    transport::RenderSettings settings;
-    settings.max_depth = 5;
-    settings.samples_per_pixel = 256;
-    settings.resolution = {{18, 18}};
+    const transport::RenderSettings settings = compared(5);
     compare_with_path(
         room, settings, metropolis(40, 40000), 12, 128,
         {"C.*", "CL", "C<RD>L", "C<.S>+B", "C<RD><.S>+L", "C<RD><RD>+[LB]", "C<RG>.*L", "C<RD><.G>.*[LB]"});
@@ -106,34 +118,21 @@ TEST_CASE("the Metropolis integrator finds the path tracer's image, word by word
 
 TEST_CASE("Metropolis over bidirectional paths finds the path tracer's image, word by word",
           "[pssmlt][bdpt][render][statistical]") {
-    transport::RenderSettings settings;
-    settings.max_depth = 4;
-    settings.samples_per_pixel = 256;
-    settings.resolution = {{18, 18}};
-    transport::SceneEntity over_bdpt = metropolis(40, 20000);
-    over_bdpt.parameters.parameters.push_back(text_parameter("integrator", "bdpt"));
+    const transport::RenderSettings settings = compared(4);
     compare_with_path(
-        room, settings, over_bdpt, 12, 96,
+        room, settings, metropolis_over("bdpt", 40), 12, 96,
         {"C.*", "CL", "C<RD>L", "C<.S>+B", "C<RD><.S>+L", "C<RD><RD>+[LB]", "C<RG>.*L", "C<RD><.G>.*[LB]"});
-    over_bdpt = metropolis(8, 20000);
-    over_bdpt.parameters.parameters.push_back(text_parameter("integrator", "bdpt"));
-    compare_with_path(foggy_ball, settings, over_bdpt, 12, 96,
+    compare_with_path(foggy_ball, settings, metropolis_over("bdpt", 8), 12, 96,
                       {"C.*", "C<Ts>V<Ts>[LB]", "C<Ts>VV+<Ts>[LB]", "C<RD>[LB]", "C<RD><Ts>V.*"});
 }
 
 TEST_CASE("Metropolis has surfaces say of themselves what the path tracer has them say",
           "[pssmlt][bdpt][render][statistical]") {
-    transport::RenderSettings settings;
-    settings.max_depth = 3;
-    settings.samples_per_pixel = 256;
-    settings.resolution = {{18, 18}};
+    transport::RenderSettings settings = compared(3);
     for (const char* expression : {"C.*", "CU2L", "CDU2L", "C<RS>U2L", "CDU6L"})
         settings.channels.push_back(lpe_channel("c" + std::to_string(settings.channels.size()), expression));
-    for (const char* integrator : {"path", "bdpt"}) {
-        transport::SceneEntity over = metropolis(40, 20000);
-        over.parameters.parameters.push_back(text_parameter("integrator", integrator));
-        compare_with_path(scene_of(room), settings, over, 12, 96);
-    }
+    for (const char* integrator : {"path", "bdpt"})
+        compare_with_path(scene_of(room), settings, metropolis_over(integrator, 40), 12, 96);
 }
 
 TEST_CASE("Metropolis with channels for a target keeps every channel's mean, and spends its steps on them",
