@@ -86,7 +86,7 @@ class EventTable {
         const Row& row = row_of(label, material);
         return {by_kind_.data() + row.begin, row.count};
     }
-    /// Of those the ones that have a density: where light can be sampled and subpaths be joined.
+    /// Of those the first, which have a density: where light can be sampled and subpaths be joined.
     [[nodiscard]] std::span<const lpe::EventClass> with_density(std::int32_t label, std::int32_t material) const {
         const Row& row = row_of(label, material);
         return {by_kind_.data() + row.begin, row.with_density};

@@ -215,7 +215,7 @@ class LightRecord {
         if (takes_all()) return {};
         if (!words_) return {false, false, false};
         return language_->foresight().after(*words_, word_[row], events_->scatterings(label, material),
-                                            events_->with_density(label, material));
+                                            events_->with_density(label, material).size());
     }
     /// Whether a camera subpath may be joined with `end`: where they stand, and what scatters there.
     [[nodiscard]] bool worth_joining(const Record& camera, std::uint32_t row, std::int32_t label, std::int32_t material,

@@ -86,14 +86,16 @@ LightForesight::Ahead LightForesight::of(const LightWords& words, const LightWor
 }
 
 LightForesight::Ahead LightForesight::after(const LightWords& words, const LightWord& word,
-                                            std::span<const EventClass> scatterings,
-                                            std::span<const EventClass> with_density) const {
+                                            std::span<const EventClass> scatterings, std::size_t with_density) const {
     if (states_.empty()) return {word.live(), word.live(), word.live()};
     Ahead ahead{false, false, false};
     for (std::size_t branch = 0; branch < word.branches_; ++branch) {
         const std::span<const State> state{words.states(word) + branch * states_.size(), states_.size()};
-        for (const EventClass event : with_density) unite(ahead, before(state, event));
-        for (const EventClass event : scatterings) ahead.goes_on |= before(state, event).goes_on;
+        for (std::size_t i = 0; i < scatterings.size(); ++i) {
+            const Ahead behind = before(state, scatterings[i]);
+            if (i < with_density) unite(ahead, behind);
+            else ahead.goes_on |= behind.goes_on;
+        }
     }
     return ahead;
 }

@@ -33,10 +33,10 @@ class LightForesight {
     /// Of a light's word.
     [[nodiscard]] Ahead of(lpe::EventClass terminal) const;
     [[nodiscard]] Ahead of(const LightWords& words, const LightWord& word) const;
-    /// The same once an event of any of these classes stands before it; only what has a density is seen or joined.
+    /// The same once an event of any of these classes stands before it. The first `with_density` of them have one: only
+    /// those are seen or joined.
     [[nodiscard]] Ahead after(const LightWords& words, const LightWord& word,
-                              std::span<const lpe::EventClass> scatterings,
-                              std::span<const lpe::EventClass> with_density) const;
+                              std::span<const lpe::EventClass> scatterings, std::size_t with_density) const;
     /// Whether a channel may accept `camera`, one of `here`, one of `there`, `word`.
     [[nodiscard]] bool joins(const Tracker& camera, std::span<const lpe::EventClass> here, const LightWords& words,
                              const LightWord& word, std::span<const lpe::EventClass> there) const;

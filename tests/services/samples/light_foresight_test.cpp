@@ -111,19 +111,17 @@ TEST_CASE("what is ahead of a light subpath is read from its word", "[foresight]
     CHECK_FALSE(foresight.of(c.light).seen);
     CHECK_FALSE(foresight.of(c.emission).anything());
     const LightWord light = language.services.begin(language.words, c.light);
-    const std::array diffuse{c.diffuse};
-    LightForesight::Ahead ahead = foresight.after(language.words, light, diffuse, diffuse);
+    LightForesight::Ahead ahead = foresight.after(language.words, light, std::array{c.diffuse}, 1);
     CHECK(ahead.seen);  // direct light, which nothing may come before
     CHECK_FALSE(ahead.joins);
     CHECK_FALSE(ahead.goes_on);
-    ahead = foresight.after(language.words, light, std::array{c.singular}, {});
+    ahead = foresight.after(language.words, light, std::array{c.singular}, 0);
     CHECK_FALSE(ahead.seen);
     CHECK_FALSE(ahead.joins);  // it has no density
     CHECK(ahead.goes_on);
-    CHECK_FALSE(foresight.after(language.words, light, std::array{c.diffuse_through}, std::array{c.diffuse_through})
-                    .anything());
+    CHECK_FALSE(foresight.after(language.words, light, std::array{c.diffuse_through}, 1).anything());
     const LightWord mirrored = language.services.prepend(language.words, light, c.singular);
-    ahead = foresight.after(language.words, mirrored, std::array{c.diffuse, c.singular}, diffuse);
+    ahead = foresight.after(language.words, mirrored, std::array{c.diffuse, c.singular}, 1);
     CHECK(ahead.seen);
     CHECK(ahead.goes_on);
     // What the scene does not bring is not waited for.
@@ -180,8 +178,7 @@ TEST_CASE("cutouts before the camera and between joined vertices are foreseen", 
         language.setup.classify({lpe::EventType::transmission, lpe::Scatter::straight, 0, {"", ""}});
     const LightWord light = language.services.begin(language.words, c.light);
     const auto ahead = [&](const Foresight::Alphabet& alphabet) {
-        const std::array diffuse{c.diffuse};
-        return language.foresight(alphabet).after(language.words, light, diffuse, diffuse);
+        return language.foresight(alphabet).after(language.words, light, std::array{c.diffuse}, 1);
     };
     const LightForesight::Ahead passing = ahead({{c.diffuse}, {straight}, {c.light}, {}, 0, {c.diffuse}});
     CHECK(passing.seen);
