@@ -255,10 +255,13 @@ run_programs() {
         skipped=$((skipped + left_out))
         printf '%-22s %-10s %4d passed %4d failed %4d skipped\n' "$name" "$label" "$((ok - left_out))" "$bad" "$left_out"
         if [ "$bad" -gt 0 ] || { [ "$status" -ne 0 ] && [ "$ok" -gt 0 ]; }; then
-            # Once more for a reader: the failing assertions as text.
-            "$program" "$@" 2>&1 | head -n 80
+            # As text, of this run: what failed once need not fail again.
+            local told
+            told=$(python3 "$here/support/failed_cases.py" "$report")
+            printf '%s\n' "$told"
+            tail -n 60 "$log"
             failed=$((failed + (bad > 0 ? bad : 1)))
-            failures+=("$name ($label)")
+            failures+=("$name ($label)${told:+$'\n'$told}")
         fi
     done
 }

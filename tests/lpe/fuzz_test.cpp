@@ -1,7 +1,7 @@
 // Hostile input: no crash, no hang, no memory. The same body serves longer runs under the hidden tag.
 #include <catch2/catch.hpp>
 
-#include <chrono>
+#include <ctime>
 #include <string>
 
 #include "lpe/algebra/proofs/check.h"
@@ -138,9 +138,9 @@ TEST_CASE("expressions built to explode are refused in bounded time", "[fuzz][la
     for (const auto& [text, compiles] : cases) {
         ChannelSource source;
         source.expression = text;
-        const auto begin = std::chrono::steady_clock::now();
+        const std::clock_t begin = std::clock();
         const auto program = Program::compile({&source, 1});
-        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
         UNSCOPED_INFO(text.substr(0, 60) << ": " << seconds << " s " << (program ? "" : program.error().message));
         CHECK(program.ok() == compiles);
         // The work meter stops at about 2 s on this class of machine; sanitizers and busy machines take longer.

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <chrono>
+#include <ctime>
 #include <random>
 #include <string>
 #include <vector>
@@ -207,7 +207,7 @@ TEST_CASE("hostile expressions are explained or refused within seconds") {
     while (letters.size() < 4'000) { letters += "[DS]*(D|SV)?"; }
     std::string labels = "C[";
     for (int k = 0; k < 300; ++k) { labels += "<R.'a" + std::to_string(k) + "''b" + std::to_string(k) + "'>"; }
-    const auto start = std::chrono::steady_clock::now();
+    const std::clock_t start = std::clock();
     for (const std::string& text :
          {nested, letters + "L", labels + "]*L", std::string("C(((((D*)*)*)*)*)*L"), std::string("C.*D.{24}L"),
           std::string("C(D{30}){30}L"), std::string("CD{900}L"), std::string(60'000, '.')}) {
@@ -219,5 +219,5 @@ TEST_CASE("hostile expressions are explained or refused within seconds") {
         }
     }
     // Eight bounded compilations; each is stopped after about two seconds of work on a slow machine.
-    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(120));
+    CHECK(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC < 120);
 }
