@@ -150,6 +150,13 @@ struct ProgramView {
     void visit_ended(const State* states, Visit&& visit) const {
         visit_lanes(states + 1, states[0] - first_ended, visit);
     }
+    /// Whether some lane is in a code for which `masks` (laid out as one terminal of lane_accept) has it. `planes`: the
+    /// words behind the phase.
+    [[nodiscard]] bool any_lane_in(const State* planes, const std::uint32_t* masks) const noexcept {
+        const std::uint32_t ones = lane_words[0], twos = lane_words[1];
+        return any_of_kind<1>(planes, masks, ones) || any_of_kind<2>(planes + ones, masks + 2 * ones, twos) ||
+               any_of_kind<3>(planes + ones + 2 * twos, masks + 2 * ones + 4 * twos, lane_words[2]);
+    }
 
   private:
     /// No branch, and no way from the lanes to the phase: both would make each event wait for the last.
@@ -226,21 +233,34 @@ struct ProgramView {
                           lists + 256 * (lane_words[0] + lane_words[1]), lane_words[2], visit);
         }
     }
+    /// Those lanes of word w that are in a code for which `masks` has them.
+    template <std::uint32_t bits>
+    static std::uint32_t lanes_in(const State* planes, const std::uint32_t* masks, std::uint32_t words,
+                                  std::uint32_t w) noexcept {
+        std::uint32_t found = 0;
+        for (std::uint32_t code = 0; code < (1U << bits); ++code) {
+            std::uint32_t lanes = masks[code * words + w];
+            for (std::uint32_t p = 0; p < bits; ++p) {
+                const State plane = planes[p * words + w];
+                lanes &= (code >> p & 1U) != 0 ? plane : ~plane;
+            }
+            found |= lanes;
+        }
+        return found;
+    }
+    template <std::uint32_t bits>
+    static bool any_of_kind(const State* planes, const std::uint32_t* masks, std::uint32_t words) noexcept {
+        std::uint32_t found = 0;
+        for (std::uint32_t w = 0; w < words; ++w) { found |= lanes_in<bits>(planes, masks, words, w); }
+        return found != 0;
+    }
     /// Lanes of one width, from their planes, what they accept and their lists (8 for each of 32 lanes a word).
     template <std::uint32_t bits, class Visit>
     void visit_kind(const State* planes, const std::uint32_t* accept, const std::uint32_t* lists, std::uint32_t words,
                     Visit&& visit) const {
         for (std::uint32_t w = 0; w < words; ++w, lists += 256) {
-            std::uint32_t accepting = 0;
-            for (std::uint32_t code = 0; code < (1U << bits); ++code) {
-                std::uint32_t lanes = accept[code * words + w];
-                for (std::uint32_t p = 0; p < bits; ++p) {
-                    const State plane = planes[p * words + w];
-                    lanes &= (code >> p & 1U) != 0 ? plane : ~plane;
-                }
-                accepting |= lanes;
-            }
-            for (; accepting != 0; accepting &= accepting - 1) {
+            for (std::uint32_t accepting = lanes_in<bits>(planes, accept, words, w); accepting != 0;
+                 accepting &= accepting - 1) {
                 const auto lane = static_cast<std::uint32_t>(std::countr_zero(accepting));
                 std::uint32_t code = 0;
                 for (std::uint32_t p = 0; p < bits; ++p) { code |= (planes[p * words + w] >> lane & 1U) << p; }

@@ -5,11 +5,16 @@
 namespace raylex::transport {
 
 LightLanguage::LightLanguage(const display::LpeSetup& setup, const EventTable& events)
-    : keeps_paths_(setup.words() != nullptr) {
+    : events_(&events), keeps_paths_(setup.words() != nullptr), foresees_(setup.beauty() < 0 && events.prunes()) {
     if (Result<lpe::ReversedProgram> reversed = lpe::ReversedProgram::build(setup.program()))
         reversed_.emplace(std::move(*reversed));
-    if (setup.beauty() < 0 && events.prunes())
-        foresight_ = display::LightForesight(setup, this->reversed(), events.alphabet());
+    if (foresees_) foresight_ = display::LightForesight(setup, this->reversed(), events.alphabet());
+}
+
+display::LightForesight::Ahead LightLanguage::ahead_of(lpe::EventClass terminal) const {
+    const display::Foresight& forward = events_->foresight();
+    if (foresees_ && (forward.terminals_ever() & forward.bit_of(terminal)) == 0) return {false, false, false};
+    return foresight_.of(terminal);
 }
 
 bool Record::worth_colliding(std::uint32_t row, std::int32_t medium) const {

@@ -171,9 +171,13 @@ class LightLanguage {
     [[nodiscard]] bool keeps_paths() const { return keeps_paths_; }
     /// Knows nothing where beauty is asked for, which takes all.
     [[nodiscard]] const display::LightForesight& foresight() const { return foresight_; }
+    /// Of a light's word, as foresight() has it, and nothing of lights that no channel takes: those are known where
+    /// light words are not (channels packed into lanes, programs that are too large to be reversed).
+    [[nodiscard]] display::LightForesight::Ahead ahead_of(lpe::EventClass terminal) const;
 
   private:
-    bool keeps_paths_;
+    const EventTable* events_;
+    bool keeps_paths_, foresees_;
     std::optional<lpe::ReversedProgram> reversed_;
     display::LightForesight foresight_;
 };

@@ -1,6 +1,8 @@
 #include "display/services/foresight/foresight.h"
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 
 #include "display/services/foresight/state_steps.h"
 #include "display/services/samples/branches.h"
@@ -56,7 +58,7 @@ struct Foresight::Maker {
 
 Foresight::Foresight(const LpeSetup& setup, const Alphabet& alphabet) {
     const lpe::ProgramView& program = setup.program().view();
-    if (program.has_lanes() || program.word_count == 0) return;
+    if (program.word_count == 0) return;
     program_ = &program;
     terminals_ = distinct(alphabet.terminals);
     states_.assign(program.state_count, {0, false, false});
@@ -73,15 +75,47 @@ Foresight::Foresight(const LpeSetup& setup, const Alphabet& alphabet) {
     make.find_anything();
     make.for_each_step(make.scatterings, [&](State from, State to) { states_[from].scatters |= states_[to].anything; });
     make.pass_cutouts();
+    for (const Ahead& ahead : states_) add_set(sets_, ahead.terminals);
     at_camera_ = {0, false, false};
-    for (const State first : setup.first_states_) join(at_camera_, states_[first]);
+    if (setup.first_states_.empty()) return;
+    packed_ = program.has_lanes();
+    if (packed_) {
+        underway_ = setup.first_states_[program.table_count - 1];
+        foresee_lanes(alphabet);
+    }
+    at_camera_ = of_branch(setup.first_states_.data());
 }
 
-std::vector<std::uint64_t> Foresight::sets_of_terminals() const {
-    std::vector<std::uint64_t> sets;
-    for (const Ahead& ahead : states_)
-        if (std::find(sets.begin(), sets.end(), ahead.terminals) == sets.end()) sets.push_back(ahead.terminals);
-    return sets;
+Foresight::Ahead Foresight::of_branch(const State* words) const {
+    Ahead ahead{0, false, false};
+    const std::uint32_t tables = program_->table_count - (packed_ ? 1 : 0);
+    for (std::uint32_t i = 0; i < tables; ++i) join(ahead, states_[words[i]]);
+    if (packed_ && words[tables] == underway_)
+        for (const LanesAhead& lanes : lanes_)
+            if (program_->any_lane_in(words + program_->table_count, lanes.masks.data())) join(ahead, lanes.ahead);
+    return ahead;
+}
+
+Foresight::Ahead Foresight::of_packed(const Tracker& tracker) const {
+    Ahead ahead{0, false, false};
+    for (std::size_t branch = 0; branch < tracker.count_; ++branch)
+        join(ahead, of_branch(&tracker.state_[branch * tracker.groups_]));
+    return ahead;
+}
+
+Foresight::Ahead Foresight::after_packed(const Tracker& tracker, std::span<const EventClass> scatterings) const {
+    Ahead ahead{0, false, false};
+    std::array<State, Tracker::group_limit> moved;
+    for (std::size_t branch = 0; branch < tracker.count_; ++branch)
+        for (const EventClass event : scatterings)
+            if (program_->advance(&tracker.state_[branch * tracker.groups_], event, moved.data()))
+                join(ahead, of_branch(moved.data()));
+    return ahead;
+}
+
+std::uint64_t Foresight::terminals_ever() const {
+    if (states_.empty()) return ~std::uint64_t{0};
+    return std::accumulate(sets_.begin(), sets_.end(), std::uint64_t{0}, std::bit_or<>());
 }
 
 std::uint64_t Foresight::state_of(const Tracker& tracker) const {

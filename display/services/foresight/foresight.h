@@ -2,6 +2,8 @@
 // (Law 4): whether anything, whether something with a scattering before it, and which lights without.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -33,7 +35,6 @@ class Foresight {
 
     /// Knows nothing: everything may still come.
     Foresight() = default;
-    /// Knows nothing where channels are packed into lanes (lpe/program_view.h).
     Foresight(const LpeSetup& setup, const Alphabet& alphabet);
 
     [[nodiscard]] bool knows() const { return !states_.empty(); }
@@ -46,14 +47,34 @@ class Foresight {
     [[nodiscard]] std::uint64_t state_of(const Tracker& tracker) const;
     /// The bit of Ahead::terminals for a class of Alphabet::terminals. Those after the 63rd share the last.
     [[nodiscard]] std::uint64_t bit_of(lpe::EventClass terminal) const;
-    /// The values that Ahead::terminals has for one branch of one group.
-    [[nodiscard]] std::vector<std::uint64_t> sets_of_terminals() const;
+    /// The values that Ahead::terminals has for one branch in one automaton; that of a path is a union of such.
+    [[nodiscard]] const std::vector<std::uint64_t>& sets_of_terminals() const { return sets_; }
+    /// Their union: what no path's Ahead::terminals goes beyond.
+    [[nodiscard]] std::uint64_t terminals_ever() const;
 
   private:
     struct Maker;
+    struct LaneMaker;
+    /// What is ahead of the lanes (lpe/program_view.h) that are in one of these codes.
+    struct LanesAhead {
+        Ahead ahead;
+        std::vector<std::uint32_t> masks;  // as one terminal of ProgramView::lane_accept
+    };
+    static void add_set(std::vector<std::uint64_t>& sets, std::uint64_t terminals) {
+        if (std::find(sets.begin(), sets.end(), terminals) == sets.end()) sets.push_back(terminals);
+    }
+    void foresee_lanes(const Alphabet& alphabet);
+    [[nodiscard]] Ahead of_branch(const lpe::State* words) const;
+    [[nodiscard]] Ahead of_packed(const Tracker& tracker) const;
+    [[nodiscard]] Ahead after_packed(const Tracker& tracker, std::span<const lpe::EventClass> scatterings) const;
+
     const lpe::ProgramView* program_ = nullptr;
     std::vector<Ahead> states_;               // [table state]; empty: nothing is known
     std::vector<lpe::EventClass> terminals_;  // distinct, ascending
+    std::vector<std::uint64_t> sets_;
+    bool packed_ = false;
+    lpe::State underway_ = 0;        // the phase in which lanes have anything ahead
+    std::vector<LanesAhead> lanes_;  // few: "anything", "scatters", and one for all terminals of the same lanes
     Ahead at_camera_;
     static void join(Ahead& ahead, const Ahead& other) {
         ahead.terminals |= other.terminals;
@@ -64,6 +85,7 @@ class Foresight {
 
 inline Foresight::Ahead Foresight::of(const Tracker& tracker) const {
     if (states_.empty()) return {};
+    if (packed_) return of_packed(tracker);
     Ahead ahead{0, false, false};
     const std::size_t words = std::size_t{tracker.count_} * tracker.groups_;
     for (std::size_t i = 0; i < words; ++i) join(ahead, states_[tracker.state_[i]]);
@@ -72,6 +94,7 @@ inline Foresight::Ahead Foresight::of(const Tracker& tracker) const {
 
 inline Foresight::Ahead Foresight::after(const Tracker& tracker, std::span<const lpe::EventClass> scatterings) const {
     if (states_.empty()) return {};
+    if (packed_) return after_packed(tracker, scatterings);
     Ahead ahead{0, false, false};
     const std::size_t words = std::size_t{tracker.count_} * tracker.groups_;
     for (std::size_t i = 0; i < words; ++i)

@@ -3,6 +3,10 @@
 
 #include <catch2/catch.hpp>
 
+#include <array>
+#include <memory>
+
+#include "tests/lpe/oracle.h"
 #include "tests/services/lpe_helpers.h"
 
 namespace raylex::display {
@@ -11,6 +15,7 @@ namespace {
 using test::build_setup;
 using test::Classes;
 using test::expression_channel;
+using test::join;
 
 struct Scene {
     explicit Scene(std::vector<ChannelDefinition> asked)
@@ -106,6 +111,108 @@ TEST_CASE("cutouts and what surfaces say of themselves are foreseen", "[foresigh
     const Foresight talking(scene.setup, {{c.diffuse}, {}, {c.light}, {user}, c.light});
     CHECK(talking.after(tracker, std::array{c.diffuse}).anything);
     CHECK_FALSE(talking.after(tracker, std::array{c.diffuse}).scatters);
+}
+
+TEST_CASE("of packed channels is foreseen what is of each alone", "[foresight][lanes][law4]") {
+    const auto label = [](std::size_t k) { return "obj" + std::to_string(k); };
+    std::vector<ChannelDefinition> channels;
+    const auto family = [&](const std::string& expression) {
+        for (std::size_t k = 0; k < 24; ++k) {
+            std::string text;
+            for (const char c : expression) text += c == '@' ? label(k) : std::string(1, c);
+            channels.push_back(expression_channel(join({"c", std::to_string(channels.size())}), text));
+        }
+    };
+    family("C.*<RD'@'>.*<L.'key'>");  // lanes of two codes
+    family("C.*<RD'@'><RS>.*L");      // of four
+    family("C.*<RS'@'>.*<RD'@'>.B");  // the scene has no sky in its second alphabet
+    channels.push_back(expression_channel("table", "C<RS>{2}<L.'fill'>"));
+    channels.push_back(expression_channel("spoken", "C.*<RD'obj3'>U2L"));
+    Scene together(channels);
+    REQUIRE(together.setup.program().view().lane_words[0] > 0);
+    REQUIRE(together.setup.program().view().lane_words[1] > 0);
+    std::vector<std::unique_ptr<Scene>> alone;
+    for (const ChannelDefinition& channel : channels) {
+        alone.push_back(std::make_unique<Scene>(std::vector<ChannelDefinition>{channel}));
+        REQUIRE_FALSE(alone.back()->setup.program().view().has_lanes());
+    }
+
+    using lpe::EventType;
+    using lpe::Scatter;
+    std::vector<lpe::Event> scatterings, terminals;
+    for (std::size_t k = 0; k < 24; ++k)
+        for (const Scatter how : {Scatter::diffuse, Scatter::singular})
+            scatterings.push_back({EventType::reflection, how, 0, {label(k), ""}});
+    const lpe::Event straight{EventType::transmission, Scatter::straight, 0, {"", ""}};
+    const lpe::Event said{EventType::user, Scatter::none, 2, {"", ""}};
+    for (const char* group : {"key", "fill", ""}) terminals.push_back({EventType::light, Scatter::none, 0, {group}});
+    terminals.push_back({EventType::background, Scatter::none, 0, {""}});
+
+    std::size_t some = 0, scattering = 0, lit = 0, dead = 0;
+    for (const bool poor : {false, true}) {
+        // Poor: half of the objects, no sky, no cutouts, and nobody speaks.
+        const std::size_t objects = poor ? scatterings.size() / 2 : scatterings.size();
+        const auto foresight_of = [&](const LpeSetup& setup) {
+            Foresight::Alphabet alphabet;
+            for (std::size_t i = 0; i < objects; ++i) alphabet.scatterings.push_back(setup.classify(scatterings[i]));
+            for (std::size_t i = 0; i < terminals.size() - (poor ? 1 : 0); ++i)
+                alphabet.terminals.push_back(setup.classify(terminals[i]));
+            alphabet.user_terminal = setup.classify(terminals[2]);
+            if (!poor) alphabet.straight.push_back(setup.classify(straight));
+            if (!poor) alphabet.user.push_back(setup.classify(said));
+            return Foresight(setup, alphabet);
+        };
+        const Foresight foresight = foresight_of(together.setup);
+        std::vector<Foresight> each;
+        for (const auto& one : alone) each.push_back(foresight_of(one->setup));
+        const auto lights = [&](const Foresight& of, const LpeSetup& setup, const Foresight::Ahead& ahead) {
+            unsigned bits = 0;
+            for (std::size_t i = 0; i < terminals.size() - (poor ? 1 : 0); ++i)
+                bits |= (ahead.terminals & of.bit_of(setup.classify(terminals[i]))) != 0 ? 1U << i : 0U;
+            return bits;
+        };
+        const auto check = [&](const auto& ask) {
+            const Foresight::Ahead ahead = ask(foresight, together);
+            bool anything = false, scatters = false;
+            unsigned bits = 0;
+            for (std::size_t i = 0; i < alone.size(); ++i) {
+                const Foresight::Ahead one = ask(each[i], *alone[i]);
+                anything |= one.anything;
+                scatters |= one.scatters;
+                bits |= lights(each[i], alone[i]->setup, one);
+            }
+            CHECK(ahead.anything == anything);
+            CHECK(ahead.scatters == scatters);
+            CHECK(lights(foresight, together.setup, ahead) == bits);
+            CHECK((ahead.terminals & ~foresight.terminals_ever()) == 0);
+            some += ahead.anything;
+            scattering += ahead.scatters;
+            lit += ahead.terminals != 0;
+            dead += !ahead.anything;
+        };
+        check([](const Foresight& of, Scene&) { return of.at_camera(); });
+        oracle::Random random(poor ? 8 : 7);
+        for (int path = 0; path < 60; ++path) {
+            std::vector<lpe::Event> events;
+            for (std::size_t length = random.below(5); length > 0; --length) {
+                const bool through = !poor && random.below(8) == 0;
+                events.push_back(through ? straight : scatterings[random.below(objects)]);
+            }
+            if (random.below(10) == 0) events.push_back(terminals[0]);  // nothing is ahead of it
+            const auto tracker = [&](Scene& scene) {
+                Tracker at = scene.services.begin(0);
+                for (const lpe::Event& event : events) scene.services.move(at, scene.setup.classify(event));
+                return at;
+            };
+            const lpe::Event& first = scatterings[random.below(objects)];
+            const lpe::Event& second = scatterings[random.below(objects)];
+            check([&](const Foresight& of, Scene& scene) { return of.of(tracker(scene)); });
+            check([&](const Foresight& of, Scene& scene) {
+                return of.after(tracker(scene), std::array{scene.setup.classify(first), scene.setup.classify(second)});
+            });
+        }
+    }
+    for (const std::size_t count : {some, scattering, lit, dead}) CHECK(count > 10);
 }
 
 }  // namespace raylex::display

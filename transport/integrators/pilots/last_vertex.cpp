@@ -190,9 +190,7 @@ Found Pilot::sample_ray(const LightChooser& chooser, const PixelSampler& numbers
 /// and not of what a pilot met: a spot may be seen by few pixels.
 bool rays_find_all(const IntegratorContext& context) {
     const display::Foresight& foresight = context.events->foresight();
-    const std::vector<std::uint64_t> sets = foresight.sets_of_terminals();
-    std::uint64_t live = sets.empty() ? ~std::uint64_t{0} : 0;  // nothing is known: all may be
-    for (const std::uint64_t terminals : sets) live |= terminals;
+    const std::uint64_t live = foresight.terminals_ever();
     const std::span<const Light> lights = context.scene.lights->lights();
     for (std::uint32_t light = 0; light < lights.size(); ++light)
         if (lights[light].is_delta() && lights[light].power > 0 &&

@@ -4,6 +4,23 @@
 
 namespace raylex::transport {
 
+namespace {
+
+/// What may be ahead of paths of one state, and of several: words of state, branches of a tracker and packed channels
+/// each bring their own. All unions of these sets while there are few, and what none goes beyond.
+std::vector<std::uint64_t> sets_of_terminals(const display::Foresight& foresight, std::size_t most) {
+    std::vector<std::uint64_t> sets = foresight.sets_of_terminals();
+    const auto add = [&](std::uint64_t set) {
+        if (std::find(sets.begin(), sets.end(), set) == sets.end()) sets.push_back(set);
+    };
+    if (!sets.empty()) add(foresight.terminals_ever());
+    for (std::size_t i = 1; i < sets.size(); ++i)
+        for (std::size_t j = 0; j < i && sets.size() < most; ++j) add(sets[i] | sets[j]);
+    return sets;
+}
+
+}  // namespace
+
 LiveLights::LiveLights(const SceneView& scene, const EventTable& events, LightChoice choice, bool by_receiver) {
     const std::span<const Light> lights = scene.lights->lights();
     const auto make = [&](std::span<const std::uint8_t> wanted) {
@@ -13,19 +30,20 @@ LiveLights::LiveLights(const SceneView& scene, const EventTable& events, LightCh
     choosers_[all] = make({});
     const std::size_t count = lights.size();
     std::vector<std::uint8_t> wanted(count);
-    for (const std::uint64_t terminals : events.foresight().sets_of_terminals()) {
+    for (const std::uint64_t terminals : sets_of_terminals(events.foresight(), 2 * most_choosers)) {
         for (std::uint32_t light = 0; light < count; ++light)
             wanted[light] = (terminals & events.foresight().bit_of(events.terminal(light))) != 0;
-        const bool every = std::find(wanted.begin(), wanted.end(), 0) == wanted.end();
-        if (every || choosers_.size() == most_choosers) continue;  // `all` will do
+        const auto lights_of_set = static_cast<std::size_t>(std::count(wanted.begin(), wanted.end(), 1));
+        if (lights_of_set == count || choosers_.size() == most_choosers) continue;  // `all` will do
         LightChooser chooser = make(wanted);
         if (chooser.empty()) {
-            sets_.push_back({terminals, none});
+            sets_.push_back({terminals, lights_of_set, none});
             continue;
         }
-        sets_.push_back({terminals, static_cast<std::uint8_t>(choosers_.size())});
+        sets_.push_back({terminals, lights_of_set, static_cast<std::uint8_t>(choosers_.size())});
         choosers_.push_back(std::move(chooser));
     }
+    std::stable_sort(sets_.begin(), sets_.end(), [](const Set& a, const Set& b) { return a.lights < b.lights; });
 }
 
 LightChooser choose_live_lights(const SceneView& scene, const EventTable& events, const LightLanguage* language,
@@ -33,7 +51,7 @@ LightChooser choose_live_lights(const SceneView& scene, const EventTable& events
     const std::span<const Light> lights = scene.lights->lights();
     std::vector<std::uint8_t> live(lights.size(), 1);
     for (std::uint32_t light = 0; language != nullptr && light < lights.size(); ++light)
-        live[light] = language->foresight().of(events.terminal(light)).*wanted;
+        live[light] = language->ahead_of(events.terminal(light)).*wanted;
     return {lights, choice, live};
 }
 

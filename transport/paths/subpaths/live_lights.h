@@ -17,11 +17,11 @@ class LiveLights {
     /// `by_receiver`: LightChooser::by_receiver().
     LiveLights(const SceneView& scene, const EventTable& events, LightChoice choice, bool by_receiver);
 
-    /// The number of the chooser for a vertex with this ahead of it.
+    /// The number of the chooser for a vertex with this ahead of it: that among the fewest lights, of those that are
+    /// among all that count.
     [[nodiscard]] std::uint8_t of(const display::Foresight::Ahead& ahead) const {
-        if (ahead.terminals == ~std::uint64_t{0}) return all;
-        for (std::size_t i = 0; i < sets_.size(); ++i)
-            if (sets_[i].terminals == ahead.terminals) return sets_[i].chooser;
+        for (const Set& set : sets_)
+            if ((ahead.terminals & ~set.terminals) == 0) return set.chooser;
         return all;
     }
     [[nodiscard]] const LightChooser& operator[](std::uint8_t number) const { return choosers_[number]; }
@@ -30,9 +30,10 @@ class LiveLights {
     static constexpr std::size_t most_choosers = 32;
     struct Set {
         std::uint64_t terminals;
+        std::size_t lights;
         std::uint8_t chooser;
     };
-    std::vector<Set> sets_;
+    std::vector<Set> sets_;  // ascending by lights
     std::vector<LightChooser> choosers_{2};
 };
 
