@@ -35,6 +35,11 @@ struct SceneView {
     [[nodiscard]] bool asks_for_media() const { return media->any() || general_code.contains(Effect::media); }
     /// Whether hits and shadow rays are tested for what light passes straight through.
     [[nodiscard]] bool tests_alpha() const { return geometry->has_alpha() || general_code.contains(Effect::alpha); }
+    /// 0 to 1, at a point of a shape that has a cutout.
+    [[nodiscard]] Real opacity(const ShapeGeometry& shape, const SurfacePoint& point) const {
+        return std::clamp(textures->real(shape.alpha, {point.u, point.v, point.position, -1, point.geometric_normal}),
+                          Real(0), Real(1));
+    }
 };
 
 /// What surfaces say of themselves, as RenderMan's default options number it (lpe:user2 "...Albedo", lpe:user6

@@ -252,9 +252,9 @@ template <TransportMode mode>
 bool Walk<mode>::fails_alpha_test(std::size_t j) const {
     const std::uint32_t row = vertices_.rows[j];
     const SurfacePoint& point = vertices_.points[j];
-    const TextureId alpha = scene_.geometry->shapes()[vertices_.hits[j].shape].alpha;
+    const ShapeGeometry& shape = scene_.geometry->shapes()[vertices_.hits[j].shape];
     const Real u = samplers_[row].get_random(dimensions.cutouts + paths_[row].segment);
-    return !(u < scene_.textures->real(alpha, {point.u, point.v, point.position, -1, point.geometric_normal}));
+    return !(u < scene_.opacity(shape, point));
 }
 
 /// What images are filtered over, where there are any.

@@ -6,7 +6,7 @@
 
 #include "transport/cameras/camera.h"
 #include "transport/math/sampling.h"
-#include "transport/paths/subpaths/connect.h"
+#include "transport/paths/subpaths/transmittance.h"
 
 namespace raylex::transport {
 namespace {
@@ -43,6 +43,16 @@ struct Moments {
     }
 };
 
+/// On the way from one surface to the next.
+struct Journey {
+    Ray ray;
+    std::int32_t medium = -1;
+    Rgb through = Rgb(1);  ///< that media let pass
+    Hit hit;
+    SurfacePoint point;
+    SurfaceSource source;
+};
+
 class Pilot {
   public:
     Pilot(const IntegratorContext& context, const LiveLights& lights)
@@ -62,7 +72,14 @@ class Pilot {
         return true;
     }
 
-    [[nodiscard]] std::uint64_t rays() const { return rays_; }
+    /// Whether some channel takes what a medium scatters towards the camera: such vertices are not the pilot's.
+    [[nodiscard]] bool media_scatter() {
+        record_.begin(lpe_, 1);
+        for (std::int32_t medium = 0; medium < static_cast<std::int32_t>(scene_.media->size()); ++medium)
+            if ((*scene_.media)[medium].scatters && record_.worth_colliding(0, medium)) return true;
+        return false;
+    }
+    [[nodiscard]] std::uint64_t rays() const { return rays_ + counters_.shadow_rays; }
     [[nodiscard]] double cost_times_variance(const TechniqueShares& shares) const {
         std::vector<Moments> pixels;
         double overall = 0;
@@ -89,6 +106,12 @@ class Pilot {
 
   private:
     bool trace(std::uint32_t x, std::uint32_t y, std::uint32_t s);
+    template <class Pass>
+    bool travel(Journey& journey, FlightNumbers numbers, Pass pass);
+    [[nodiscard]] std::int32_t medium_towards(const Journey& at, const Vec3& direction) const {
+        const ShapeGeometry& shape = scene_.geometry->shapes()[at.hit.shape];
+        return shape.border ? shape.medium_towards(at.point.geometric_normal, direction, at.medium) : at.medium;
+    }
     [[nodiscard]] Found sample_light(const LightChooser& chooser, const PixelSampler& numbers);
     [[nodiscard]] Found sample_ray(const LightChooser& chooser, const PixelSampler& numbers, std::uint64_t terminals);
 
@@ -99,35 +122,56 @@ class Pilot {
     display::SampleTable table_;
     display::LpeServices lpe_;
     std::vector<PilotPath> paths_;
-    SurfacePoint point_;
-    SurfaceSource source_;
+    Journey first_;  // from the camera
     Bsdf bsdf_;
-    Real time_ = 0;
+    IntegratorCounters counters_;
     std::uint64_t rays_ = 0;
 };
+
+/// To the surface where the ray ends: as for paths, a cutout is passed by chance, after which `pass` is called. False:
+/// it ends at none.
+template <class Pass>
+bool Pilot::travel(Journey& journey, FlightNumbers numbers, Pass pass) {
+    Ray& ray = journey.ray;
+    for (;;) {
+        ++rays_;
+        scene_.geometry->intersect({&ray, 1}, {&journey.hit, 1});
+        const Hit& hit = journey.hit;
+        if (journey.medium >= 0)
+            journey.through *= transmittance((*scene_.media)[journey.medium],
+                                             {ray.origin, ray.direction, hit.valid() ? hit.t : infinity}, numbers);
+        if (!hit.valid()) return false;
+        scene_.geometry->surfaces({&ray, 1}, {&hit, 1}, {&journey.point, 1}, {&journey.source, 1});
+        const ShapeGeometry& shape = scene_.geometry->shapes()[hit.shape];
+        if (shape.alpha < 0 || numbers.next() < scene_.opacity(shape, journey.point)) return true;
+        pass();
+        journey.medium = medium_towards(journey, ray.direction);
+        ray.origin = straight_ray_origin(ray, hit.t, journey.point.position, journey.point.geometric_normal,
+                                         journey.source.offset.here);
+    }
+}
 
 bool Pilot::trace(std::uint32_t x, std::uint32_t y, std::uint32_t s) {
     const PixelSampler numbers(SamplerKind::sobol, context_.seed, static_cast<std::int32_t>(x),
                                static_cast<std::int32_t>(y), s);
     const Vec2 at = numbers.get_2d(filter_dimension);
-    const Ray ray =
+    record_.begin(lpe_, 1);
+    first_ = {};
+    first_.medium = scene_.media->camera();
+    first_.ray =
         context_.camera->generate({(static_cast<Real>(x) + at.x) * static_cast<Real>(context_.width) / pilot_grid,
                                    (static_cast<Real>(y) + at.y) * static_cast<Real>(context_.height) / pilot_grid,
                                    numbers.get_2d(lens_dimension), sample_time(scene_, numbers)});
-    time_ = ray.time;
     PilotPath& path = paths_.emplace_back();
-    ++rays_;
-    Hit hit;
-    scene_.geometry->intersect({&ray, 1}, {&hit, 1});
-    if (!hit.valid()) return true;
-    scene_.geometry->surfaces({&ray, 1}, {&hit, 1}, {&point_, 1}, {&source_, 1});
-    record_.begin(lpe_, 1);
-    const display::Foresight::Ahead ahead = record_.ahead(0, source_.label, point_.material);
+    if (!travel(first_, FlightNumbers(numbers.key(5), 1), [&] { record_.pass_straight(0, first_.source.label); }))
+        return true;
+    SurfacePoint& point = first_.point;
+    const display::Foresight::Ahead ahead = record_.ahead(0, first_.source.label, point.material);
     if (ahead.scatters) return false;
     const LightChooser& chooser = lights_[lights_.of(ahead)];
     if (!ahead.anything || chooser.empty()) return true;
-    point_.random_key = numbers.key(5);
-    scene_.materials->shade(*scene_.textures, {&point_, 1}, {&bsdf_, 1});
+    point.random_key = numbers.key(5);
+    scene_.materials->shade(*scene_.textures, {&point, 1}, {&bsdf_, 1});
     if (!bsdf_.has_density()) return true;
     path.light = sample_light(chooser, numbers);
     path.ray = sample_ray(chooser, numbers, ahead.terminals);
@@ -135,55 +179,66 @@ bool Pilot::trace(std::uint32_t x, std::uint32_t y, std::uint32_t s) {
 }
 
 Found Pilot::sample_light(const LightChooser& chooser, const PixelSampler& numbers) {
+    const SurfacePoint& point = first_.point;
     LightSample sample;
-    if (!scene_.lights->sample(chooser, *scene_.geometry, {point_.position, point_.shading_normal}, numbers.get_1d(8),
+    if (!scene_.lights->sample(chooser, *scene_.geometry, {point.position, point.shading_normal}, numbers.get_1d(8),
                                numbers.get_2d(9), sample))
         return {};
-    const BsdfEvaluation f = bsdf_.evaluate(point_.wo, sample.wi);
+    if (scene_.tests_alpha()) sample.radiance *= emitter_opacity(scene_, sample, point.position);
+    const BsdfEvaluation f = bsdf_.evaluate(point.wo, sample.wi);
     if (f.value.is_black()) return {};
-    Ray ray = shadow_ray(point_.position, point_.geometric_normal, source_.offset.here, sample);
-    ray.time = time_;
+    Ray ray = shadow_ray(point.position, point.geometric_normal, first_.source.offset.here, sample);
+    ray.time = first_.ray.time;
     ++rays_;
     std::uint8_t blocked = 0;
     scene_.geometry->occluded({&ray, 1}, {&blocked, 1});
     if (blocked) return {};
-    return {double{(f.value * sample.radiance).average()} / double{sample.pdf}, sample.pdf, sample.delta ? 0 : f.pdf};
+    Rgb through = first_.through;
+    Real visible = 1;
+    if (scene_.tests_alpha() || scene_.media->any()) {
+        display::Tracker tracker = record_.tracker(0);
+        visible = straight_transmittance({scene_, record_, counters_, false, FlightNumbers(numbers.key(5), 2)}, ray,
+                                         visible, medium_towards(first_, sample.wi), tracker, through);
+    }
+    return {double{(f.value * sample.radiance * through).average() * visible} / double{sample.pdf}, sample.pdf,
+            sample.delta ? 0 : f.pdf};
 }
 
 Found Pilot::sample_ray(const LightChooser& chooser, const PixelSampler& numbers, std::uint64_t terminals) {
+    const SurfacePoint& point = first_.point;
     const BsdfSample s =
-        sample_scattering<TransportMode::radiance>(bsdf_, point_, numbers.get_1d(11), numbers.get_2d(10));
+        sample_scattering<TransportMode::radiance>(bsdf_, point, numbers.get_1d(11), numbers.get_2d(10));
     if (!(s.pdf > 0) || s.weight.is_black() || s.delta) return {};
-    Ray ray;
-    ray.origin = offset_ray_origin(point_.position, point_.geometric_normal, source_.offset.here, s.wi);
-    ray.direction = s.wi;
-    ray.time = time_;
-    ++rays_;
-    Hit hit;
-    scene_.geometry->intersect({&ray, 1}, {&hit, 1});
+    Journey onward;
+    onward.ray.origin = offset_ray_origin(point.position, point.geometric_normal, first_.source.offset.here, s.wi);
+    onward.ray.direction = s.wi;
+    onward.ray.time = first_.ray.time;
+    onward.medium = medium_towards(first_, s.wi);
+    onward.through = first_.through;
+    const bool arrives = travel(onward, FlightNumbers(numbers.key(5), 3), [] {});
+    const Rgb weight = s.weight * onward.through;
     const auto counts = [&](std::uint32_t light) {
         return (terminals & context_.events->foresight().bit_of(context_.events->terminal(light))) != 0;
     };
     const LightTable& lights = *scene_.lights;
-    if (!hit.valid()) {
+    if (!arrives) {
         Found found;
         for (const std::uint32_t light : lights.environments()) {
             if (!counts(light)) continue;
-            found.value += double{(s.weight * lights.environment_radiance(light, point_.position, s.wi)).average()};
+            found.value += double{(weight * lights.environment_radiance(light, point.position, s.wi)).average()};
             found.own = s.pdf;
-            found.other += lights.environment_density(chooser, light, point_.position, s.wi);
+            found.other += lights.environment_density(chooser, light, point.position, s.wi);
         }
         return found;
     }
-    const ShapeGeometry& shape = scene_.geometry->shapes()[hit.shape];
-    if (shape.first_light == Hit::none || !counts(shape.first_light + hit.primitive)) return {};
-    SurfacePoint there;
-    SurfaceSource source;
-    scene_.geometry->surfaces({&ray, 1}, {&hit, 1}, {&there, 1}, {&source, 1});
-    const std::uint32_t light = shape.first_light + hit.primitive;
+    const ShapeGeometry& shape = scene_.geometry->shapes()[onward.hit.shape];
+    const std::uint32_t light = shape.first_light + onward.hit.primitive;
+    if (shape.first_light == Hit::none || !counts(light)) return {};
+    const SurfacePoint& there = onward.point;
     const Rgb emitted = lights.emitted(light, there, there.wo);
-    return {double{(s.weight * emitted).average()}, s.pdf,
-            lights.density(chooser, *scene_.geometry, light, {point_.position, point_.shading_normal}, there, hit)};
+    return {
+        double{(weight * emitted).average()}, s.pdf,
+        lights.density(chooser, *scene_.geometry, light, {point.position, point.shading_normal}, there, onward.hit)};
 }
 
 /// Whether light samples can be left out: a ray can find all of the lights that some channel takes. Asked of the lights
@@ -202,10 +257,11 @@ bool rays_find_all(const IntegratorContext& context) {
 }  // namespace
 
 TechniqueShares choose_techniques(const IntegratorContext& context, const LiveLights& lights, std::uint64_t& rays) {
-    if (context.beauty || !context.events->prunes() || context.events->wants_user() || context.scene.media->any() ||
-        context.scene.geometry->has_alpha())
+    if (context.beauty || !context.events->prunes() || context.events->wants_user() ||
+        context.scene.media->any_emits() || context.scene.media->any_bodies())
         return {};
     Pilot pilot(context, lights);
+    if (pilot.media_scatter()) return {};
     const bool applies = pilot.run();
     rays += pilot.rays();
     if (!applies) return {};

@@ -16,9 +16,12 @@ Real emitter_opacity(const SceneView& scene, const LightSample& sample, const Ve
     SurfacePoint point[1];
     SurfaceSource source[1];
     scene.geometry->surfaces(ray, hit, point, source);
-    return std::clamp(
-        scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position, -1, point[0].geometric_normal}),
-        Real(0), Real(1));
+    return scene.opacity(shape, point[0]);
+}
+
+Rgb transmittance(const Medium& medium, const MediumSegment& segment, FlightNumbers& numbers) {
+    if (medium.grid == nullptr) return transmittance(medium, segment.end);
+    return medium.grid->transmittance(segment, numbers.row());
 }
 
 Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std::int32_t medium,
@@ -36,11 +39,9 @@ Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std
         if (medium >= 0) {
             const Real whole = finite_end ? length(ray.direction) : infinity;
             const Real distance = !hit.valid() ? whole : finite_end ? hit.t * whole : hit.t;
-            const Medium& crossed = (*walk.scene.media)[medium];
-            if (crossed.grid != nullptr)
-                through *= crossed.grid->transmittance(
-                    {ray.origin, finite_end ? ray.direction / whole : ray.direction, distance}, numbers.row());
-            else through *= transmittance(crossed, distance);
+            through *=
+                transmittance((*walk.scene.media)[medium],
+                              {ray.origin, finite_end ? ray.direction / whole : ray.direction, distance}, numbers);
         }
         if (!hit.valid()) return visible;
         const Hit hits[1] = {hit};
@@ -49,9 +50,7 @@ Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std
         SurfaceSource source[1];
         geometry.surfaces(rays, hits, point, source);
         const ShapeGeometry& shape = geometry.shapes()[hit.shape];
-        visible *= 1 - std::clamp(walk.scene.textures->real(shape.alpha, {point[0].u, point[0].v, point[0].position, -1,
-                                                                          point[0].geometric_normal}),
-                                  Real(0), Real(1));
+        visible *= 1 - walk.scene.opacity(shape, point[0]);
         if (visible > 0) walk.record.pass_straight(tracker, source[0].label);
         else if (!walk.to_the_end) return 0;
         if (shape.border) medium = shape.medium_towards(point[0].geometric_normal, ray.direction, medium);
