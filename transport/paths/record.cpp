@@ -13,8 +13,15 @@ LightLanguage::LightLanguage(const display::LpeSetup& setup, const EventTable& e
 
 display::LightForesight::Ahead LightLanguage::ahead_of(lpe::EventClass terminal) const {
     const display::Foresight& forward = events_->foresight();
+    // Of channels alone: beauty takes every light.
     if (foresees_ && (forward.terminals_ever() & forward.bit_of(terminal)) == 0) return {false, false, false};
     return foresight_.of(terminal);
+}
+
+display::Foresight::Ahead Record::ahead_of_channels(std::uint32_t row, std::int32_t label,
+                                                    std::int32_t material) const {
+    if (!lpe_->live(trackers_[row])) return {0, false, false};
+    return events_->foresight().after(trackers_[row], events_->scatterings(label, material));
 }
 
 bool Record::worth_colliding(std::uint32_t row, std::int32_t medium) const {

@@ -88,9 +88,7 @@ class Record {
     }
     /// What of it may once it is scattered at its vertex, as the material there scatters.
     [[nodiscard]] display::Foresight::Ahead ahead(std::uint32_t row, std::int32_t label, std::int32_t material) const {
-        if (takes_all(row)) return {};
-        if (!lpe_->live(trackers_[row])) return {0, false, false};
-        return events_->foresight().after(trackers_[row], events_->scatterings(label, material));
+        return takes_all(row) ? display::Foresight::Ahead() : ahead_of_channels(row, label, material);
     }
     /// The same of one lobe.
     [[nodiscard]] bool worth_scattering(std::uint32_t row, std::int32_t label, LobeId lobe) const {
@@ -148,6 +146,8 @@ class Record {
     [[nodiscard]] const EventTable& events() const { return *events_; }
 
   private:
+    [[nodiscard]] display::Foresight::Ahead ahead_of_channels(std::uint32_t row, std::int32_t label,
+                                                              std::int32_t material) const;
     void scatter(display::Tracker& tracker, std::int32_t label, const LobeList& lobes) const {
         if (!events_->any()) return;
         LobeParts parts;

@@ -43,6 +43,15 @@ struct Foresight::Maker {
         for (std::size_t state = 0; state < states.size(); ++state) states[state].anything = anything[state] != 0;
     }
 
+    /// Which states paths of the scene come to, from `reached` on.
+    void find_reached(std::vector<std::uint8_t>& reached) const {
+        mark_backwards(reached, [&](auto visit) {
+            const auto forwards = [&](State from, State to) { visit(to, from); };
+            for_each_step(scatterings, forwards);
+            for_each_step(straight, forwards);
+        });
+    }
+
     /// What can come behind cutouts can come before them.
     void pass_cutouts() const {
         for (bool changed = !straight.empty(); changed;) {
@@ -75,15 +84,21 @@ Foresight::Foresight(const LpeSetup& setup, const Alphabet& alphabet) {
     make.find_anything();
     make.for_each_step(make.scatterings, [&](State from, State to) { states_[from].scatters |= states_[to].anything; });
     make.pass_cutouts();
-    for (const Ahead& ahead : states_) add_set(sets_, ahead.terminals);
     at_camera_ = {0, false, false};
     if (setup.first_states_.empty()) return;
+    const State* first = setup.first_states_.data();
     packed_ = program.has_lanes();
+    const std::uint32_t tables = program.table_count - (packed_ ? 1 : 0);
+    std::vector<std::uint8_t> reached(states_.size());
+    for (std::uint32_t word = 0; word < tables; ++word) reached[first[word]] = 1;
+    make.find_reached(reached);
+    for (std::size_t state = 0; state < states_.size(); ++state)
+        if (reached[state] != 0) add_set(sets_, states_[state].terminals);
     if (packed_) {
-        underway_ = setup.first_states_[program.table_count - 1];
-        foresee_lanes(alphabet);
+        underway_ = first[tables];
+        foresee_lanes(alphabet, first + program.table_count);
     }
-    at_camera_ = of_branch(setup.first_states_.data());
+    at_camera_ = of_branch(first);
 }
 
 Foresight::Ahead Foresight::of_branch(const State* words) const {

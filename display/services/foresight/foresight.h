@@ -47,7 +47,8 @@ class Foresight {
     [[nodiscard]] std::uint64_t state_of(const Tracker& tracker) const;
     /// The bit of Ahead::terminals for a class of Alphabet::terminals. Those after the 63rd share the last.
     [[nodiscard]] std::uint64_t bit_of(lpe::EventClass terminal) const;
-    /// The values that Ahead::terminals has for one branch in one automaton; that of a path is a union of such.
+    /// The values that Ahead::terminals has for one branch in one automaton, of the states that paths come to; that of
+    /// a path is a union of such.
     [[nodiscard]] const std::vector<std::uint64_t>& sets_of_terminals() const { return sets_; }
     /// Their union: what no path's Ahead::terminals goes beyond.
     [[nodiscard]] std::uint64_t terminals_ever() const;
@@ -63,7 +64,8 @@ class Foresight {
     static void add_set(std::vector<std::uint64_t>& sets, std::uint64_t terminals) {
         if (std::find(sets.begin(), sets.end(), terminals) == sets.end()) sets.push_back(terminals);
     }
-    void foresee_lanes(const Alphabet& alphabet);
+    /// `first`: the planes after the camera event.
+    void foresee_lanes(const Alphabet& alphabet, const lpe::State* first);
     [[nodiscard]] Ahead of_branch(const lpe::State* words) const;
     [[nodiscard]] Ahead of_packed(const Tracker& tracker) const;
     [[nodiscard]] Ahead after_packed(const Tracker& tracker, std::span<const lpe::EventClass> scatterings) const;

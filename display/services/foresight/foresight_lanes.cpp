@@ -17,10 +17,10 @@ struct Foresight::LaneMaker {
     const std::vector<EventClass> scatterings = distinct(alphabet.scatterings), straight = distinct(alphabet.straight),
                                   terminals = distinct(alphabet.terminals), user = distinct(alphabet.user);
 
-    /// Lanes of one kind: where their words begin in lane_image and in lane_accept.
+    /// Lanes of one kind: where their words begin in a state's planes, in lane_image and in lane_accept.
     struct Kind {
         std::uint32_t bits, codes, words;
-        std::size_t image, accept;
+        std::size_t planes, image, accept;
     };
     struct Lane {
         const Kind& kind;
@@ -50,44 +50,58 @@ struct Foresight::LaneMaker {
         return lane.among(accept + lane.kind.accept + std::size_t{at.code} * lane.kind.words);
     }
 
-    /// [code], as Foresight's table states, by the same rules.
-    [[nodiscard]] std::array<Ahead, 8> run(const Lane& lane) const {
-        std::array<Ahead, 8> ahead;
-        ahead.fill({0, false, false});
+    struct Code {
+        Ahead ahead = {0, false, false};
+        bool reached = false;  // by paths of the scene
+    };
+    using Codes = std::array<Code, 8>;
+
+    /// By the rules that Foresight::Foresight has for the states of tables.
+    [[nodiscard]] Codes run(const Lane& lane, const State* first) const {
+        Codes codes;
         const auto for_each_step = [&](const std::vector<EventClass>& events, auto visit) {
             for (std::uint32_t code = 0; code < lane.kind.codes; ++code)
                 for (const EventClass event : events) {
                     const Place to = next(lane, {foresight.underway_, code}, event);
-                    if (to.phase == foresight.underway_) visit(ahead[code], ahead[to.code]);
+                    if (to.phase == foresight.underway_) visit(codes[code], codes[to.code]);
                 }
         };
+        std::uint32_t begin = 0;
+        for (std::uint32_t p = 0; p < lane.kind.bits; ++p)
+            if (lane.among(first + lane.kind.planes + std::size_t{p} * lane.kind.words)) begin |= 1U << p;
+        codes[begin].reached = true;
         for (std::uint32_t code = 0; code < lane.kind.codes; ++code) {
             const Place here{foresight.underway_, code};
+            Ahead& ahead = codes[code].ahead;
             for (const EventClass terminal : terminals)
-                if (accepts(lane, next(lane, here, terminal))) ahead[code].terminals |= foresight.bit_of(terminal);
-            ahead[code].anything = ahead[code].terminals != 0;
+                if (accepts(lane, next(lane, here, terminal))) ahead.terminals |= foresight.bit_of(terminal);
+            ahead.anything = ahead.terminals != 0;
             for (const EventClass event : user)
-                ahead[code].anything |= accepts(lane, next(lane, next(lane, here, event), alphabet.user_terminal));
+                ahead.anything |= accepts(lane, next(lane, next(lane, here, event), alphabet.user_terminal));
         }
         // As often as there are codes is enough for whatever leads from one to another.
         for (std::uint32_t round = 0; round < lane.kind.codes; ++round)
             for (const std::vector<EventClass>* events : {&scatterings, &straight})
-                for_each_step(*events, [](Ahead& from, const Ahead& to) { from.anything |= to.anything; });
-        for_each_step(scatterings, [](Ahead& from, const Ahead& to) { from.scatters |= to.anything; });
+                for_each_step(*events, [](Code& from, Code& to) {
+                    from.ahead.anything |= to.ahead.anything;
+                    to.reached |= from.reached;
+                });
+        for_each_step(scatterings, [](Code& from, Code& to) { from.ahead.scatters |= to.ahead.anything; });
         for (std::uint32_t round = 0; round < lane.kind.codes; ++round)
-            for_each_step(straight, [](Ahead& from, const Ahead& to) { join(from, to); });
-        return ahead;
+            for_each_step(straight, [](Code& from, Code& to) { join(from.ahead, to.ahead); });
+        return codes;
     }
 };
 
-void Foresight::foresee_lanes(const Alphabet& alphabet) {
+void Foresight::foresee_lanes(const Alphabet& alphabet, const State* first) {
     const ProgramView& program = *program_;
     const LaneMaker make{program, *this, alphabet};
     using Masks = std::vector<std::uint32_t>;
-    std::size_t image = 0, accept = 0;
+    std::size_t planes = 0, image = 0, accept = 0;
     std::array<LaneMaker::Kind, ProgramView::lane_kinds> kinds;
     for (std::uint32_t k = 0; k < ProgramView::lane_kinds; ++k) {
-        kinds[k] = {k + 1, 2U << k, program.lane_words[k], image, accept};
+        kinds[k] = {k + 1, 2U << k, program.lane_words[k], planes, image, accept};
+        planes += std::size_t{kinds[k].bits} * kinds[k].words;
         image += std::size_t{kinds[k].codes} * kinds[k].bits * kinds[k].words;
         accept += std::size_t{kinds[k].codes} * kinds[k].words;
     }
@@ -97,16 +111,17 @@ void Foresight::foresee_lanes(const Alphabet& alphabet) {
     for (const LaneMaker::Kind& kind : kinds)
         for (std::uint32_t word = 0; word < kind.words; ++word)
             for (std::uint32_t bit = 0; bit < 32; ++bit) {
-                const std::array<Ahead, 8> ahead = make.run({kind, word, bit});
+                const LaneMaker::Codes codes = make.run({kind, word, bit}, first);
                 for (std::uint32_t code = 0; code < kind.codes; ++code) {
+                    const Ahead& ahead = codes[code].ahead;
                     const auto mark = [&](Masks& masks, bool is) {
                         masks[kind.accept + std::size_t{code} * kind.words + word] |= std::uint32_t{is} << bit;
                     };
-                    mark(anything, ahead[code].anything);
-                    mark(scatters, ahead[code].scatters);
+                    mark(anything, ahead.anything);
+                    mark(scatters, ahead.scatters);
                     for (std::size_t t = 0; t < by_terminal.size(); ++t)
-                        mark(by_terminal[t], (ahead[code].terminals >> t & 1U) != 0);
-                    add_set(sets_, ahead[code].terminals);
+                        mark(by_terminal[t], (ahead.terminals >> t & 1U) != 0);
+                    if (codes[code].reached) add_set(sets_, ahead.terminals);
                 }
             }
     lanes_.push_back({{0, true, false}, std::move(anything)});

@@ -124,13 +124,15 @@ TEST_CASE("of packed channels is foreseen what is of each alone", "[foresight][l
         }
     };
     family("C.*<RD'@'>.*<L.'key'>");  // lanes of two codes
+    family("C.*<RS'@'>.*L");          // more than one word of them
     family("C.*<RD'@'><RS>.*L");      // of four
+    family("C.*<RD'@'>..<L.'key'>");  // of eight
     family("C.*<RS'@'>.*<RD'@'>.B");  // the scene has no sky in its second alphabet
     channels.push_back(expression_channel("table", "C<RS>{2}<L.'fill'>"));
     channels.push_back(expression_channel("spoken", "C.*<RD'obj3'>U2L"));
     Scene together(channels);
-    REQUIRE(together.setup.program().view().lane_words[0] > 0);
-    REQUIRE(together.setup.program().view().lane_words[1] > 0);
+    REQUIRE(together.setup.program().view().lane_words[0] > 1);
+    for (const std::uint32_t words : together.setup.program().view().lane_words) REQUIRE(words > 0);
     std::vector<std::unique_ptr<Scene>> alone;
     for (const ChannelDefinition& channel : channels) {
         alone.push_back(std::make_unique<Scene>(std::vector<ChannelDefinition>{channel}));
@@ -213,6 +215,39 @@ TEST_CASE("of packed channels is foreseen what is of each alone", "[foresight][l
         }
     }
     for (const std::size_t count : {some, scattering, lit, dead}) CHECK(count > 10);
+}
+
+TEST_CASE("lights that only words of other scenes end at are no lights of this one", "[foresight][lanes][law4]") {
+    const auto ever = [](bool packed, const std::vector<const char*>& more, bool speaks) {
+        std::vector<ChannelDefinition> channels;
+        for (int k = 0; k < (packed ? 24 : 1); ++k)
+            channels.push_back(
+                expression_channel(join({"c", std::to_string(k)}), "C.*<RD'obj" + std::to_string(k) + "'>.*<L.'key'>"));
+        for (const char* expression : more) channels.push_back(expression_channel(expression, expression));
+        const LpeSetup setup = build_setup(channels, invalid_channel);
+        REQUIRE(setup.program().view().has_lanes() == packed);
+        const auto classify = [&](lpe::EventType type, lpe::Scatter how, const char* label) {
+            return setup.classify({type, how, 0, {label, ""}});
+        };
+        Foresight::Alphabet alphabet;
+        for (const char* label : {"obj0", "obj1", "floor"})
+            alphabet.scatterings.push_back(classify(lpe::EventType::reflection, lpe::Scatter::diffuse, label));
+        const lpe::EventClass key = classify(lpe::EventType::light, lpe::Scatter::none, "key"),
+                              rim = classify(lpe::EventType::light, lpe::Scatter::none, "rim");
+        alphabet.terminals = {key, rim};
+        alphabet.user_terminal = classify(lpe::EventType::light, lpe::Scatter::none, "");
+        if (speaks) alphabet.user.push_back(setup.classify({lpe::EventType::user, lpe::Scatter::none, 2, {"", ""}}));
+        const Foresight foresight(setup, alphabet);
+        CHECK((foresight.terminals_ever() & foresight.bit_of(key)) != 0);
+        return (foresight.terminals_ever() & foresight.bit_of(rim)) != 0;
+    };
+    for (const bool packed : {false, true}) {
+        CAPTURE(packed);
+        CHECK_FALSE(ever(packed, {}, false));
+        CHECK_FALSE(ever(packed, {"C.*<RD'nobody'>.*L", "C.*<RS>L"}, false));
+        CHECK_FALSE(ever(packed, {"C.*U2L"}, true));
+        CHECK(ever(packed, {"C<RD'floor'>L"}, false));
+    }
 }
 
 }  // namespace raylex::display

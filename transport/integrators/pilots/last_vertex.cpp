@@ -137,9 +137,13 @@ bool Pilot::travel(Journey& journey, FlightNumbers numbers, Pass pass) {
         ++rays_;
         scene_.geometry->intersect({&ray, 1}, {&journey.hit, 1});
         const Hit& hit = journey.hit;
-        if (journey.medium >= 0)
-            journey.through *= transmittance((*scene_.media)[journey.medium],
-                                             {ray.origin, ray.direction, hit.valid() ? hit.t : infinity}, numbers);
+        if (journey.medium >= 0) {
+            const Medium& crossed = (*scene_.media)[journey.medium];
+            const Real distance = hit.valid() ? hit.t : infinity;
+            journey.through *= crossed.grid == nullptr
+                                   ? transmittance(crossed, distance)
+                                   : crossed.grid->transmittance({ray.origin, ray.direction, distance}, numbers.row());
+        }
         if (!hit.valid()) return false;
         scene_.geometry->surfaces({&ray, 1}, {&hit, 1}, {&journey.point, 1}, {&journey.source, 1});
         const ShapeGeometry& shape = scene_.geometry->shapes()[hit.shape];

@@ -9,12 +9,13 @@ namespace {
 /// What may be ahead of paths of one state, and of several: words of state, branches of a tracker and packed channels
 /// each bring their own. All unions of these sets while there are few, and what none goes beyond.
 std::vector<std::uint64_t> sets_of_terminals(const display::Foresight& foresight, std::size_t most) {
-    std::vector<std::uint64_t> sets = foresight.sets_of_terminals();
+    std::vector<std::uint64_t> sets;
     const auto add = [&](std::uint64_t set) {
         if (std::find(sets.begin(), sets.end(), set) == sets.end()) sets.push_back(set);
     };
-    if (!sets.empty()) add(foresight.terminals_ever());
-    for (std::size_t i = 1; i < sets.size(); ++i)
+    if (foresight.knows()) add(foresight.terminals_ever());
+    for (const std::uint64_t set : foresight.sets_of_terminals()) add(set);
+    for (std::size_t i = 1; i < sets.size() && sets.size() < most; ++i)
         for (std::size_t j = 0; j < i && sets.size() < most; ++j) add(sets[i] | sets[j]);
     return sets;
 }
@@ -31,10 +32,11 @@ LiveLights::LiveLights(const SceneView& scene, const EventTable& events, LightCh
     const std::size_t count = lights.size();
     std::vector<std::uint8_t> wanted(count);
     for (const std::uint64_t terminals : sets_of_terminals(events.foresight(), 2 * most_choosers)) {
+        if (choosers_.size() == most_choosers) break;
         for (std::uint32_t light = 0; light < count; ++light)
             wanted[light] = (terminals & events.foresight().bit_of(events.terminal(light))) != 0;
         const auto lights_of_set = static_cast<std::size_t>(std::count(wanted.begin(), wanted.end(), 1));
-        if (lights_of_set == count || choosers_.size() == most_choosers) continue;  // `all` will do
+        if (lights_of_set == count) continue;  // `all` will do
         LightChooser chooser = make(wanted);
         if (chooser.empty()) {
             sets_.push_back({terminals, lights_of_set, none});

@@ -19,11 +19,6 @@ Real emitter_opacity(const SceneView& scene, const LightSample& sample, const Ve
     return scene.opacity(shape, point[0]);
 }
 
-Rgb transmittance(const Medium& medium, const MediumSegment& segment, FlightNumbers& numbers) {
-    if (medium.grid == nullptr) return transmittance(medium, segment.end);
-    return medium.grid->transmittance(segment, numbers.row());
-}
-
 Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std::int32_t medium,
                             display::Tracker& tracker, Rgb& through) {
     const EmbreeScene& geometry = *walk.scene.geometry;
@@ -39,9 +34,11 @@ Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std
         if (medium >= 0) {
             const Real whole = finite_end ? length(ray.direction) : infinity;
             const Real distance = !hit.valid() ? whole : finite_end ? hit.t * whole : hit.t;
-            through *=
-                transmittance((*walk.scene.media)[medium],
-                              {ray.origin, finite_end ? ray.direction / whole : ray.direction, distance}, numbers);
+            const Medium& crossed = (*walk.scene.media)[medium];
+            if (crossed.grid != nullptr)
+                through *= crossed.grid->transmittance(
+                    {ray.origin, finite_end ? ray.direction / whole : ray.direction, distance}, numbers.row());
+            else through *= transmittance(crossed, distance);
         }
         if (!hit.valid()) return visible;
         const Hit hits[1] = {hit};

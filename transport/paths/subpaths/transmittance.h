@@ -6,9 +6,6 @@
 
 namespace raylex::transport {
 
-/// What `medium` lets pass of a segment, which may be infinite. `numbers`: for what is met by chance in grids.
-[[nodiscard]] Rgb transmittance(const Medium& medium, const MediumSegment& segment, FlightNumbers& numbers);
-
 /// What an emitter with a cutout keeps at the sampled point: as much as scattering finds there on average. `from` is
 /// where the light goes; only its direction matters.
 [[nodiscard]] Real emitter_opacity(const SceneView& scene, const LightSample& sample, const Vec3& from);

@@ -1,0 +1,58 @@
+// Which lights are chosen from, where there are more sets of them than choosers and more groups than bits.
+#include "transport/paths/subpaths/live_lights.h"
+#include "transport/render_support.h"
+
+using namespace render_test;
+
+namespace {
+
+/// A grey ball under `count` point lights, each a group of its own.
+transport::SceneDescription many_groups(std::size_t count) {
+    std::string text = film + "Camera \"perspective\"\nWorldBegin\n";
+    for (std::size_t k = 0; k < count; ++k)
+        text += "LightSource \"point\" \"point3 from\" [" + std::to_string(k) + " 9 0]\n";
+    auto scene = scene_of(text + "Material \"diffuse\"\nShape \"sphere\"\n");
+    for (std::size_t k = 0; k < count; ++k) scene.lights.at(k).group = "g" + std::to_string(k);
+    return scene;
+}
+
+}  // namespace
+
+TEST_CASE("the chooser of a state has every light that may end its words", "[lights][pruning][law4]") {
+    for (const std::size_t groups : {8, 40, 72}) {
+        CAPTURE(groups);
+        auto built = transport::BuiltScene::build(many_groups(groups));
+        REQUIRE(built.ok());
+        const transport::SceneView view = (*built)->view();
+        // After k scatterings the light of group k, so that there are as many sets as groups.
+        std::vector<display::ChannelDefinition> channels;
+        for (std::size_t k = 1; k < groups; ++k)
+            channels.push_back(lpe_channel("c" + std::to_string(k),
+                                           "C<RD>{" + std::to_string(k) + "}<L.'g" + std::to_string(k) + "'>"));
+        auto setup = display::LpeSetup::build(channels, display::invalid_channel);
+        REQUIRE(setup.ok());
+        const transport::EventTable events(*setup, view, {});
+        const transport::LiveLights lights(view, events, transport::LightChoice::mis, false);
+        display::SampleTable table(channels, 1, 0);
+        const display::CameraRow row[1] = {};
+        table.begin(row);
+        const display::LpeServices services(*setup, table, 1);
+        display::Tracker tracker = services.begin(0);
+        const auto diffuse = events.scatterings(0, 0);
+        REQUIRE(diffuse.size() == 1);
+        std::size_t alone = 0;
+        for (std::size_t k = 1; k < groups; ++k) {
+            services.move(tracker, diffuse[0]);
+            const display::Foresight::Ahead ahead = events.foresight().of(tracker);
+            const transport::LightChooser& chooser = lights[lights.of(ahead)];
+            const auto light = static_cast<std::uint32_t>(k);
+            CHECK((ahead.terminals & events.foresight().bit_of(events.terminal(light))) != 0);
+            CHECK(chooser.probability(Vec3(), light) > 0);
+            alone += chooser.probability(Vec3(), light) == 1;
+        }
+        // As far as choosers go: of the 32 one is of all, one of none, one of all that end any word, and one may be of
+        // those beyond the 63rd bit.
+        CHECK(alone >= std::min<std::size_t>(groups - 1, 28));
+        CHECK(lights[lights.of({})].probability(Vec3(), 0) > 0);  // nothing is known: any may be
+    }
+}
