@@ -140,7 +140,8 @@ choose() {
     else
         local wanted=$name
         case $name in \[* | *\** | \"*) ;; *) wanted="*$name*" ;; esac
-        cases=("$wanted~[.]")   # a pattern alone would also choose the hidden long half
+        # A pattern alone would also choose the hidden long half. Apart, for behind a name "~" is one of its letters.
+        cases=("$wanted" "~[.]")
         case $name in *\[.*) cases=("$wanted") ;; esac
         # Which files hold it: the same pattern over what stands between TEST_CASE and its body, a line a case.
         local pattern
