@@ -192,7 +192,7 @@ TEST_CASE("planning stays fast on a thousand labels", "[performance]") {
     if (!plan) FAIL(plan.error().to_string());
     CHECK(plan->refuted.empty());
     CHECK(plan->partitions.size() == 3);
-    CHECK(seconds < 3.0);  // asked: 1 s on a machine at rest; the tests run on busy ones
+    CHECK(seconds < 3.0);  // asked: 1 s; sanitizers take several times as long
     bool found = false;
     for (const std::string& note : plan->notes) found = found || mentions(note, "did you mean 'part_7'?");
     CHECK(found);

@@ -93,8 +93,8 @@ TEST_CASE("proofs on ten thousand labels take as long as on the labels that are 
     const std::clock_t start = std::clock();
     CHECK(verdict({{"one", "C<RD'object_7'>.*"}, {"others", "C<RD[^'object_7']>.*"}, {"coats", "CG.*"}, {"seen", "CL"}},
                   words) == Verdict::partition);
-    // Some 2 ms; without folding the labels the proof is refused (too many kinds of events). The rest is for busy
-    // machines.
+    // Some 2 ms; without folding the labels the proof is refused (too many kinds of events). The rest is for
+    // sanitizers.
     CHECK(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC < 0.5);
 }
 

@@ -169,7 +169,7 @@ TEST_CASE("512 channels are generated and proved within a second", "[split]") {
     const Split split = required(request);
     const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     CHECK(split.channels.size() == 8 * (16 * 4 + 1));  // 512, and light seen directly for each group
-    // 0.05 s on the reference machine; the bound leaves room for sanitizers and for neighbours.
+    // 0.05 s on the reference machine; the bound leaves room for sanitizers.
     CHECK(seconds < 10);
 }
 
