@@ -419,13 +419,13 @@ compiles_alone() {
 if [ -z "$name" ]; then
     compiles_alone
     if configure_and_build adopters "${warnings[@]}"; then
-        say "Components lpe and services without any third-party library"
+        say "Components lpe, services and geoaovs without any third-party library"
         run_programs adopters adopters
     fi
     say "A project outside, on an installed raylex"
-    for wanted in "lpe;services" "lpe;services;display;geoaovs;transport;plugin"; do
+    for wanted in "lpe;services;geoaovs" "lpe;services;display;geoaovs;transport;plugin"; do
         preset=release
-        [ "$wanted" = "lpe;services" ] && preset=adopters
+        [ "$wanted" = "lpe;services;geoaovs" ] && preset=adopters
         prefix="$results/prefix-$preset" build="$results/outside-$preset" log="$results/outside-$preset.log"
         hide=()
         [ "$preset" = adopters ] && hide=(-DCMAKE_DISABLE_FIND_PACKAGE_embree=ON -DCMAKE_DISABLE_FIND_PACKAGE_OpenEXR=ON

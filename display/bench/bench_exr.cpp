@@ -76,7 +76,7 @@ std::vector<ChannelDefinition> channels(int layers) {
 /// Noise around a gradient in two layers of three, nothing in the others.
 void fill(FrameBuffer& buffer, const std::vector<ChannelDefinition>& list, int width, int height) {
     std::vector<CameraRow> rows(static_cast<std::size_t>(width));
-    SampleTable table(list, width, 0);
+    SampleTable table(list, width);
     std::uint32_t random = 1;
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
@@ -89,7 +89,7 @@ void fill(FrameBuffer& buffer, const std::vector<ChannelDefinition>& list, int w
             table.touch(id);
             for (int i = 0; i < 3 * width; ++i) {
                 random = random * 1664525u + 1013904223u;
-                table.values(id)[i] = (1.0 + i) / width + 0.3 * static_cast<double>(random) * 0x1p-32;
+                table.raw_values(id)[i] = (1.0 + i) / width + 0.3 * static_cast<double>(random) * 0x1p-32;
             }
         }
         buffer.accumulate(table);

@@ -43,7 +43,7 @@ void law5(benchmark::State& state, const std::string& set) {
     const auto channels = display_channels(set, static_cast<std::size_t>(state.range(0)));
     const auto lobes = static_cast<std::size_t>(state.range(1)), depth = static_cast<std::size_t>(state.range(2));
     const LpeSetup setup = setup_or_exit(channels);
-    SampleTable table(channels, 1, 0);
+    SampleTable table(channels, 1);
     table.begin(std::vector<CameraRow>(1));
     LpeServices services(setup, table, 0);
     constexpr std::size_t paths = 256, most_lobes = 4;
@@ -81,7 +81,7 @@ void law5(benchmark::State& state, const std::string& set) {
 void contribute(benchmark::State& state, const std::string& set) {
     const auto channels = display_channels(set, static_cast<std::size_t>(state.range(0)));
     const LpeSetup setup = setup_or_exit(channels);
-    SampleTable table(channels, 1, 0);
+    SampleTable table(channels, 1);
     table.begin(std::vector<CameraRow>(1));
     LpeServices services(setup, table, 0);
     std::vector<Tracker> ends;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "display/buffer/fixed_point.h"
+#include "display/buffer/ray_rows.h"
 #include "display/services/elementary.h"
 #include "display/services/parameters.h"
 
@@ -61,7 +62,12 @@ struct DeepBuffer::Row {
     int index = 0;
     double weight = 0, drop = 0;  // of the sample; of the transmittance, weight included
     bool background = false;
-    bool mixed = false;  // the sample has more than this one row
+    bool sample_covers = false;  // the sample's alpha is not 0
+};
+
+struct DeepBuffer::Scratch {
+    std::vector<Int128> terms;         // [stride()]
+    std::vector<WrittenMean> written;  // [chosen channel] of one sample
 };
 
 DeepBuffer::DeepBuffer(int width, int height, std::span<const ChannelDefinition> channels,
@@ -109,71 +115,87 @@ std::size_t DeepBuffer::expected_bytes() const {
 
 void DeepBuffer::accumulate(const SampleTable& table) {
     if (table.discarded()) return;
-    std::vector<std::vector<int>> extra(static_cast<std::size_t>(table.camera_row_count()));
-    for (int row = table.camera_row_count(); row < table.row_count(); ++row)
-        extra[static_cast<std::size_t>(table.original(row))].push_back(row);
-    std::vector<int> rows;
+    thread_local RayRows rays;
+    thread_local Scratch scratch;
+    rays.gather(table);
+    scratch.terms.resize(stride());
+    scratch.written.resize(chosen_.size());
     for (int row = 0; row < table.camera_row_count(); ++row) {
         const CameraRow& camera = table.camera_row(row);
         if (camera.pixel_x < 0 || camera.pixel_y < 0 || camera.pixel_x >= width_ || camera.pixel_y >= height_) continue;
         Pixel& pixel = pixels_[static_cast<std::size_t>(camera.pixel_y) * static_cast<std::size_t>(width_) +
                                static_cast<std::size_t>(camera.pixel_x)];
-        rows.assign(1, row);
-        rows.insert(rows.end(), extra[static_cast<std::size_t>(row)].begin(),
-                    extra[static_cast<std::size_t>(row)].end());
-        add_sample(pixel, table, static_cast<double>(camera.filter_weight), rows);
+        add_sample(pixel, table, rays, row, scratch);
     }
 }
 
 /// A sample's rows from front to back, each with what it takes from the transmittance.
-void DeepBuffer::add_sample(Pixel& pixel, const SampleTable& table, double weight, std::vector<int>& rows) {
+void DeepBuffer::add_sample(Pixel& pixel, const SampleTable& table, const RayRows& rays, int camera_row,
+                            Scratch& scratch) {
     if (pixel.level == 0) pixel.level = static_cast<std::uint8_t>(first_level_);
+    const auto weight = static_cast<double>(table.camera_row(camera_row).filter_weight);
     Int128 fixed = 0;
     if (!to_fixed(weight, quantum, fixed) || !add_fixed(pixel.weight, fixed)) {
         ++pixel.refused;
         return;
     }
-    std::stable_sort(rows.begin(), rows.end(), [&](int a, int b) {
-        return table.depth[static_cast<std::size_t>(a)] < table.depth[static_cast<std::size_t>(b)];
-    });
-    RgbD through{1.0};
-    for (const int index : rows) {
-        const double in_front = through.average();
-        through *= RgbD(1.0) - table.opacity[static_cast<std::size_t>(index)];
+    const std::span<const int> rows = rays.of(camera_row);
+    const std::span<const double> coverage = rays.coverage(camera_row);
+    for (std::size_t k = 0; k < chosen_.size(); ++k)
+        scratch.written[k] = table.channel(chosen_[k]).style == ChannelStyle::name
+                                 ? written_mean(table, chosen_[k], rows, coverage)
+                                 : WrittenMean{.set = true};
+    const bool covers = rays.alpha()[static_cast<std::size_t>(camera_row)] > 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
         Row row;
-        row.index = index;
+        row.index = rows[i];
         row.weight = weight;
-        row.drop = weight * (in_front - through.average());
-        row.background = !(table.depth[static_cast<std::size_t>(index)] < deep_background);
-        row.mixed = rows.size() > 1;
-        add_row(pixel, table, row);
+        row.drop = weight * coverage[i];
+        row.background = !(table.depth[static_cast<std::size_t>(rows[i])] < deep_background);
+        row.sample_covers = covers;
+        add_row(pixel, table, row, scratch);
     }
 }
 
-void DeepBuffer::add_row(Pixel& pixel, const SampleTable& table, const Row& row) {
-    std::vector<Int128> terms(stride());
+void DeepBuffer::add_row(Pixel& pixel, const SampleTable& table, const Row& row, Scratch& scratch) {
+    std::vector<Int128>& terms = scratch.terms;
     const auto index = static_cast<std::size_t>(row.index);
     const float depth = row.background ? deep_background : table.depth[index] + 0.0f;
-    bool fits = depth >= 0;
-    const auto put = [&](std::size_t at, double value) { fits = fits && to_fixed(value, quantum, terms[at]); };
+    bool fits = depth >= 0, leaves_a_trace = false;
+    const auto put = [&](std::size_t at, double value) {
+        fits = fits && to_fixed(value, quantum, terms[at]);
+        leaves_a_trace = leaves_a_trace || terms[at] != 0;
+    };
     put(0, row.drop);
     // The mean depth is kept relative to 1, so that its sums stay in range: depths reach 1e30.
     put(1, row.background ? 0 : row.drop * elementary::log2(std::max(depth, std::numeric_limits<float>::min())));
     std::size_t at = 2;
-    for (const ChannelId id : chosen_) {
-        const auto components =
-            static_cast<std::size_t>(raylex::display::component_count(channels_[static_cast<std::size_t>(id)].type));
-        // Written values are composited by opacity where a sample has several rows, as in the frame buffer.
-        const bool composited = row.mixed && table.channel(id).style == ChannelStyle::name &&
-                                table.row_state(id, row.index) == SampleTable::RowState::written;
-        for (std::size_t c = 0; c < components; ++c)
-            put(at++, (composited ? row.drop : row.weight) * table.values(id)[index * components + c]);
+    for (std::size_t k = 0; k < chosen_.size(); ++k) {
+        const ChannelId id = chosen_[k];
+        const auto components = static_cast<std::size_t>(raylex::display::component_count(table.channel(id).type));
+        const double* const values = table.values(id) + index * components;
+        const WrittenMean& written = scratch.written[k];
+        const auto state = table.channel(id).style == ChannelStyle::name ? table.row_state(id, row.index)
+                                                                         : SampleTable::RowState::splatted;
+        const bool own = state == SampleTable::RowState::written && written.covers;
+        const bool adds = state == SampleTable::RowState::splatted ||
+                          (state == SampleTable::RowState::untouched && table.fill_value(id) == 0);
+        const bool miss = !written.set && row.index == table.original(row.index) && std::isfinite(table.fill_value(id));
+        // A sample that covers nothing has its written value in the first row that has one.
+        const double share = row.sample_covers ? row.drop : row.index == written.first ? row.weight : 0.0;
+        for (std::size_t c = 0; c < components; ++c) {
+            double value = 0;
+            if (adds) value = row.weight * values[c];
+            else if (miss) value = row.weight * table.fill_value(id);
+            if (written.any) value += share * (own ? values[c] : written.value[c]);
+            put(at++, value);
+        }
     }
     if (!fits) {
         ++pixel.refused;
         return;
     }
-    if (std::all_of(terms.begin(), terms.end(), [](Int128 term) { return term == 0; })) return;  // leaves no trace
+    if (!leaves_a_trace) return;
     Bin bin;
     bin.key = row.background ? background_key : depth_key(depth, pixel.level);
     bin.surface = row.background || table.is_volume[index] == 0;

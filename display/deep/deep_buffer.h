@@ -30,6 +30,8 @@
 
 namespace raylex::display {
 
+class RayRows;
+
 /// Depth of light that comes from behind everything: far, and finite in a float.
 inline constexpr float deep_background = 1e30f;
 
@@ -84,8 +86,9 @@ class DeepBuffer : public SampleSink {
     struct Pixel;
     struct Bin;
     struct Row;
-    void add_sample(Pixel& pixel, const SampleTable& table, double weight, std::vector<int>& rows);
-    void add_row(Pixel& pixel, const SampleTable& table, const Row& row);
+    struct Scratch;
+    void add_sample(Pixel& pixel, const SampleTable& table, const RayRows& rays, int camera_row, Scratch& scratch);
+    void add_row(Pixel& pixel, const SampleTable& table, const Row& row, Scratch& scratch);
     void coarsen(Pixel& pixel) const;
     [[nodiscard]] std::size_t stride() const { return 2 + components_; }  // of Pixel::sums: drop, drop x depth, values
     int width_, height_;

@@ -19,14 +19,12 @@ class GradeFilter final : public SampleFilter {
             if (!table.touched(id) && grade_.is_linear()) continue;  // a grade of nothing is nothing
             const int components = component_count(table.channel(id).type);
             const bool plain = table.channel(id).style == ChannelStyle::name;
-            double* values = table.values(id);
             if (!plain && !grade_.is_linear() && table.row_count() > table.camera_row_count()) {
-                grade_sums(table, values);
+                grade_sums(table, id);
             } else {
-                for (int row = 0; row < table.row_count(); ++row, values += components)
-                    if (!plain || table.written(id, row)) grade_.apply(values, components);
+                for (int row = 0; row < table.row_count(); ++row)
+                    if (!plain || table.written(id, row)) grade_.apply(table.edit(id, row).data(), components);
             }
-            table.touch(id);
         }
     }
     [[nodiscard]] std::vector<ChannelId> alters() const override {
@@ -35,7 +33,8 @@ class GradeFilter final : public SampleFilter {
 
   private:
     /// Light of a sample is the sum of its rows, so that is what an offset or a power is of.
-    void grade_sums(const SampleTable& table, double* values) const {
+    void grade_sums(SampleTable& table, ChannelId id) const {
+        const double* const values = table.values(id);
         std::vector<RgbD> sums(static_cast<std::size_t>(table.camera_row_count()));
         for (int row = 0; row < table.row_count(); ++row) {
             const double* v = values + 3 * static_cast<std::size_t>(row);
@@ -43,7 +42,8 @@ class GradeFilter final : public SampleFilter {
         }
         for (std::size_t row = 0; row < sums.size(); ++row) {
             const RgbD change = grade_.apply(sums[row]) - sums[row];
-            for (std::size_t c = 0; c < 3; ++c) values[3 * row + c] += change[static_cast<int>(c)];
+            const std::span<double> value = table.edit(id, static_cast<int>(row));
+            for (std::size_t c = 0; c < 3; ++c) value[c] += change[static_cast<int>(c)];
         }
     }
 
@@ -89,8 +89,7 @@ class ShadowFilter final : public SampleFilter {
                 opacity = RgbD(1.0) - (RgbD(1.0) - opacity) * (1 - shadow);
             }
             if (setup_.output < 0) continue;
-            table.values(setup_.output)[row] = shadow;
-            table.touch(setup_.output);
+            table.edit(setup_.output, row)[0] = shadow;
             // Splatted: rows of a sample add up, so what lies behind a cutout counts by what is there.
             table.set_row_state(setup_.output, row, SampleTable::RowState::splatted);
         }

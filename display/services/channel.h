@@ -56,6 +56,9 @@ struct ChannelDefinition {
     std::string name;
     ChannelStyle style = ChannelStyle::name;
     ChannelType type = ChannelType::rgb;
+    /// Style name: a job or a plugin declares the channel, and whoever finds it by its name writes to it. False: the
+    /// name is a geometric AOV's, or one that a pattern of the scene or a plugin declares.
+    bool declared = false;
     std::string expression;  ///< style expression: the text as the user wrote it
     lpe::Dialect dialect = lpe::Dialect::renderman;
     /// Not empty: accepts what none of these channels (by index) accepts. `expression` may then say so for people.

@@ -4,12 +4,15 @@
 #include <array>
 #include <set>
 #include <span>
+#include <utility>
 
 namespace raylex::display {
 namespace {
 
 constexpr std::array filter_rules{FilterRule::filter, FilterRule::zmin, FilterRule::zmax,   FilterRule::min,
                                   FilterRule::max,    FilterRule::sum,  FilterRule::average};
+constexpr std::array types{ChannelType::real,   ChannelType::rgb,    ChannelType::point,
+                           ChannelType::normal, ChannelType::vector, ChannelType::integer};
 constexpr std::array statistics{Statistic::variance, Statistic::mse, Statistic::even, Statistic::odd};
 
 /// The value whose name is `text`.
@@ -41,6 +44,52 @@ Result<std::size_t> index_of(const std::string& name, std::span<const ChannelDef
 }
 
 }  // namespace
+
+const char* type_name(ChannelType type) {
+    switch (type) {
+        case ChannelType::real:
+            return "float";
+        case ChannelType::rgb:
+            return "rgb";
+        case ChannelType::point:
+            return "point";
+        case ChannelType::normal:
+            return "normal";
+        case ChannelType::vector:
+            return "vector";
+        case ChannelType::integer:
+            return "integer";
+    }
+    return "";
+}
+
+Result<ChannelType> parse_channel_type(const std::string& name, const SourceLocation& where) {
+    return named("channel type", name, types, type_name, where);
+}
+
+ChannelDefinition declared_channel(std::string name, ChannelType type) {
+    ChannelDefinition channel;
+    channel.name = std::move(name);
+    channel.type = type;
+    channel.declared = true;
+    if (type == ChannelType::integer) channel.rule = FilterRule::zmin;
+    if (type == ChannelType::rgb) channel.space = "rendering colour space";
+    return channel;
+}
+
+Result<ChannelDefinition> parse_declared_channel(const std::string& text, const SourceLocation& where) {
+    const std::size_t colon = text.rfind(':');
+    if (colon == std::string::npos || colon == 0)
+        return error_at(where, "'" + text + "' declares no channel; expected NAME:TYPE, such as heat:float");
+    const auto type = parse_channel_type(text.substr(colon + 1), where);
+    if (!type) return type.error();
+    return declared_channel(text.substr(0, colon), *type);
+}
+
+Registry<ChannelDefinition>& channel_registry() {
+    static Registry<ChannelDefinition> registry("channel");
+    return registry;
+}
 
 const char* rule_name(FilterRule rule) {
     switch (rule) {

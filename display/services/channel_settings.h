@@ -6,8 +6,21 @@
 
 #include "display/services/channel.h"
 #include "display/services/parameters.h"
+#include "display/services/registry.h"
 
 namespace raylex::display {
+
+/// "float", "rgb", "point", "normal", "vector", "integer".
+[[nodiscard]] const char* type_name(ChannelType type);
+/// The type of that name. An Error at `where` lists the names and the near miss.
+Result<ChannelType> parse_channel_type(const std::string& name, const SourceLocation& where);
+/// The definition of a channel that a job or a plugin declares: filtered, or zmin where it holds integers, whose
+/// average means nothing. What no sample writes is 0.
+[[nodiscard]] ChannelDefinition declared_channel(std::string name, ChannelType type);
+/// "NAME:TYPE" with the types above. Errors at `where`.
+Result<ChannelDefinition> parse_declared_channel(const std::string& text, const SourceLocation& where);
+/// The channels that plugins declare, requested by name as geometric AOVs are.
+Registry<ChannelDefinition>& channel_registry();
 
 /// "filter", "zmin", "zmax", "min", "max", "average", "sum".
 [[nodiscard]] const char* rule_name(FilterRule rule);

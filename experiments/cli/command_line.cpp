@@ -100,6 +100,7 @@ int run_command_line(int argc, const char* const* argv) {
     add_scene_command(app, context);
     add_stability_command(app, context);
     add_plugins_command(app, context);
+    add_new_command(app, context);
     add_ocio_command(app, context);
     add_help_command(app, context);
     add_color_option(app);

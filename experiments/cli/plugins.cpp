@@ -2,6 +2,7 @@
 #include <memory>
 #include <utility>
 
+#include "display/services/channel_settings.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/plugin_options.h"
 #include "experiments/job/job_tables.h"
@@ -49,6 +50,7 @@ void print_in_tree() {
     print_registry(display::sample_filter_registry());
     print_registry(display::display_filter_registry());
     print_registry(display::display_driver_registry());
+    print_registry(display::channel_registry());
 }
 
 int list_plugins(const std::vector<std::string>& files) {

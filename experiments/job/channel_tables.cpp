@@ -66,6 +66,25 @@ void read_layers(TomlTable& root, Job& job) {
     }
 }
 
+/// A [[channel]] with a type and no expression: plugins write to it.
+void read_declared(TomlTable& table, const std::string& name, const std::string& type, Job& job) {
+    const SourceLocation where = table.location_of("type");
+    const auto parsed = display::parse_channel_type(type, where);
+    if (!parsed) return table.source().fail(parsed.error());
+    display::ChannelDefinition channel = display::declared_channel(name, *parsed);
+    channel.origin = where.file;
+    channel.origin_line = where.line;
+    channel.origin_column = where.column;
+    if (std::string expression; table.read("lpe", expression))
+        table.source().fail(table.location_of("lpe"), "channel '" + name +
+                                                          "' has both 'lpe' and 'type'; expected an expression of "
+                                                          "light, or the type of what plugins write");
+    read_statistics(table, "statistics", name, job);
+    read_rule(table, "rule", name, job);
+    table.close();
+    job.declared.push_back(std::move(channel));
+}
+
 void read_channels(TomlTable& root, Job& job) {
     read_layers(root, job);
     lpe::Dialect usual = lpe::Dialect::renderman;
@@ -106,6 +125,10 @@ void read_channels(TomlTable& root, Job& job) {
         if (channel.require("name", request.name)) {
             Status status = check_layer_name(request.name, channel.location_of("name"));
             if (!status) root.source().fail(status.error());
+        }
+        if (std::string type; channel.read("type", type)) {
+            read_declared(channel, request.name, type, job);
+            continue;
         }
         channel.require("lpe", request.expression);
         request.location = channel.content_location_of("lpe");

@@ -82,7 +82,8 @@ struct Job {
     bool show_effects = false;           ///< all of them are printed, with why
     std::vector<ExpressionRequest> expressions;
     std::vector<AovRequest> aovs;
-    std::vector<PluginRequest> plugins;  ///< loaded by read_job()
+    std::vector<display::ChannelDefinition> declared;  ///< plain channels that plugins write to
+    std::vector<PluginRequest> plugins;                ///< loaded by read_job()
     std::vector<PartitionRequest> partitions;
     bool measure_refuted = false;               ///< partitions that are none are noted and measured, not refused
     lpe::MacroTable macros;                     ///< names that the job's expressions may use

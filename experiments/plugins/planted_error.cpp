@@ -65,8 +65,9 @@ class PlantedError final : public Integrator {
             }
             if (depth == max_depth_) return;
             point->random_key = sampler.key(first);
+            point->services = {&services.display, row, depth};
             Bsdf bsdf[1];
-            scene.materials->shade(*scene.textures, point, bsdf, &services.display);
+            scene.materials->shade(*scene.textures, point, bsdf);
             sample_light(*point, *source, *bsdf, ray.time, throughput, path, sampler, first, counters, services);
 
             // Russian roulette from the second scattering on. What survives must count for what does not: without the

@@ -41,7 +41,7 @@ void aovs(benchmark::State& state) {
     for (int row = 0; row < rows; ++row) hits.row[static_cast<std::size_t>(row)] = row;
 
     display::FrameBuffer buffer({width, height}, channels);
-    display::SampleTable table(channels, rows, 0);
+    display::SampleTable table(channels, rows);
     display::DisplayServices services(table);
     std::vector<display::CameraRow> camera(rows);
     int pixel = 0;
@@ -55,7 +55,7 @@ void aovs(benchmark::State& state) {
         }
         pixel += pixels;
         table.begin(camera);
-        double* const beauty = table.values(0);
+        double* const beauty = table.raw_values(0);
         table.touch(0);
         for (std::size_t row = 0; row < rows; ++row) {
             for (std::size_t c = 0; c < 3; ++c) beauty[3 * row + c] = static_cast<double>(hits.row[row] & 15);

@@ -42,7 +42,7 @@ std::string with_other_stamp(const Folder& folder, const std::string& name, std:
 TEST_CASE("`raylex plugins` lists what a plugin registers, with every parameter", "[cli][plugins]") {
     const Folder folder;
     const Outcome listed = run_raylex(
-        folder, "plugins " + quoted(plugin_path("ambient_occlusion")) + " " + quoted(plugin_path("stripes_pattern")));
+        folder, "plugins " + quoted(plugin_path("ambient_occlusion")) + " " + quoted(plugin_path("stripes")));
     CHECK(listed.code == 0);
     CHECK(contains(listed.out, "integrator ambientocclusion: the share of the sky that a point sees"));
     CHECK(contains(listed.out, "float maxdistance = infinite: how far"));
@@ -116,8 +116,7 @@ TEST_CASE("what is no plugin is refused before it is opened", "[cli][plugins][la
 TEST_CASE("a plugin whose stamp differs in anything is refused with what differs", "[cli][plugins][law7]") {
     const Folder folder;
     const auto says = [&](std::size_t offset, const std::string& message) {
-        const Outcome outcome =
-            run_raylex(folder, "plugins " + quoted(with_other_stamp(folder, "stripes_pattern", offset)));
+        const Outcome outcome = run_raylex(folder, "plugins " + quoted(with_other_stamp(folder, "stripes", offset)));
         CHECK(outcome.code == 2);
         CHECK(contains(outcome.err, message));
     };
@@ -131,8 +130,8 @@ TEST_CASE("a plugin whose stamp differs in anything is refused with what differs
 
 TEST_CASE("a plugin cut off anywhere is refused", "[plugins][law7]") {
     const Folder folder;
-    const std::string bytes = file_text(plugin_path("stripes_pattern"));
-    REQUIRE(transport::read_plugin_stamp(plugin_path("stripes_pattern"), {}));
+    const std::string bytes = file_text(plugin_path("stripes"));
+    REQUIRE(transport::read_plugin_stamp(plugin_path("stripes"), {}));
     // Debug builds are large: about 64 cuts, and every one through the first header.
     for (std::size_t size = 0; size < bytes.size(); size += size < 64 ? 7 : bytes.size() / 64) {
         INFO(size);

@@ -42,7 +42,7 @@ FrameBuffer filled_band(const RowRange& rows, int first, int end) {
     FrameBufferLayout layout{band_width, rows.end - rows.first};
     layout.first_row = rows.first;
     FrameBuffer buffer(layout, channels);
-    SampleTable table(channels, 16, 0);
+    SampleTable table(channels, 16);
     for (int y = rows.first; y < rows.end; ++y)
         for (int x = 0; x < band_width; ++x)
             for (int block = first; block < end; ++block) {
@@ -51,12 +51,12 @@ FrameBuffer filled_band(const RowRange& rows, int first, int end) {
                 for (std::size_t row = 0; row < 16; ++row) {
                     for (std::size_t c = 0; c < 3; ++c) {
                         const double a = std::ldexp(random.uniform(), random.below(40) - 30), b = random.uniform();
-                        table.values(0)[3 * row + c] = a + b;
-                        table.values(1)[3 * row + c] = a;
-                        table.values(2)[3 * row + c] = b;
-                        table.values(4)[3 * row + c] = b;
+                        table.raw_values(0)[3 * row + c] = a + b;
+                        table.raw_values(1)[3 * row + c] = a;
+                        table.raw_values(2)[3 * row + c] = b;
+                        table.raw_values(4)[3 * row + c] = b;
                     }
-                    table.values(3)[row] = y == 50 ? 1e300 : random.uniform();  // which no float holds
+                    table.raw_values(3)[row] = y == 50 ? 1e300 : random.uniform();  // which no float holds
                     table.depth[row] = static_cast<float>(random.below(9));
                     table.opacity[row] = raylex::RgbD(1.0);
                     for (const ChannelId id : {3, 4})
@@ -323,7 +323,7 @@ FrameBuffer block_of_many(int block) {
     const std::vector<ChannelDefinition> channels{expression_channel("beauty", "C.*L"),
                                                   plain_channel("z", ChannelType::real, FilterRule::zmin)};
     FrameBuffer buffer({128, 128}, channels);
-    SampleTable table(channels, 256, 0);
+    SampleTable table(channels, 256);
     for (int y = 0; y < 128; ++y)
         for (int tile = 0; tile < 8; ++tile) {
             std::vector<CameraRow> rows;
@@ -333,8 +333,8 @@ FrameBuffer block_of_many(int block) {
             table.begin(rows);
             Random random(static_cast<std::uint64_t>((block * 128 + y) * 8 + tile));
             for (std::size_t row = 0; row < rows.size(); ++row) {
-                for (std::size_t c = 0; c < 3; ++c) table.values(0)[3 * row + c] = random.uniform();
-                table.values(1)[row] = random.uniform();
+                for (std::size_t c = 0; c < 3; ++c) table.raw_values(0)[3 * row + c] = random.uniform();
+                table.raw_values(1)[row] = random.uniform();
                 table.depth[row] = random.uniform_float();
                 table.opacity[row] = raylex::RgbD(1.0);
                 table.set_row_state(1, static_cast<int>(row), SampleTable::RowState::written);

@@ -41,7 +41,7 @@ using Sample = std::vector<Hit>;
 void give(SampleSink& sink, FrameBuffer* frame_buffer, const std::vector<Sample>& samples, int x, int y,
           std::uint64_t first = 0) {
     const auto list = deep_channels();
-    SampleTable table(list, 16, 64);
+    SampleTable table(list, 16);
     for (std::size_t begin = 0; begin < samples.size(); begin += 16) {
         std::vector<CameraRow> rows(std::min<std::size_t>(16, samples.size() - begin));
         for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -62,7 +62,7 @@ void give(SampleSink& sink, FrameBuffer* frame_buffer, const std::vector<Sample>
                 for (ChannelId id = 0; id < 2; ++id) {
                     table.touch(id);
                     for (std::size_t c = 0; c < 3; ++c)
-                        table.values(id)[3 * row + c] =
+                        table.raw_values(id)[3 * row + c] =
                             hit.light * (id == 0 ? 1.0 : 0.5) * (1.0 + 0.1 * static_cast<double>(c));
                 }
             }

@@ -36,22 +36,22 @@ std::vector<ChannelDefinition> driver_channels() {
 FrameBuffer filled_for_drivers() {
     const auto list = driver_channels();
     FrameBuffer buffer({driver_width, driver_height}, list);
-    SampleTable table(list, 1, 0);
+    SampleTable table(list, 1);
     for (int pixel = 0; pixel < driver_width * driver_height; ++pixel) {
         CameraRow row;
         row.pixel_x = pixel % driver_width;
         row.pixel_y = pixel / driver_width;
         table.begin(std::span(&row, 1));
         for (int c = 0; c < 3; ++c) {
-            table.values(0)[c] = pixel + 0.25 * c;
-            table.values(1)[c] = 0.5 * pixel;
+            table.raw_values(0)[c] = pixel + 0.25 * c;
+            table.raw_values(1)[c] = 0.5 * pixel;
         }
         table.touch(0);
         table.touch(1);
         table.opacity[0] = raylex::RgbD(pixel % 2 == 0 ? 1.0 : 0.0);
         if (pixel % 3 != 0) {
             table.touch(2);
-            table.values(2)[0] = 7 + pixel;
+            table.raw_values(2)[0] = 7 + pixel;
             table.set_row_state(2, 0, SampleTable::RowState::written);
         }
         buffer.accumulate(table);

@@ -64,7 +64,7 @@ FrameBuffer filled() {
     const std::vector<ChannelDefinition> list = channels();
     FrameBuffer buffer({width, height}, list);
     for (int pixel = 0; pixel < width * height; ++pixel) {
-        SampleTable table(list, 1, 0);
+        SampleTable table(list, 1);
         CameraRow row;
         row.pixel_x = pixel % width;
         row.pixel_y = pixel / width;
@@ -72,17 +72,17 @@ FrameBuffer filled() {
         for (int c = 0; c < 3; ++c) {
             double sum = 0;
             for (ChannelId id = 1; id <= 3; ++id) {
-                table.values(id)[c] = light(pixel, c, id);
+                table.raw_values(id)[c] = light(pixel, c, id);
                 sum += light(pixel, c, id);
             }
-            table.values(beauty_id)[c] = sum;
+            table.raw_values(beauty_id)[c] = sum;
         }
         for (ChannelId id = 0; id <= 3; ++id) table.touch(id);
         if (pixel % 3 != 0) {
-            table.values(4)[0] = 2.5 + pixel;
-            table.values(5)[2] = -1;
-            table.values(6)[0] = pixel == 1 ? -2 : 16'777'217;  // one more than float holds
-            table.values(7)[0] = 1e300;                         // no camera is that far away; float is not that large
+            table.raw_values(4)[0] = 2.5 + pixel;
+            table.raw_values(5)[2] = -1;
+            table.raw_values(6)[0] = pixel == 1 ? -2 : 16'777'217;  // one more than float holds
+            table.raw_values(7)[0] = 1e300;  // no camera is that far away; float is not that large
             for (ChannelId id = 4; id <= 7; ++id) {
                 table.touch(id);
                 table.set_row_state(id, 0, SampleTable::RowState::written);
@@ -232,10 +232,10 @@ TEST_CASE("storage that would lose what a channel is for is refused", "[display]
 TEST_CASE("light beyond half becomes the largest half and is counted", "[display][exr][law6]") {
     std::vector<ChannelDefinition> list{expression("beauty", "")};
     FrameBuffer buffer({2, 1}, list);
-    SampleTable table(list, 1, 0);
+    SampleTable table(list, 1);
     const CameraRow row;
     table.begin(std::span(&row, 1));
-    for (int c = 0; c < 3; ++c) table.values(0)[c] = 1e6;
+    for (int c = 0; c < 3; ++c) table.raw_values(0)[c] = 1e6;
     table.touch(0);
     buffer.accumulate(table);
     ImageDescription chosen;

@@ -33,7 +33,7 @@ void write_image(const std::string& path, double error, const std::vector<displa
     layout.width = size;
     layout.height = size;
     display::FrameBuffer buffer(layout, channels);
-    display::SampleTable table(channels, 1, 0);
+    display::SampleTable table(channels, 1);
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x) {
             display::CameraRow row;
@@ -45,7 +45,7 @@ void write_image(const std::string& path, double error, const std::vector<displa
                 table.touch(id);
                 for (int c = 0; c < 3; ++c) {
                     const double whole = (c + 1) * scale, share = id == 0 ? 1 : id == 1 ? 0.25 : 0.75;
-                    table.values(id)[c] = whole * share + (id == 2 && x == 2 && y == 1 ? error : 0);
+                    table.raw_values(id)[c] = whole * share + (id == 2 && x == 2 && y == 1 ? error : 0);
                 }
             }
             buffer.accumulate(table);

@@ -80,7 +80,7 @@ RayBatch rays_to_hit(std::size_t count) {
 
 TEST_CASE("every AOV has its value in its space", "[geoaovs]") {
     const std::vector<ChannelDefinition> channels = all_channels();
-    SampleTable table(channels, 4, 0);
+    SampleTable table(channels, 4);
     std::vector<display::CameraRow> rows(2);
     rows[1].shutter_time = 0.75f;
     table.begin(rows);
@@ -148,7 +148,7 @@ TEST_CASE("every AOV has its value in its space", "[geoaovs]") {
 TEST_CASE("a pixel that misses is infinitely far and 0 otherwise", "[geoaovs]") {
     const std::vector<ChannelDefinition> channels = all_channels();
     FrameBuffer buffer({1, 1}, channels);
-    SampleTable table(channels, 4, 0);
+    SampleTable table(channels, 4);
     table.begin(std::vector<display::CameraRow>(4));
     display::DisplayServices services(table);
     const GeometricAovs aovs(channels);
@@ -168,7 +168,7 @@ TEST_CASE("a pixel that misses is infinitely far and 0 otherwise", "[geoaovs]") 
 TEST_CASE("at an edge depth and id are those of the nearest sample, normals fade with coverage", "[geoaovs]") {
     const std::vector<ChannelDefinition> channels = all_channels();
     FrameBuffer buffer({1, 1}, channels);
-    SampleTable table(channels, 4, 0);
+    SampleTable table(channels, 4);
     std::vector<display::CameraRow> rows(4);
     for (std::size_t i = 0; i < 4; ++i) rows[i].sample = i;
     table.begin(rows);
@@ -204,7 +204,7 @@ TEST_CASE("depth follows WriteDistance, and passes over rows that are wholly tra
     const std::vector<ChannelDefinition> channels{*channel_definition("z"), *channel_definition("a"),
                                                   *channel_definition("zfiltered"), *channel_definition("time")};
     FrameBuffer buffer({1, 1}, channels);
-    SampleTable table(channels, 1, 4);
+    SampleTable table(channels, 1);
     std::vector<display::CameraRow> rows(1);
     rows[0].shutter_time = 0.5f;
     table.begin(rows);

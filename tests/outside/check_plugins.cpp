@@ -7,11 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "check.h"
 #include "display/output/reader/exr_reader.h"
-
-namespace {
-
-using namespace raylex;
 
 int failures = 0;
 
@@ -33,23 +30,13 @@ std::string plugin(const std::string& name) {
     return "--plugin '" OUTSIDE_PLUGINS "/lib" + name + ".so' ";
 }
 
-/// Exit code; what the program said on its error stream is left in err.txt.
 int run(const std::string& arguments) {
     const int status = std::system(("'" OUTSIDE_RAYLEX "' " + arguments + " >out.txt 2>err.txt").c_str());
     return status < 0 ? -1 : status >> 8;
 }
 
-/// The command is refused with exit code 2 and a message that names the place and says this.
-void check_refused(const std::string& arguments, const std::string& place, const std::string& message) {
-    const bool refused = run(arguments) == 2;
-    const std::string said = read("err.txt");
-    check(refused && said.find(place) != std::string::npos && said.find(message) != std::string::npos,
-          "refused at " + place + " with " + message + (refused ? "" : "; it was not: ") + (refused ? "" : said));
-}
-
-/// The R plane of a layer of the last render; empty when there is none.
 std::vector<float> read_layer(const std::string& layer) {
-    const auto image = display::read_exr("out.exr");
+    const auto image = raylex::display::read_exr("out.exr");
     if (!image || image->layer(layer) == nullptr) {
         check(false, "layer '" + layer + "' of the image");
         return {};
@@ -57,15 +44,12 @@ std::vector<float> read_layer(const std::string& layer) {
     return image->layer(layer)->triple()[0]->values;
 }
 
-/// The R plane of a layer; empty when the render failed.
-std::vector<float> render(const std::string& arguments, const std::string& layer = "") {
+std::vector<float> render(const std::string& arguments, const std::string& layer) {
     if (run("render " + arguments + " -o out.exr") == 0) return read_layer(layer);
     check(false, arguments + ": " + read("err.txt"));
     return {};
 }
 
-/// A wall that fills the image, x and y from -1 to 1, seen from straight above; what stands behind WorldBegin is
-/// `world`.
 void write_scene(const std::string& integrator, const std::string& world) {
     write("scene.pbrt",
           "LookAt 0 0 4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 20\n"
@@ -78,6 +62,18 @@ const std::string wall =
 
 std::size_t pixel(int x, int y) {
     return static_cast<std::size_t>(16 * y + x);
+}
+
+namespace {
+
+using namespace raylex;
+
+/// The command is refused with exit code 2 and a message that names the place and says this.
+void check_refused(const std::string& arguments, const std::string& place, const std::string& message) {
+    const bool refused = run(arguments) == 2;
+    const std::string said = read("err.txt");
+    check(refused && said.find(place) != std::string::npos && said.find(message) != std::string::npos,
+          "refused at " + place + " with " + message + (refused ? "" : "; it was not: ") + (refused ? "" : said));
 }
 
 void check_integrator() {
@@ -113,16 +109,16 @@ void check_pattern() {
     textured("\"constant\" \"rgb value\" [.25 .25 .25]");
     const std::vector<float> quarter = render("scene.pbrt --max-depth 1");
     textured("\"stripes\" \"rgb tex1\" [.25 .25 .25] \"rgb tex2\" [.25 .25 .25]");
-    check(render(plugin("stripes_pattern") + "scene.pbrt --max-depth 1") == quarter,
+    check(render(plugin("stripes") + "scene.pbrt --max-depth 1") == quarter,
           "stripes of one colour are that colour, bit by bit");
     // Two stripes over the wall, which is 2 wide at distance 4, the image 1.41 wide there. Seen from the front, +x is
     // left.
     textured("\"stripes\" \"integer count\" 1 \"rgb tex1\" [.25 .25 .25] \"rgb tex2\" [.75 .75 .75]");
-    const std::vector<float> two = render(plugin("stripes_pattern") + "scene.pbrt --max-depth 1");
+    const std::vector<float> two = render(plugin("stripes") + "scene.pbrt --max-depth 1");
     check(two.size() == 256 && two[pixel(13, 8)] == quarter[pixel(13, 8)] && std::abs(two[pixel(2, 8)] - 0.75f) < 1e-5f,
           "stripes: 0.75 on the left, 0.25 on the right under a sky of 1");
     textured("\"stripes\" \"integer count\" 0");
-    check_refused("render " + plugin("stripes_pattern") + "scene.pbrt -o out.exr",
+    check_refused("render " + plugin("stripes") + "scene.pbrt -o out.exr",
                   "scene.pbrt:8:", "'count' is 0; expected 1 to 10000");
     check_refused("render scene.pbrt -o out.exr", "scene.pbrt:8:", "unknown texture 'stripes'");  // without the plugin
 }
@@ -132,7 +128,7 @@ void check_material() {
                 "MakeNamedMaterial \"moon\" \"string type\" \"minnaert\" \"rgb reflectance\" [.5 .5 .5] \"float k\" 1\n"
                 "NamedMaterial \"moon\"\n" +
                     wall);
-    const std::string with = plugin("minnaert_material") + "scene.pbrt --max-depth 1 ";
+    const std::string with = plugin("minnaert") + "scene.pbrt --max-depth 1 ";
     const std::vector<float> seen = render(with);
     // Under a sky of 1 a surface has its albedo for radiance, 0.5 cos; the centre is seen at less than 1 degree (cos
     // above 0.9998), and its samples have no variance.
@@ -140,10 +136,10 @@ void check_material() {
     check(render(with + "--dialect osl --lpe moon=\"C<RD'moon''minnaert'>B\"", "moon") == seen,
           "minnaert: light path expressions know its lobe");
     write_scene("", "LightSource \"point\" \"point3 from\" [0 0 3]\nMaterial \"minnaert\" \"float k\" 2\n" + wall);
-    const std::vector<float> lit = render(plugin("minnaert_material") + "scene.pbrt --partition shipped");
+    const std::vector<float> lit = render(plugin("minnaert") + "scene.pbrt --partition shipped");
     check(lit.size() == 256 && run("verify out.exr") == 0, "minnaert: splits sum to beauty with light samples");
     write_scene("", "Material \"minnaert\" \"float k\" -1\n" + wall);
-    check_refused("render " + plugin("minnaert_material") + "scene.pbrt -o out.exr",
+    check_refused("render " + plugin("minnaert") + "scene.pbrt -o out.exr",
                   "scene.pbrt:8:", "'k' is -1; expected 0 to 100");
 }
 
@@ -216,12 +212,12 @@ void check_display_filter() {
 void check_filter_and_driver() {
     write_scene("", "Material \"diffuse\"\n" + wall);
     write("job.toml", "plugins = ['" OUTSIDE_PLUGINS
-                      "/libexposure_filter.so']\n[scene]\nfile = \"scene.pbrt\"\n"
+                      "/libexposure.so']\n[scene]\nfile = \"scene.pbrt\"\n"
                       "[channels]\nshipped_partition = true\n[[sample_filter]]\ntype = \"exposure\"\nstops = 1.0\n");
     const std::vector<float> plain = render("scene.pbrt");
     std::vector<float> doubled = plain;
     for (float& value : doubled) value *= 2;
-    const std::vector<float> exposed = render(plugin("pfm_driver") + "job.toml --driver pfm:file=out.pfm");
+    const std::vector<float> exposed = render(plugin("pfm") + "job.toml --driver pfm:file=out.pfm");
     check(!plain.empty() && exposed == doubled, "exposure: one stop doubles every pixel, bit by bit");
     check(run("verify out.exr") == 0, "exposure: splits still sum to beauty");
     const std::string pfm = read("out.pfm"), header = "PF\n16 16\n-1.0\n";
@@ -234,18 +230,17 @@ void check_filter_and_driver() {
             same = same && value == exposed[pixel(x, y)];
         }
     check(same, "pfm: the file holds the pixels of the OpenEXR file");
-    check_refused("render " + plugin("pfm_driver") + "scene.pbrt -o out.exr --driver pfm:file=out.pfm,laier=Nn",
-                  "--driver", "did you mean 'layer'?");
-    check_refused(
-        "render " + plugin("pfm_driver") + "scene.pbrt -o out.exr --driver pfm:file=out.pfm,layer=Nm --aov Nn",
-        "--driver", "did you mean 'Nn'?");
+    check_refused("render " + plugin("pfm") + "scene.pbrt -o out.exr --driver pfm:file=out.pfm,laier=Nn", "--driver",
+                  "did you mean 'layer'?");
+    check_refused("render " + plugin("pfm") + "scene.pbrt -o out.exr --driver pfm:file=out.pfm,layer=Nm --aov Nn",
+                  "--driver", "did you mean 'Nn'?");
     std::string job = read("job.toml");
     write("job.toml", job.replace(job.find("stops = 1.0"), 11, "stops = 99"));
     check_refused("render job.toml -o out.exr", "job.toml:8:", "'stops' is 99; expected -20 to 20");
 }
 
 void check_listing() {
-    const bool listed = run("plugins '" OUTSIDE_PLUGINS "/libminnaert_material.so'") == 0;
+    const bool listed = run("plugins '" OUTSIDE_PLUGINS "/libminnaert.so'") == 0;
     check(listed && read("out.txt").find("material minnaert: the moon's surface") != std::string::npos &&
               read("out.txt").find("float k = 0.5:") != std::string::npos,
           "`raylex plugins` lists what a plugin registered, with its parameters");
@@ -262,5 +257,6 @@ int main() {
     check_filter_and_driver();
     check_display_filter();
     check_listing();
+    check_promises();
     return failures == 0 ? 0 : 1;
 }

@@ -269,7 +269,7 @@ int main() {
     auto image = display::FrameBuffer::create({.width = width, .height = height, .block_size = block}, channels);
     if (!image) return fail(image.error());
 
-    display::SampleTable table(channels, block, 0);
+    display::SampleTable table(channels, block);
     display::DisplayServices services(table);
     display::LpeServices paths(*setup, table, 0);
     Tracer tracer{services, paths, normals, setup->classify({EventType::light, Scatter::none, 0, {"key"}}),

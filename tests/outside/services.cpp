@@ -22,7 +22,7 @@ int main() {
         setup->classify({lpe::EventType::reflection, lpe::Scatter::diffuse, 0, {"", "diffuse"}});
     const lpe::EventClass light = setup->classify({lpe::EventType::light, lpe::Scatter::none, 0, {""}});
 
-    display::SampleTable table(channels, 16, 0);
+    display::SampleTable table(channels, 16);
     const std::vector<display::CameraRow> rows(1);
     table.begin(rows);
     display::LpeServices services(*setup, table, 0);

@@ -171,6 +171,66 @@ def striped(name, **parameters):
     return quad(material)
 
 
+@raylex.integrator("test_calls")
+class Calls:
+    def integrate(self, batch):
+        points = batch.trace()
+        batch.write("heat", 2.0)
+        batch.splat("heat", np.full(len(batch), 0.5))
+        batch.write("number", np.full(len(batch), 7))
+        batch.write("nobody_requested_this", 1.0)
+        rows = batch.add_samples(points.distance / 2, 0.5, points.rows)
+        batch.write("paint", np.ones((len(rows), 3)), rows)
+        if "heat" not in batch.channels:
+            batch.discard()
+
+
+@raylex.texture("test_writing")
+class Writing:
+    def evaluate(self, at):
+        at.services.write("paint", np.where(at.services.depth[:, None] == 0, 0.25, 9) * np.ones((len(at), 3)))
+        return np.full((len(at), 3), 0.5)
+
+
+@raylex.sample_filter("test_three")
+class Three:
+    keeps_splits = True
+
+    def apply(self, samples):
+        samples["heat"][:] = 3
+
+
+class Channels(Case):
+    """What plugins in Python write to channels that the render declares."""
+    declared = {"heat": "float", "number": "integer", "paint": "rgb"}
+
+    def test_integrators(self):
+        image = raylex.render(quad(), spp=4, integrator="test_calls", channels=self.declared)
+        self.assertTrue((image["heat"] == 2.5).all())
+        self.assertTrue((image["number"] == 7).all())
+        np.testing.assert_array_equal(image["paint"][..., 0], image["alpha"])  # alpha times what was written
+
+    def test_an_image_of_discarded_iterations_is_an_error(self):
+        self.assertRaylexError("discarded all", raylex.render, quad(), spp=4, integrator="test_calls")
+
+    def test_textures(self):
+        image = raylex.render(striped("test_writing"), spp=4, channels={"paint": "rgb"}, aovs=["a"], beauty=False)
+        np.testing.assert_allclose(image["paint"][..., 1], 0.25 * image["a"], rtol=1e-6)
+
+    def test_filters(self):
+        image = raylex.render(quad(), spp=4, channels={"heat": "float"}, sample_filters=["test_three"])
+        self.assertTrue((image["heat"] == 3).all())
+
+    def test_wrong_values(self):
+        @raylex.integrator("test_wrong_values")
+        class Wrong:
+            def integrate(self, batch):
+                batch.write("heat", np.zeros(3))
+
+        self.assertRaylexError(r"'heat' has shape \(3,\); expected", raylex.render, quad(), spp=1,
+                               integrator="test_wrong_values", channels={"heat": "float"})
+
+
 class Textures(Case):
     def test_it_is_what_it_says_in_batches(self):
         image = raylex.render(striped("test_stripes", count=2), spp=4, max_depth=1)

@@ -22,14 +22,14 @@ struct Image {
     std::vector<std::unique_ptr<DisplayFilter>> filters;
 
     Image() {
-        SampleTable table(channels, 8, 0);
+        SampleTable table(channels, 8);
         test::Random random(8);
         for (int pixel = 0; pixel < picture_width * picture_height; ++pixel) {
             table.begin(test::pixel_rows(pixel % picture_width, pixel / picture_width, 0, 8));
             for (int i = 0; i < 24; ++i) {
-                table.values(1)[i] = random.uniform();
-                table.values(2)[i] = random.uniform();
-                table.values(0)[i] = table.values(1)[i] + table.values(2)[i];
+                table.raw_values(1)[i] = random.uniform();
+                table.raw_values(2)[i] = random.uniform();
+                table.raw_values(0)[i] = table.raw_values(1)[i] + table.raw_values(2)[i];
             }
             for (ChannelId id = 0; id < 3; ++id) table.touch(id);
             for (int row = 0; row < 8; row += 4) table.opacity[static_cast<std::size_t>(row)] = RgbD(1.0);

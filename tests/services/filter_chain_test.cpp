@@ -40,15 +40,15 @@ struct Chain {
         channels.insert(channels.end(), added.begin(), added.end());
         return {};
     }
-    [[nodiscard]] SampleTable table(int rows, int extra = 0) const {
-        SampleTable result(channels, rows, extra);
+    [[nodiscard]] SampleTable table(int rows) const {
+        SampleTable result(channels, rows);
         result.begin(test::pixel_rows(0, 0, 0, rows));
         return result;
     }
 };
 
 void set(SampleTable& table, ChannelId id, int row, const RgbD& v) {
-    for (int c = 0; c < 3; ++c) table.values(id)[3 * row + c] = v[c];
+    for (int c = 0; c < 3; ++c) table.raw_values(id)[3 * row + c] = v[c];
     table.touch(id);
     if (table.channel(id).style == ChannelStyle::name) table.set_row_state(id, row, SampleTable::RowState::written);
 }
@@ -77,7 +77,7 @@ TEST_CASE("a grade of all light keeps sums, whatever its exposure, gain and satu
     REQUIRE(c.add("grade", "exposure=1.5,gain=0.5 1 2,saturation=0.3").empty());
     REQUIRE(c.add("grade", "saturation=1.7").empty());
     CHECK(c.chain.alters().empty());
-    SampleTable table = c.table(64, 8);
+    SampleTable table = c.table(64);
     test::Random random(3);
     const auto color = [&] { return RgbD(random.uniform(), random.uniform(), random.uniform()); };
     for (int i = 0; i < 8; ++i) table.add_row(i);
@@ -105,7 +105,7 @@ TEST_CASE("the grade is the one that its formula says, per component", "[sample_
     Chain c;
     REQUIRE(c.add("grade", "channels='a b',exposure=1,gain=0.5 1 2,offset=0.25,gamma=2 1 0.5,saturation=0.5").empty());
     CHECK(c.chain.alters() == std::vector<ChannelId>{1, 2});
-    SampleTable table = c.table(2, 1);
+    SampleTable table = c.table(2);
     const int extra = table.add_row(0);
     set(table, 1, 0, RgbD(2.25, 1.0, 0.5));
     set(table, 0, 0, RgbD(3.0));
@@ -155,8 +155,8 @@ TEST_CASE("shadow is what is held back of the light, into alpha and a layer", "[
 class Broken final : public SampleFilter {
   public:
     void apply(SampleTable& table) const override {
-        table.values(1)[3] = std::numeric_limits<double>::quiet_NaN();  // channel a, row 1
-        table.values(3)[6] = std::numeric_limits<double>::infinity();   // N, row 2
+        table.raw_values(1)[3] = std::numeric_limits<double>::quiet_NaN();  // channel a, row 1
+        table.raw_values(3)[6] = std::numeric_limits<double>::infinity();   // N, row 2
         table.opacity[0] = RgbD(std::numeric_limits<double>::infinity());
     }
 };

@@ -6,7 +6,21 @@
 
 #include "transport/math/vec.h"
 
+namespace raylex::display {
+class DisplayServices;
+}
+
 namespace raylex::transport {
+
+/// The display services of the camera path that a point is a vertex of: what materials and patterns write to.
+struct VertexServices {
+    display::DisplayServices* display = nullptr;  ///< null: nothing can be written (light paths, light samples, pilots)
+    std::int32_t row = -1;    ///< of the sample table, for every call of the services; -1 without them
+    std::uint32_t depth = 0;  ///< scattering events between the camera and this point
+
+    /// Whether the camera sees the point directly, with nothing but cutouts and media in between.
+    [[nodiscard]] bool camera_sees() const { return display != nullptr && depth == 0; }
+};
 
 /// What a pixel sees of a surface around a point: the sides of a parallelogram, as wide as a pixel, in the world and in
 /// the texture coordinates.
@@ -25,8 +39,8 @@ struct SurfacePoint {
     static constexpr std::int32_t no_material = -1;  ///< a point in a medium: no surface, the normals are zero
     std::int32_t material = 0;
     std::uint32_t random_key = 0;                 ///< counter-based key for stochastic closures and `mix`
-    std::int32_t row = -1;                        ///< of the sample table where a camera ray hit first; else -1
     const SurfaceFootprint* footprint = nullptr;  ///< null: images are read as they are
+    VertexServices services;
 
     /// |cos| between a direction and the surface; 1 in a medium.
     [[nodiscard]] Real cosine(const Vec3& direction) const {

@@ -60,7 +60,7 @@ struct IntegratorContext {
     const EventTable* events = nullptr;
     const geoaovs::GeometricAovs* aovs = nullptr;
     std::span<const display::ChannelDefinition> channels;
-    bool pattern_channels = false;    ///< somebody asks for a channel that patterns write to: first hits must be shaded
+    bool pattern_channels = false;    ///< some channel is written by patterns or materials: first hits must be shaded
     Real world_to_camera[3][4] = {};  ///< rigid part, for geoaovs::ShadingBatch
     Vec2 pixel_size;                  ///< of a pixel on the plane at distance 1 before the camera
     bool beauty = true;               ///< false: what no channel can accept need not be simulated (Law 4)
@@ -122,6 +122,11 @@ struct IntegratorTraits {
     bool user_events = false;               ///< reports UserLobe events
     std::optional<std::int64_t> max_depth;  ///< scattering events of a path at most
     bool media = false;                     ///< takes paths through participating media
+    /// Writes distance, opacity, surface and the geometric AOVs of first hits itself, for every camera ray. False: the
+    /// renderer supplies them wherever the integrator reported nothing for a ray, by tracing the camera rays again.
+    bool first_hits = false;
+    /// Rays pass through cutouts and interfaces as their opacity says. False: a scene that has some gets a warning.
+    bool cutouts = false;
     SavedState saved_state = SavedState::unknown;
     /// Every contribution comes with its word: what a path atlas needs. False of those that sum them up by channels.
     bool tells_words = true;

@@ -128,8 +128,7 @@ void look_ahead(const TextureTable& textures, std::span<const SurfacePoint> poin
 }  // namespace
 
 void MaterialTable::shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures,
-                          display::DisplayServices* display, std::span<const std::uint8_t> wanted) const {
-    const ShadingScope scope(display);
+                          std::span<const std::uint8_t> wanted) const {
     if (textures.looks_ahead()) [[unlikely]]
         look_ahead(textures, points, wanted);
     thread_local Buckets buckets;

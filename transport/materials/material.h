@@ -32,7 +32,8 @@ struct Medium;
 class Material {
   public:
     virtual ~Material() = default;
-    /// Fills `closures[i]` from `points[i]` for every i of `hits`. No allocation; texture look-ups only.
+    /// Fills `closures[i]` from `points[i]` for every i of `hits`. No allocation; texture look-ups only. A material may
+    /// write to display channels through `points[i].services`, at every vertex of a camera path.
     virtual void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
                        std::span<Bsdf> closures) const = 0;
     /// Lobes this material can give: the scene's alphabet.
@@ -74,10 +75,9 @@ class MaterialTable {
     static Result<MaterialTable> build(const SceneDescription& scene, TextureTable& textures);
 
     /// Turns hits into closures; sorts by material internally, so any order is fine. `points.size() ==
-    /// closures.size()`. Materials and patterns may write to `display`, to the rows of points that have one
-    /// (pattern.h). `wanted`, if not empty: [point] whether anybody asks for its closure; the others are black.
+    /// closures.size()`. `wanted`, if not empty: [point] whether its closure is used; the others are black.
     void shade(const TextureTable& textures, std::span<const SurfacePoint> points, std::span<Bsdf> closures,
-               display::DisplayServices* display = nullptr, std::span<const std::uint8_t> wanted = {}) const;
+               std::span<const std::uint8_t> wanted = {}) const;
     /// Whether any material turns normals: without, nobody asks for tangents.
     [[nodiscard]] bool turns_normals() const { return turns_normals_; }
     /// Whether any material looks up images over footprints (SurfacePoint::footprint), and whether this one does.

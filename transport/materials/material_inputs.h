@@ -14,7 +14,7 @@
 namespace raylex::transport {
 
 inline TexturePoint texture_point(const SurfacePoint& p) {
-    return {p.u, p.v, p.position, p.row, p.geometric_normal, p.footprint};
+    return {p.u, p.v, p.position, p.geometric_normal, p.footprint, p.services};
 }
 
 inline Rgb clamp_to_unit(const Rgb& c) {

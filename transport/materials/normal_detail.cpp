@@ -68,7 +68,7 @@ void NormalDetail::apply_displacement(const TextureTable& textures, const Surfac
     const Real height = textures.real(displacement_, here);
     const auto slope = [&](Real TexturePoint::*coordinate, const Vec3& along, const Vec3& across) {
         TexturePoint there = here;
-        there.row = -1;  // only where the ray hit is anything written
+        there.services = {};  // values are written at the hit alone
         there.*coordinate += height_step(beam_width, length(across) / area, here.*coordinate);
         const Real step = there.*coordinate - here.*coordinate;  // as it was rounded
         there.position += along * step;

@@ -37,8 +37,9 @@ struct SceneView {
     [[nodiscard]] bool tests_alpha() const { return geometry->has_alpha() || general_code.contains(Effect::alpha); }
     /// 0 to 1, at a point of a shape that has a cutout.
     [[nodiscard]] Real opacity(const ShapeGeometry& shape, const SurfacePoint& point) const {
-        return std::clamp(textures->real(shape.alpha, {point.u, point.v, point.position, -1, point.geometric_normal}),
-                          Real(0), Real(1));
+        return std::clamp(
+            textures->real(shape.alpha, {point.u, point.v, point.position, point.geometric_normal, nullptr, {}}),
+            Real(0), Real(1));
     }
 };
 

@@ -272,7 +272,7 @@ void Walk<mode>::lay_footprints() {
 
 template <TransportMode mode>
 template <class Visitor>
-void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
+void Walk<mode>::advance([[maybe_unused]] display::DisplayServices& display, Visitor& visitor) {
     trace(visitor);
     VertexBatch& v = vertices_;
     const bool cutouts = scene_.tests_alpha(), skips_closures = visitor.may_skip_closures();
@@ -311,7 +311,8 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
         }
         if (skips_closures) needs_closure_[kept] = visitor.needs_closure(j) ? 1 : 0;
         point.random_key = samplers_[row].key(dimensions.of(path.depth, dimensions.key));
-        point.row = is_camera_ray(path) ? static_cast<std::int32_t>(row) : -1;
+        if constexpr (mode == TransportMode::radiance)
+            point.services = {&display, static_cast<std::int32_t>(row), path.depth};
         if (is_camera_ray(path)) first_entries_[first_count_++] = static_cast<std::uint32_t>(kept);
         v.keep(j, kept++);
     }
@@ -319,7 +320,7 @@ void Walk<mode>::advance(display::DisplayServices& display, Visitor& visitor) {
     if (has_footprints_) lay_footprints();
     if (scene_.materials->turns_normals()) turn_normals(scene_, {v.hits.data(), v.surfaces}, v.points);
     if (kept > 0)
-        scene_.materials->shade(*scene_.textures, {v.points.data(), kept}, {v.bsdfs.data(), kept}, &display,
+        scene_.materials->shade(*scene_.textures, {v.points.data(), kept}, {v.bsdfs.data(), kept},
                                 {needs_closure_.data(), skips_closures ? kept : 0});
     if (options_.regularize)
         for (std::size_t j = 0; j < kept; ++j)

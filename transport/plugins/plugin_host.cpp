@@ -1,7 +1,11 @@
 #include "transport/plugins/plugin_host.h"
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
+
+#include "display/services/channel_settings.h"
+#include "geoaovs/geoaovs.h"
 
 namespace raylex::transport {
 
@@ -13,7 +17,9 @@ void PluginHost::add(Registry<Factory>& registry, typename Registry<Factory>::En
         return other.kind == registry.kind() && other.name == entry.name;
     };
     const std::string what = registry.kind() + " '" + entry.name + "'";
-    if (entry.name.empty() || !entry.factory) return refuse("its " + what + " has no name or no factory");
+    bool makes_something = true;
+    if constexpr (!std::is_same_v<Factory, display::ChannelDefinition>) makes_something = bool(entry.factory);
+    if (entry.name.empty() || !makes_something) return refuse("its " + what + " has no name or no factory");
     if (std::any_of(taken_.begin(), taken_.end(), same))
         return refuse("another plugin has registered the " + what + " already");
     if (std::any_of(entries_.begin(), entries_.end(), same)) return refuse("it registers the " + what + " twice");
@@ -55,6 +61,17 @@ void PluginHost::add_display_filter(Registry<display::DisplayFilterFactory>::Ent
 }
 void PluginHost::add_display_driver(Registry<display::DisplayDriverFactory>::Entry entry) {
     add(display::display_driver_registry(), std::move(entry));
+}
+
+void PluginHost::add_channel(display::ChannelDefinition channel, std::string help) {
+    if (channel.name == "beauty" || geoaovs::channel_definition(channel.name))
+        return refuse("its channel '" + channel.name + "' is one of raylex's own; expected another name");
+    if (channel.style != display::ChannelStyle::name)
+        return refuse("its channel '" + channel.name + "' is a light path expression; expected a plain channel");
+    channel.declared = true;
+    std::string name = channel.name;
+    help += std::string(" (channel of type ") + display::type_name(channel.type) + ")";
+    add(display::channel_registry(), {std::move(name), std::move(help), {}, std::move(channel)});
 }
 
 LobeId PluginHost::add_lobe(const LobeKind& lobe) {

@@ -48,6 +48,9 @@ class PluginHost {
     void add_sample_filter(Registry<display::SampleFilterFactory>::Entry entry);
     void add_display_filter(Registry<display::DisplayFilterFactory>::Entry entry);
     void add_display_driver(Registry<display::DisplayDriverFactory>::Entry entry);
+    /// A plain channel that this plugin's objects write to. A render has it when the user requests it by name, as a
+    /// geometric AOV (`--aov NAME`). `help` is one line. A name of raylex's own is refused.
+    void add_channel(display::ChannelDefinition channel, std::string help);
     /// A row of the event table for a material's own lobe: what light path expressions match it by. `lobe.name` must
     /// live as long as the program. The same row again gives the same id.
     LobeId add_lobe(const LobeKind& lobe);

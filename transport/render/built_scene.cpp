@@ -42,7 +42,7 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
                                                             const BuildOptions& options) {
     const Stopwatch watch;
     std::shared_ptr<BuiltScene> scene(new BuiltScene());
-    auto patterns = tee_channels(description);
+    auto patterns = texture_channels(description);
     if (!patterns) return patterns.error();
     scene->pattern_channels_ = *std::move(patterns);
     const RenderSpace space = RenderSpace::of(description);
@@ -225,7 +225,7 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::L
     auto media = MediumTable::build(scene, unused);
     if (!media) return media.error();
     add_interiors(scene, *materials, *media);
-    auto patterns = tee_channels(scene);
+    auto patterns = texture_channels(scene);
     if (!patterns) return patterns.error();
     return alphabet_of(scene, *materials, *media, *std::move(patterns), slots, regularizes);
 }

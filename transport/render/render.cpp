@@ -18,8 +18,22 @@
 #include "transport/scene/scene_hash.h"
 
 namespace raylex::transport {
-Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& settings,
-                            const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
+namespace {
+
+/// An integrator that discards all its iterations leaves no image, which is not a black one.
+Result<RenderOutput> refuse_nothing(Result<RenderOutput> output) {
+    if (!output) return output;
+    const RenderStatistics& statistics = output->statistics;
+    if (statistics.camera_samples > 0 || statistics.discarded_samples == 0) return output;
+    return error_at({},
+                    "there is no image: integrator '" + output->integrator + "' discarded all " +
+                        std::to_string(statistics.discarded_samples) + " camera samples",
+                    "expected discard_iteration() for start-up iterations alone");
+}
+
+Result<RenderOutput> render_all(const BuiltScene& scene, const RenderSettings& settings,
+                                const std::function<void(const RenderProgress&)>& progress,
+                                const std::atomic<bool>* stop) {
     const Stopwatch since_call;
     auto resolved = ResolvedJob::resolve(scene, settings);
     if (!resolved) return resolved.error();
@@ -39,6 +53,13 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
     auto finished = (*loop)->run(progress, stop);
     if (!finished) return finished.error();
     return output_of(prepared->job, *std::move(target), *std::move(finished));
+}
+
+}  // namespace
+
+Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& settings,
+                            const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
+    return refuse_nothing(render_all(scene, settings, progress, stop));
 }
 
 Result<RenderOutput> render(const SceneDescription& scene, const RenderSettings& settings,

@@ -49,6 +49,7 @@ struct RenderPlan {
     std::size_t buckets = 0;                             ///< how many; 0: the image is in memory as a whole
     /// What a checkpoint of this render says that it is of, the caller's fields before the render's own.
     display::RecordIdentity identity{};
+    std::span<const Error> warnings{};  ///< known before the first sample; RenderOutput::warnings begin with them
 };
 
 /// An image larger than memory: it is rendered a bucket, a band of its rows, after another, and each finished bucket is
@@ -158,6 +159,7 @@ struct RenderStatistics {
     std::uint64_t pilot_rays = 0;                         ///< traced while the integrator prepared, of no image
     double render_seconds = 0, render_cpu_seconds = 0;
     std::uint64_t camera_samples = 0, camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
+    std::uint64_t discarded_samples = 0;               ///< of iterations that the integrator discarded, in this session
     std::uint64_t branches = 0;                        ///< beside the first, of split paths
     PrunedCounts pruned{};                             ///< [Pruned]
     std::vector<std::uint64_t> path_length_histogram;  ///< [scattering events of the path]
@@ -213,9 +215,10 @@ struct SceneAlphabet {
     bool has_lights = false, has_background = false, has_straight = false;
     std::vector<lpe::Event> scattering;  ///< one per distinct event of the scene
     std::vector<lpe::Event> terminals;
-    std::vector<display::ChannelDefinition> pattern_channels;  ///< that tee textures write to; AOVs by these names
+    std::vector<display::ChannelDefinition> pattern_channels;  ///< that textures name; AOVs by these names
 };
-/// The definition of an AOV by its name: one of `patterns`, else a geometric AOV, else an Error with the near miss.
+/// The definition of an AOV by its name: one of `patterns`, else a plugin's channel, else a geometric AOV, else an
+/// Error with the near miss.
 Result<display::ChannelDefinition> named_channel(const std::string& name,
                                                  std::span<const display::ChannelDefinition> patterns);
 /// `regularizes`: IntegratorTraits'.

@@ -11,14 +11,6 @@
 namespace raylex::display {
 namespace {
 
-double sample_alpha(const SampleTable& table, int row, std::span<const int> extra) {
-    RgbD transmittance{1.0};
-    const auto pass = [&](int r) { transmittance *= RgbD(1.0) - table.opacity[static_cast<std::size_t>(r)]; };
-    pass(row);
-    for (const int r : extra) pass(r);
-    return 1.0 - transmittance.average();
-}
-
 Status check_layout(const FrameBufferLayout& layout) {
     if (layout.width <= 0 || layout.height <= 0)
         return error_at({}, "frame buffer of " + std::to_string(layout.width) + " x " + std::to_string(layout.height) +
@@ -166,7 +158,7 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
         storage.accumulators.push_back(
             {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(channel.samples_of),
              kernel ? fill != 0 && std::isfinite(fill) : expression && rule != FilterRule::sum,
-             kernel && std::isfinite(fill) && !kept.moments && !kept.halves && splat == nullptr,
+             kernel && std::isfinite(fill) && !kept.moments && !kept.halves && splat == nullptr, !expression,
              static_cast<std::uint32_t>(channel.components),
              channel.picked.empty() ? Places{place(channel.sum), place(channel.plain_sum), place(channel.square_sum)}
                                     : Places{place(channel.picked), place(channel.depth), place(channel.seen)}});
@@ -238,29 +230,24 @@ void FrameBuffer::accumulate(const SampleTable& table) {
         storage_->reject(storage_->channels.size());  // their sums would be of other samples than the blocks here
         return;
     }
-    thread_local ExtraRows extra;
+    thread_local BatchScratch scratch;
     thread_local SplatWeights splat;
     thread_local SetSums set_sums;
     const int cameras = table.camera_row_count();
-    const bool has_extra = table.row_count() > cameras;
-    if (has_extra) extra.gather(table);
-    extra.alpha.resize(static_cast<std::size_t>(cameras));
-    extra.weights.resize(static_cast<std::size_t>(cameras));
+    scratch.rays.gather(table);
+    scratch.weights.resize(static_cast<std::size_t>(cameras));
     bool unit_weights = true;
     for (int row = 0; row < cameras; ++row) {
         const float weight = table.camera_row(row).filter_weight;
-        extra.weights[static_cast<std::size_t>(row)] = static_cast<double>(weight);
+        scratch.weights[static_cast<std::size_t>(row)] = static_cast<double>(weight);
         unit_weights &= weight == 1.0f;
     }
-    for (int row = 0; row < cameras; ++row)
-        extra.alpha[static_cast<std::size_t>(row)] =
-            sample_alpha(table, row, has_extra ? extra.of(row) : std::span<const int>());
 
     const FrameBufferLayout& layout = storage_->layout;
     const int block = std::countr_zero(static_cast<unsigned>(layout.block_size));  // a power of two: see check_layout()
     for (int begin = 0, end = 0; begin < cameras; begin = end) {
         const CameraRow& first = table.camera_row(begin);
-        end = end_of_run(table, begin, block, storage_->kernel ? 1 : Run::most_blocks, extra.block_ends);
+        end = end_of_run(table, begin, block, storage_->kernel ? 1 : Run::most_blocks, scratch.block_ends);
         Run run;
         const std::optional<std::size_t> pixel = pixel_of(layout, first);
         if (!pixel && !storage_->kernel) {
@@ -276,14 +263,14 @@ void FrameBuffer::accumulate(const SampleTable& table) {
         }
         run.begin = begin;
         run.end = end;
-        run.block_ends = extra.block_ends;
-        extra.nearest.assign(extra.block_ends.size(), -1);
-        run.nearest = &extra.nearest;
-        run.extra = has_extra ? &extra : nullptr;
-        run.scratch = &extra.folded;
+        run.block_ends = scratch.block_ends;
+        scratch.nearest.assign(scratch.block_ends.size(), -1);
+        run.nearest = &scratch.nearest;
+        run.rays = &scratch.rays;
+        run.scratch = &scratch.folded;
         run.set_sums = &set_sums;
-        run.alpha = extra.alpha;
-        run.weights = extra.weights.data() + begin;
+        run.alpha = scratch.rays.alpha();
+        run.weights = scratch.weights.data() + begin;
         run.unit_weights = unit_weights;
         accumulate_run(table, run);
     }
@@ -332,9 +319,9 @@ inline void FrameBuffer::Storage::add_sum(const Accumulator& accumulator, const 
 void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) {
     Storage& storage = *storage_;
     std::uint64_t stripes = table.stripes_of(run.begin, run.end);
-    if (run.extra != nullptr)  // which stand anywhere behind the camera rows
-        for (int row = run.begin; row < run.end; ++row)
-            for (const int extra : run.extra_of(row)) stripes |= table.stripes_of(extra, extra + 1);
+    const bool extra = run.rays->any_extra(), partial = run.rays->any_partial();
+    if (extra)  // which stand anywhere behind the camera rows
+        run.for_each_row([&](int row) { stripes |= table.stripes_of(row, row + 1); });
     const std::span<const std::uint64_t> touched = table.touched_stripes();
     const auto accumulates = [&](const Storage::Accumulator& accumulator) {
         return (touched[accumulator.from] & stripes) != 0 || accumulator.reads_untouched;
@@ -361,7 +348,7 @@ void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) 
     }
     for (const Storage::Accumulator& accumulator : accumulators) {
         if (!accumulates(accumulator)) continue;
-        if (accumulator.sums_only && run.extra == nullptr) {
+        if (accumulator.sums_only && !extra && !(partial && accumulator.plain)) {
             if (accumulator.components == 3) storage.add_sum<3>(accumulator, table, run);
             else storage.add_sum<1>(accumulator, table, run);
             continue;

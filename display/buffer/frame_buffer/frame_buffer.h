@@ -34,10 +34,9 @@
 // Every row of an expression channel counts as written. A pixel to which no row was written has the miss value, but a
 // kernel counts misses as samples with the miss value (0 when that is not finite).
 //
-// Extra rows (AddSample: light straight through a cutout) belong to the sample of their camera ray:
+// Extra rows (AddSample: surfaces and volumes behind one another) belong to the sample of their camera ray:
 //   rules      see every row, so that zmin takes the nearest written surface
-//   filter     splatted values of a sample's rows add up; written ones are composited front to back by depth, each
-//              counting by its own opacity (mean of the colours) times what the rows in front let through
+//   filter     splatted values of a sample's rows add up; written ones count as ray_rows.h defines
 //   alpha      1 - (1 - o_1)(1 - o_2)... per colour over the sample's rows, then the mean of the colours
 //
 // Layers of statistics (ChannelDefinition::statistic) are resolved from what their source keeps: moments for variance

@@ -13,7 +13,7 @@ constexpr std::uint32_t record_version = 5;
 
 /// A binding that no longer fits says that ChannelDefinition has a member which no record holds yet.
 void write_channel(RecordWriter& writer, const ChannelDefinition& definition) {
-    const auto& [name, style, type, expression, dialect, rest_of, rule, space, statistics, source, statistic,
+    const auto& [name, style, type, declared, expression, dialect, rest_of, rule, space, statistics, source, statistic,
                  miss_value, scale_exponent, origin, origin_line, origin_column] = definition;
     writer.text(name);
     writer.number(style);
@@ -28,7 +28,8 @@ void write_channel(RecordWriter& writer, const ChannelDefinition& definition) {
     writer.number(statistic);
     writer.number(miss_value);
     writer.number(scale_exponent);
-    // Where it was written (origin...) is for error messages: it is no part of the record.
+    // Who declared the channel decides how a render finds it; where it was written (origin...) is for error messages.
+    static_cast<void>(declared);
     static_cast<void>(origin), static_cast<void>(origin_line), static_cast<void>(origin_column);
 }
 

@@ -9,39 +9,27 @@ namespace {
 
 using RowState = SampleTable::RowState;
 
-/// The value of one camera sample under a kernel: see the rules at the head of frame_buffer.h.
-void fold_sample(const SampleTable& table, ChannelId id, int components, int row, std::span<const int> extra,
-                 double* out) {
-    const double* values = table.values(id);
+/// The value of one camera sample under a kernel: see ray_rows.h. Misses count by the miss value where it is finite.
+void fold_sample(const SampleTable& table, ChannelId id, int components, int row, const RayRows& rays, double* out) {
+    const std::span<const int> rows = rays.of(row);
     const bool plain = table.channel(id).style == ChannelStyle::name;
     const double fill = table.fill_value(id);
     std::fill_n(out, components, 0.0);
-    double transmittance = 1;
-    bool any_set = false;
-    const auto take = [&](int r) {
-        const double opacity = table.opacity[static_cast<std::size_t>(r)].average();
-        const RowState state = plain ? table.row_state(id, r) : RowState::untouched;
-        const double* v = values + static_cast<std::size_t>(r) * static_cast<std::size_t>(components);
-        double weight = 1;
-        if (state == RowState::written) weight = extra.empty() ? 1.0 : transmittance * opacity;
-        else if (state == RowState::untouched && fill != 0)
-            weight = 0;  // v holds the miss value; it counts once, below
-        any_set = any_set || state != RowState::untouched;
-        transmittance *= 1 - opacity;
-        if (weight == 0) return;
-        for (int c = 0; c < components; ++c) out[c] += weight * v[c];
-    };
-    // The camera row takes its place among the extra rows by depth; at equal depth it comes first.
-    bool camera_taken = false;
-    for (const int r : extra) {
-        if (!camera_taken && table.depth[static_cast<std::size_t>(row)] <= table.depth[static_cast<std::size_t>(r)]) {
-            take(row);
-            camera_taken = true;
-        }
-        take(r);
+    for (const int r : rows) {
+        const RowState state = plain ? table.row_state(id, r) : RowState::splatted;
+        // LPE services leave the rows of a plain beauty untouched; where a row holds a miss value, it counts below.
+        if (state == RowState::written || (state == RowState::untouched && fill != 0)) continue;
+        const double* v = table.values(id) + static_cast<std::size_t>(r) * static_cast<std::size_t>(components);
+        for (int c = 0; c < components; ++c) out[c] += v[c];
     }
-    if (!camera_taken) take(row);
-    if (!any_set && plain && fill != 0 && std::isfinite(fill)) std::fill_n(out, components, fill);
+    if (!plain) return;
+    const WrittenMean mean = written_mean(table, id, rows, rays.coverage(row));
+    if (mean.any) {
+        const double alpha = rays.alpha()[static_cast<std::size_t>(row)];
+        for (int c = 0; c < components; ++c)
+            out[c] += (alpha > 0 ? alpha : 1.0) * mean.value[static_cast<std::size_t>(c)];
+    }
+    if (!mean.set && fill != 0 && std::isfinite(fill)) std::fill_n(out, components, fill);
 }
 
 /// Sums over the rows of a block: of the values, and of the squares of how far they are from their mean.
@@ -91,13 +79,14 @@ void FrameBuffer::Storage::add_filtered(Channel& channel, std::size_t index, con
     const auto id = static_cast<ChannelId>(index);
     const auto components = static_cast<std::size_t>(channel.components);
     const double* values = table.values(id) + static_cast<std::size_t>(run.begin) * components;
-    const bool fold = run.extra != nullptr ||
-                      (channel.definition.style == ChannelStyle::name && !std::isfinite(channel.definition.miss_value));
+    const bool fold =
+        run.rays->any_extra() || (channel.definition.style == ChannelStyle::name &&
+                                  (run.rays->any_partial() || !std::isfinite(channel.definition.miss_value)));
     if (fold) {
         std::vector<double>& scratch = *run.scratch;
         scratch.resize(static_cast<std::size_t>(run.end - run.begin) * components);
         for (int row = run.begin; row < run.end; ++row)
-            fold_sample(table, id, channel.components, row, run.extra_of(row),
+            fold_sample(table, id, channel.components, row, *run.rays,
                         &scratch[static_cast<std::size_t>(row - run.begin) * components]);
         values = scratch.data();
     }
@@ -185,7 +174,7 @@ void FrameBuffer::Storage::add_picked(Channel& channel, std::size_t index, const
         int picked = -1;
         float depth = 0;
         std::uint64_t of_sample = 0;
-        if (rule == FilterRule::zmin && run.extra == nullptr) {
+        if (rule == FilterRule::zmin && !run.rays->any_extra()) {
             int& nearest = (*run.nearest)[block];
             if (nearest < 0) nearest = nearest_row(table, first, last);
             if (counts(table, id, nearest) && takes(nearest)) {

@@ -5,6 +5,7 @@
 #include "display/buffer/frame_buffer/frame_buffer.h"
 #include "display/buffer/pixel_filter.h"
 #include "display/buffer/plane.h"
+#include "display/buffer/ray_rows.h"
 
 #include <algorithm>
 #include <array>
@@ -20,30 +21,12 @@
 
 namespace raylex::display {
 
-/// Extra rows of a batch by camera row, nearest first. Scratch of one thread.
-struct ExtraRows {
-    std::vector<int> rows;                 // sorted by camera row, then depth
-    std::vector<std::uint32_t> first;      // [camera row], one more at the end
-    std::vector<double> folded;            // one channel's camera rows with their extra rows folded in
-    std::vector<double> alpha, weights;    // [camera row]
+/// What a batch is worked out into before it is summed up. Scratch of one thread.
+struct BatchScratch {
+    RayRows rays;
+    std::vector<double> folded;            // one channel's samples, each of all rows of its ray
+    std::vector<double> weights;           // [camera row]
     std::vector<int> block_ends, nearest;  // of one run
-
-    void gather(const SampleTable& table) {
-        const auto cameras = static_cast<std::size_t>(table.camera_row_count());
-        rows.clear();
-        for (int row = table.camera_row_count(); row < table.row_count(); ++row) rows.push_back(row);
-        std::stable_sort(rows.begin(), rows.end(), [&](int a, int b) {
-            if (table.original(a) != table.original(b)) return table.original(a) < table.original(b);
-            return table.depth[static_cast<std::size_t>(a)] < table.depth[static_cast<std::size_t>(b)];
-        });
-        first.assign(cameras + 1, 0);
-        for (const int row : rows) ++first[static_cast<std::size_t>(table.original(row)) + 1];
-        for (std::size_t i = 0; i < cameras; ++i) first[i + 1] += first[i];
-    }
-    [[nodiscard]] std::span<const int> of(int row) const {
-        const auto i = static_cast<std::size_t>(row);
-        return {rows.data() + first[i], rows.data() + first[i + 1]};
-    }
 };
 
 /// What each sample of a run counts for in the pixels around it, in splat mode. Scratch of one thread.
@@ -85,7 +68,7 @@ struct FrameBuffer::Run {
     int begin = 0, end = 0;               // camera rows
     std::span<const int> block_ends;      // where its blocks end, in order; the last is `end`
     const SplatWeights* splat = nullptr;  // null in importance mode
-    const ExtraRows* extra = nullptr;     // null when the batch has none
+    const RayRows* rays = nullptr;
     std::vector<double>* scratch = nullptr;
     SetSums* set_sums = nullptr;
     std::span<const double> alpha;        // [camera row]
@@ -93,9 +76,6 @@ struct FrameBuffer::Run {
     bool unit_weights = false;            // all of them 1, as a filter's are whose samples are drawn by it
     std::vector<int>* nearest = nullptr;  // [block] camera row, negative until somebody asks; without extra rows alone
 
-    [[nodiscard]] std::span<const int> extra_of(int row) const {
-        return extra == nullptr ? std::span<const int>() : extra->of(row);
-    }
     /// What weighted_sum() takes, from a camera row on.
     [[nodiscard]] const double* sum_weights(int row) const { return unit_weights ? nullptr : weights + (row - begin); }
     template <class Visit>
@@ -105,8 +85,7 @@ struct FrameBuffer::Run {
     template <class Visit>
     void for_each_row(int first, int last, Visit visit) const {
         for (int row = first; row < last; ++row) {
-            visit(row);
-            for (const int r : extra_of(row)) visit(r);
+            for (const int r : rays->of(row)) visit(r);
         }
     }
     /// visit(first camera row, one past the last, number of the block).
@@ -165,6 +144,7 @@ struct FrameBuffer::Storage {
         std::uint32_t channel, from;  // whose samples
         bool reads_untouched;         // whether samples of which nothing was sent to it still change it
         bool sums_only;               // whether a block's weighted sum is all that is kept of it, in importance mode
+        bool plain;                   // of a channel that values are written to
         std::uint32_t components;
         /// What of the channel a run of samples reaches: null where it keeps none.
         struct Place {

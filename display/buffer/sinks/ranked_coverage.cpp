@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-#include "display/buffer/frame_buffer/frame_buffer_storage.h"
+#include "display/buffer/ray_rows.h"
 #include "display/buffer/record_bytes.h"
 #include "display/services/parameters.h"
 
@@ -81,49 +81,34 @@ void RankedCoverage::add_weight(std::size_t pixel, double filter_weight) {
 
 void RankedCoverage::accumulate(const SampleTable& table) {
     if (table.discarded()) return;
-    thread_local ExtraRows extra;
-    const int cameras = table.camera_row_count();
-    const bool has_extra = table.row_count() > cameras;
-    if (has_extra) extra.gather(table);
+    thread_local RayRows rays;
+    rays.gather(table);
     // Samples of a pixel stand together and mostly see one thing: what they see of it goes to the pixel once.
     std::size_t at = 0;
     Entry seen;
     const auto put = [&] {
         if (seen.weight > 0) add_to(pixels_[at], seen.id, seen.weight);
     };
-    for (int row = 0; row < cameras; ++row) {
+    for (int row = 0; row < table.camera_row_count(); ++row) {
         const CameraRow& camera = table.camera_row(row);
         if (camera.pixel_x < 0 || camera.pixel_y < 0 || camera.pixel_x >= width_ || camera.pixel_y >= height_) continue;
         const auto pixel = static_cast<std::size_t>(camera.pixel_y) * static_cast<std::size_t>(width_) +
                            static_cast<std::size_t>(camera.pixel_x);
         const double weight = static_cast<double>(camera.filter_weight);
         add_weight(pixel, weight);
-        RgbD through{1.0};
-        const auto take = [&](int r) {
-            const auto i = static_cast<std::size_t>(r);
-            const RgbD& opacity = table.opacity[i];
-            if (opacity.is_black()) return;
-            const auto surface = static_cast<std::size_t>(table.surface[i]);
+        const std::span<const int> rows = rays.of(row);
+        const std::span<const double> coverage = rays.coverage(row);
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            if (coverage[i] == 0) continue;
+            const auto surface = static_cast<std::size_t>(table.surface[static_cast<std::size_t>(rows[i])]);
             const std::uint32_t id = surface < ids_.size() ? ids_[surface] : 0;
             if (pixel != at || id != seen.id) {
                 put();
                 at = pixel;
                 seen = {id, 0};
             }
-            add_saturated(seen.weight, to_units(weight * (through * opacity).average()));
-            through *= RgbD(1.0) - opacity;
-        };
-        // The camera row takes its place among the extra rows by depth; at equal depth it comes first.
-        bool camera_taken = false;
-        for (const int r : has_extra ? extra.of(row) : std::span<const int>()) {
-            const bool behind = table.depth[static_cast<std::size_t>(row)] <= table.depth[static_cast<std::size_t>(r)];
-            if (!camera_taken && behind) {
-                take(row);
-                camera_taken = true;
-            }
-            take(r);
+            add_saturated(seen.weight, to_units(weight * coverage[i]));
         }
-        if (!camera_taken) take(row);
     }
     put();
 }

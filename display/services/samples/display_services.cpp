@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 #include <string>
 #include <type_traits>
 
@@ -11,24 +10,6 @@ namespace raylex::display {
 namespace {
 
 using RowState = SampleTable::RowState;
-
-const char* type_name(ChannelType type) {
-    switch (type) {
-        case ChannelType::real:
-            return "float";
-        case ChannelType::rgb:
-            return "rgb";
-        case ChannelType::point:
-            return "point";
-        case ChannelType::normal:
-            return "normal";
-        case ChannelType::vector:
-            return "vector";
-        case ChannelType::integer:
-            return "integer";
-    }
-    return "";
-}
 
 /// Whether the rows follow one another, all of them below `row_count`: then they are checked and written as one.
 bool consecutive(std::span<const std::int32_t> rows, std::uint32_t row_count) {
@@ -83,34 +64,21 @@ bool write_all(std::span<const std::int32_t> values, double* to) {
 
 }  // namespace
 
-std::uint64_t RefusalCounts::total() const {
-    return std::accumulate(by.begin(), by.end(), std::uint64_t{0});
+ChannelId find_channel(std::span<const DisplayChannel> channels, std::string_view name) {
+    const auto found = std::find_if(channels.begin(), channels.end(), [&](const auto& c) { return c.name == name; });
+    return found == channels.end() ? invalid_channel : found->id;
 }
 
-void RefusalCounts::add(const RefusalCounts& other) {
-    for (std::size_t i = 0; i < by.size(); ++i) by[i] += other.by[i];
-}
-
-std::vector<std::string> refusal_warnings(std::span<const ChannelDefinition> channels,
-                                          std::span<const RefusalCounts> refusals) {
-    std::vector<std::string> warnings;
-    for (std::size_t i = 0; i < refusals.size(); ++i) {
-        if (refusals[i].total() == 0) continue;
-        const bool channel = i < channels.size();
-        const std::string reasons[] = {
-            channel ? "to a layer that is made of another channel's samples" : "to ids that are no channel",
-            "to rows that are none of the batch",
-            channel ? "of another type than the channel's " + std::string(type_name(channels[i].type)) : std::string(),
-            "with values that are not finite or out of range", "for which the table had no row left"};
-        std::string list;
-        for (std::size_t k = 0; k < refusals[i].by.size(); ++k)
-            if (const std::uint64_t count = refusals[i].by[k]; count > 0)
-                list += (list.empty() ? "" : ", ") + std::to_string(count) + " " + reasons[k];
-        const std::uint64_t total = refusals[i].total();
-        warnings.push_back((channel ? "channel '" + channels[i].name + "'" : std::string("the display services")) +
-                           " refused " + std::to_string(total) + (total == 1 ? " call: " : " calls: ") + list);
+/// The place where the name stood last is compared first.
+ChannelId NamedChannel::id(std::span<const DisplayChannel> channels) const {
+    const std::size_t last = last_.load(std::memory_order_relaxed);
+    if (last < channels.size() && channels[last].name == name_) return channels[last].id;
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+        if (channels[i].name != name_) continue;
+        last_.store(i, std::memory_order_relaxed);
+        return channels[i].id;
     }
-    return warnings;
+    return invalid_channel;
 }
 
 DisplayServices::DisplayServices(SampleTable& table) : table_(table) {
@@ -118,12 +86,10 @@ DisplayServices::DisplayServices(SampleTable& table) : table_(table) {
         const ChannelDefinition& definition = table.channel(i);
         if (takes_samples(definition)) channels_.push_back({i, definition.style, definition.type, definition.name});
     }
-    refusals_.resize(static_cast<std::size_t>(table.channel_count()) + 1);
 }
 
 bool DisplayServices::refuse(ChannelId id, Refusal reason, std::uint64_t count) {
-    const std::size_t of = known(id) ? static_cast<std::size_t>(id) : refusals_.size() - 1;
-    refusals_[of].by[static_cast<std::size_t>(reason)] += count;
+    table_.count_refusal(id, reason, count);
     return false;
 }
 
@@ -156,7 +122,7 @@ bool DisplayServices::refuse_row_value(int row, const Rgb& value) {
 /// Where the values of an accepted (id, row) stand, ready to be added to (splatted) or replaced (written).
 double* DisplayServices::entry(ChannelId id, int row, RowState state) {
     const int components = component_count(table_.channel(id).type);
-    double* values = table_.values(id) + static_cast<std::size_t>(row) * static_cast<std::size_t>(components);
+    double* values = table_.raw_values(id) + static_cast<std::size_t>(row) * static_cast<std::size_t>(components);
     table_.touch(id, row);
     if (table_.channel(id).style == ChannelStyle::expression) return values;
     // The first splat into a row replaces the miss value, which may be infinite.
@@ -168,6 +134,7 @@ double* DisplayServices::entry(ChannelId id, int row, RowState state) {
 }
 
 bool DisplayServices::splat(ChannelId id, int row, float value) {
+    if (id == invalid_channel) return true;
     if (!accept(id, row, takes(id, ChannelType::real), true)) return false;
     if (!std::isfinite(value)) return refuse_value(id, row, Rgb(value));
     *entry(id, row, RowState::splatted) += static_cast<double>(value);
@@ -175,6 +142,7 @@ bool DisplayServices::splat(ChannelId id, int row, float value) {
 }
 
 bool DisplayServices::splat(ChannelId id, int row, const Rgb& value) {
+    if (id == invalid_channel) return true;
     if (!accept(id, row, takes_triples(id), true)) return false;
     if (!is_finite(value)) return refuse_value(id, row, value);
     double* values = entry(id, row, RowState::splatted);
@@ -195,6 +163,7 @@ bool DisplayServices::splat_multi(std::span<const ChannelId> ids, int row, const
 }
 
 bool DisplayServices::write(ChannelId id, int row, float value) {
+    if (id == invalid_channel) return true;
     if (!accept(id, row, takes(id, ChannelType::real), true)) return false;
     if (!std::isfinite(value)) return refuse_value(id, row, Rgb(value));
     *entry(id, row, RowState::written) = static_cast<double>(value);
@@ -202,6 +171,7 @@ bool DisplayServices::write(ChannelId id, int row, float value) {
 }
 
 bool DisplayServices::write(ChannelId id, int row, const Rgb& value) {
+    if (id == invalid_channel) return true;
     if (!accept(id, row, takes_triples(id), true)) return false;
     if (!is_finite(value)) return refuse_value(id, row, value);
     double* values = entry(id, row, RowState::written);
@@ -210,6 +180,7 @@ bool DisplayServices::write(ChannelId id, int row, const Rgb& value) {
 }
 
 bool DisplayServices::write(ChannelId id, int row, std::int32_t value) {
+    if (id == invalid_channel) return true;
     if (!accept(id, row, takes(id, ChannelType::integer), true)) return false;
     *entry(id, row, RowState::written) = static_cast<double>(value);
     return true;
@@ -219,12 +190,13 @@ bool DisplayServices::write(ChannelId id, int row, std::int32_t value) {
 template <class Value>
 bool DisplayServices::write_batch(ChannelId id, std::span<const std::int32_t> rows, std::span<const Value> values,
                                   bool right_type) {
+    if (id == invalid_channel) return true;
     const std::size_t count = std::min(rows.size(), values.size());
     if (!right_type)
         return refuse(
             id, known(id) && takes_samples(table_.channel(id)) ? Refusal::wrong_type : Refusal::unknown_channel, count);
     if (count == 0) return true;
-    double* const to = table_.values(id);
+    double* const to = table_.raw_values(id);
     const auto row_count = static_cast<std::uint32_t>(table_.row_count());
     const bool plain = table_.channel(id).style != ChannelStyle::expression;
     table_.touch(id);
@@ -264,10 +236,10 @@ bool DisplayServices::write_batch(ChannelId id, std::span<const std::int32_t> ro
 
 /// By columns where all is well; what is not is for write_batch() to find, chunk by chunk.
 bool DisplayServices::write(ChannelId id, std::span<const std::int32_t> rows, const Columns& columns) {
-    if (rows.empty()) return true;
+    if (rows.empty() || id == invalid_channel) return true;
     if (takes_triples(id) && consecutive(rows, static_cast<std::uint32_t>(table_.row_count()))) {
         const auto first = static_cast<std::size_t>(rows.front());
-        if (write_all(columns, rows.size(), table_.values(id) + 3 * first)) [[likely]] {
+        if (write_all(columns, rows.size(), table_.raw_values(id) + 3 * first)) [[likely]] {
             table_.touch(id);
             if (table_.channel(id).style != ChannelStyle::expression)
                 table_.set_row_states(id, rows.front(), static_cast<int>(rows.size()), RowState::written);
@@ -300,6 +272,7 @@ bool DisplayServices::write(ChannelId id, std::span<const std::int32_t> rows, st
 bool DisplayServices::write_distance(int row, float distance, bool is_volume) {
     if (!accept_row(row, true)) return false;
     if (std::isnan(distance)) return refuse_row_value(row, Rgb(distance));
+    report(row);
     table_.depth[static_cast<std::size_t>(row)] = distance;
     table_.is_volume[static_cast<std::size_t>(row)] = is_volume ? 1 : 0;
     return true;
@@ -308,6 +281,7 @@ bool DisplayServices::write_distance(int row, float distance, bool is_volume) {
 bool DisplayServices::write_opacity(int row, const Rgb& opacity) {
     if (!accept_row(row, true)) return false;
     if (!is_finite(opacity)) return refuse_row_value(row, opacity);
+    report(row);
     table_.opacity[static_cast<std::size_t>(row)] = RgbD(opacity);
     return true;
 }
@@ -315,25 +289,25 @@ bool DisplayServices::write_opacity(int row, const Rgb& opacity) {
 bool DisplayServices::splat_opacity(int row, const Rgb& opacity) {
     if (!accept_row(row, true)) return false;
     if (!is_finite(opacity)) return refuse_row_value(row, opacity);
+    report(row);
     table_.opacity[static_cast<std::size_t>(row)] += RgbD(opacity);
     return true;
 }
 
 bool DisplayServices::write_surface(int row, std::int32_t surface) {
     if (!accept_row(row, surface >= 0)) return false;
+    report(row);
     table_.surface[static_cast<std::size_t>(row)] = surface;
     return true;
 }
 
 int DisplayServices::add_sample(int row, const ExtraSample& sample) {
     if (!accept_row(row, !std::isnan(sample.depth) && is_finite(sample.opacity) && sample.surface >= 0)) return -1;
+    report(row);
     const int added = table_.add_row(row);
     if (added < 0) {
+        refuse(invalid_channel, Refusal::no_room);
         const int last = table_.last_row_of(row);
-        if (last < 0) {
-            refuse(invalid_channel, Refusal::no_room);
-            return -1;
-        }
         RgbD& opacity = table_.opacity[static_cast<std::size_t>(last)];
         for (int c = 0; c < 3; ++c) opacity[c] += (1 - opacity[c]) * sample.opacity[c];
         return last;
@@ -346,8 +320,8 @@ int DisplayServices::add_sample(int row, const ExtraSample& sample) {
     return added;
 }
 
-void DisplayServices::discard_iteration() {
-    table_.discard();
+bool DisplayServices::discard_iteration() {
+    return table_.discard() || refuse(invalid_channel, Refusal::too_late);
 }
 
 }  // namespace raylex::display

@@ -3,16 +3,37 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "display/services/channel.h"
 #include "display/services/rgb.h"
+#include "display/services/samples/refusals.h"
 #include "display/services/samples/sample_table.h"
 
 namespace raylex::display {
+
+/// The id of the channel with this name, or invalid_channel when the render does not have it.
+[[nodiscard]] ChannelId find_channel(std::span<const DisplayChannel> channels, std::string_view name);
+
+/// A channel known by name to an object that outlives renders (a pattern, a material), whose channels differ. One
+/// comparison of names a call.
+class NamedChannel {
+  public:
+    explicit NamedChannel(std::string name) : name_(std::move(name)) {}
+    /// The channel's id among those of the render; invalid_channel where it is not requested.
+    [[nodiscard]] ChannelId id(std::span<const DisplayChannel> channels) const;
+    [[nodiscard]] const std::string& name() const { return name_; }
+
+  private:
+    std::string name_;
+    mutable std::atomic<std::size_t> last_{0};
+};
 
 /// A sample on the same camera ray with its own depth and opacity: light straight through a cutout or a volume.
 struct ExtraSample {
@@ -22,37 +43,13 @@ struct ExtraSample {
     std::int32_t surface = 0;  ///< see write_surface
 };
 
-/// Why a call was refused.
-enum class Refusal : std::uint8_t {
-    unknown_channel,  ///< the id is no channel of this render
-    unknown_row,      ///< the row is none of this batch
-    wrong_type,       ///< the channel holds another type
-    bad_value,        ///< not finite (Law 6), or a negative surface number
-    no_room           ///< add_sample: the table holds no more rows
-};
-inline constexpr int refusal_kinds = 5;
-
-/// Refused calls by reason.
-struct RefusalCounts {
-    std::array<std::uint64_t, refusal_kinds> by{};
-
-    [[nodiscard]] std::uint64_t of(Refusal reason) const { return by[static_cast<std::size_t>(reason)]; }
-    [[nodiscard]] std::uint64_t total() const;
-    void add(const RefusalCounts& other);
-    bool operator==(const RefusalCounts&) const = default;
-};
-
-/// One sentence per channel that refused calls, with how many and why; calls that name no channel come last. `refusals`
-/// has an entry per channel and one more.
-std::vector<std::string> refusal_warnings(std::span<const ChannelDefinition> channels,
-                                          std::span<const RefusalCounts> refusals);
-
 /// `row` is the index of the camera ray in the current integrator call, or a row that add_sample returned.
 ///
-/// Invalid ids, invalid rows, values of the wrong type and values that are not finite (Law 6) are refused: the call
-/// returns false and nothing is written. Refusals are counted per channel (`refusals()`), so that the engine warns once
-/// per channel when the render is over, and never once per call. Values that are not finite are counted in the table
-/// too, by camera ray and channel (SampleTable::invalid_count).
+/// A call for invalid_channel does nothing and returns true: a channel that the render does not have costs one branch.
+/// Other invalid ids, invalid rows, values of the wrong type and values that are not finite (Law 6) are refused: the
+/// call returns false and nothing is written. Refusals are counted per channel (`refusals()`), so that the engine warns
+/// once per channel when the render is over, and never once per call. Values that are not finite are counted in the
+/// table too, by camera ray and channel (SampleTable::invalid_count).
 class DisplayServices {
   public:
     /// First, second and third components of triples, each at least as long as the rows they are for.
@@ -94,19 +91,21 @@ class DisplayServices {
     /// nothing that has a name. Cryptomatte and the like look up there.
     bool write_surface(int row, std::int32_t surface);
 
-    /// Adds a row on the camera ray of `row` and returns it. When the table is full the sample goes into the ray's last
-    /// one, whose opacity grows by it: what lies behind both stays as covered as it is. -1 where the ray has none, the
-    /// row is none or the depth is not a number (counted).
+    /// Adds a row on the camera ray of `row` and returns it. A ray that has SampleTable::most_extra_rows gets no more:
+    /// the sample goes into the ray's last row, whose opacity grows by it, so that what lies behind both stays as
+    /// covered as it is; the call is counted as refused. -1 where the row is none or a value is not valid (counted).
     int add_sample(int row, const ExtraSample& sample);
 
     [[nodiscard]] std::span<const DisplayChannel> get_display_channels() const { return channels_; }
 
-    /// Drops everything sent in this integrator call (a Metropolis integrator's start-up).
-    void discard_iteration();
+    /// Drops everything sent in this integrator call, before and after this call, to rows and to raster positions (a
+    /// Metropolis integrator's start-up). False, and counted as refused, when so many splats were sent before
+    /// (RasterSplats) that some are in the image already.
+    bool discard_iteration();
 
-    /// Calls refused so far, per channel; the last entry counts calls with ids that are no channel, and those that name
-    /// no channel (distance, opacity, add_sample).
-    [[nodiscard]] std::span<const RefusalCounts> refusals() const { return refusals_; }
+    /// Calls refused so far without those of discarded iterations, per channel; the last entry counts calls with ids
+    /// that are no channel, and those that name no channel (distance, opacity, add_sample).
+    [[nodiscard]] std::span<const RefusalCounts> refusals() const { return table_.refusals(); }
 
   private:
     [[nodiscard]] bool known(ChannelId id) const { return id >= 0 && id < table_.channel_count(); }
@@ -119,6 +118,7 @@ class DisplayServices {
     bool refuse(ChannelId id, Refusal reason, std::uint64_t count = 1);
     bool accept(ChannelId id, int row, bool right_type, bool good_value);
     bool accept_row(int row, bool good_value);
+    void report(int row) { table_.reported[static_cast<std::size_t>(table_.original(row))] = 1; }
     bool refuse_value(ChannelId id, int row, const Rgb& value);
     bool refuse_row_value(int row, const Rgb& value);
     double* entry(ChannelId id, int row, SampleTable::RowState state);
@@ -126,7 +126,6 @@ class DisplayServices {
     bool write_batch(ChannelId id, std::span<const std::int32_t> rows, std::span<const Value> values, bool right_type);
     SampleTable& table_;
     std::vector<DisplayChannel> channels_;
-    std::vector<RefusalCounts> refusals_;
 };
 
 }  // namespace raylex::display

@@ -120,7 +120,7 @@ void LpeServices::contribute_apart(const Report& report, const Tracker& tracker)
     const std::size_t at = 3 * static_cast<std::size_t>(tracker.row_);
     const RgbD whole(value);
     const auto splat = [&](ChannelId id, const RgbD& part) {
-        double* values = table_.values(id) + at;
+        double* values = table_.raw_values(id) + at;
         values[0] += part.r;
         values[1] += part.g;
         values[2] += part.b;
@@ -172,7 +172,7 @@ void LpeServices::splat_apart(const Report& report, const Tracker& tracker, bool
             }
             continue;
         }
-        double* values = table_.values(id) + 3 * static_cast<std::size_t>(tracker.row_);
+        double* values = table_.raw_values(id) + 3 * static_cast<std::size_t>(tracker.row_);
         const RgbD part = RgbD(own) * shares_[channel];
         for (int c = 0; c < 3; ++c) values[c] = prefixes.overwrite ? part[c] : values[c] + part[c];
         table_.touch(id, tracker.row_);

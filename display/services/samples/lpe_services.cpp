@@ -150,7 +150,7 @@ void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
 /// To channels of a set that the table has no column for.
 void LpeServices::splat_apart(std::span<const ChannelId> channels, const RgbD& value, int row) {
     for (const ChannelId id : channels) {
-        double* to = table_.values(id) + 3 * static_cast<std::size_t>(row);
+        double* to = table_.raw_values(id) + 3 * static_cast<std::size_t>(row);
         for (int c = 0; c < 3; ++c) to[c] += value[c];
         table_.touch(id, row);
     }

@@ -102,7 +102,7 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
     const std::size_t at = 3 * static_cast<std::size_t>(tracker.row_);
     const double r = static_cast<double>(value.r), g = static_cast<double>(value.g), b = static_cast<double>(value.b);
     if (setup_.beauty_ >= 0) {
-        double* beauty = table_.values(setup_.beauty_) + at;
+        double* beauty = table_.raw_values(setup_.beauty_) + at;
         beauty[0] += r;
         beauty[1] += g;
         beauty[2] += b;
@@ -123,7 +123,7 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
         for (std::uint32_t table = 0; table < program.table_count; ++table)
             for (const ChannelId target : targets_.of(states[table])) {
                 if (target >= 0) {
-                    double* values = table_.values(target) + at;
+                    double* values = table_.raw_values(target) + at;
                     values[0] += part.first[1];
                     values[1] += part.second[0];
                     values[2] += part.second[1];

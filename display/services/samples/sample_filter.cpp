@@ -56,9 +56,7 @@ class ClampFilter final : public SampleFilter {
         if (factor == 1.0) return;
         for (const ChannelId id : scaled_) {
             if (!table.touched(id)) continue;
-            const int components = component_count(table.channel(id).type);
-            double* v = table.values(id) + static_cast<std::size_t>(row) * static_cast<std::size_t>(components);
-            for (int c = 0; c < components; ++c) v[c] *= factor;
+            for (double& v : table.edit(id, row)) v *= factor;
         }
     }
 
@@ -169,7 +167,7 @@ void SampleFilterChain::take_out_invalid(SampleTable& table) {
         return std::all_of(v, v + components, [](double each) { return std::isfinite(each); });
     };
     const auto value_at = [&](ChannelId id, int row) {
-        return table.values(id) +
+        return table.raw_values(id) +
                static_cast<std::size_t>(row) * static_cast<std::size_t>(component_count(table.channel(id).type));
     };
     std::vector<ChannelId> light;

@@ -20,43 +20,25 @@ std::size_t values_per_row(const ChannelDefinition& channel) {
 
 }  // namespace
 
-SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_rows, int max_extra_rows,
-                         const SplatSets* sets)
+SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_rows, const SplatSets* sets)
     : sets_(sets != nullptr && sets->size() > 0 ? sets : nullptr),
       shared_(channels.size(), 0),
-      channels_(channels.begin(), channels.end()),
-      row_capacity_(static_cast<std::size_t>(max_rows) + static_cast<std::size_t>(max_extra_rows)),
-      max_rows_(max_rows) {
-    std::size_t size = 0;
-    for (const ChannelDefinition& channel : channels_) {
-        offset_.push_back(size);
-        size += row_capacity_ * values_per_row(channel);
+      channels_(channels.begin(), channels.end()) {
+    for (const ChannelDefinition& channel : channels_)
         fill_.push_back(channel.style == ChannelStyle::name ? static_cast<double>(channel.miss_value) : 0.0);
-    }
     if (sets_ != nullptr) {
         std::copy(sets_->shared().begin(), sets_->shared().end(), shared_.begin());
         place_of_set_.assign(sets_->size(), -1);
         sets_in_use_.reserve(set_chunk);
-        set_rows_.resize(row_capacity_);
     }
-    values_.resize(size);
-    while (row_capacity_ > std::size_t{64} << stripe_shift_) ++stripe_shift_;
-    touched_.assign(offset_.size(), 0);
-    std::fill_n(touched_.begin(), channels_.size(),
-                ~std::uint64_t{0});  // so that clear_rows() fills in the miss values
-    row_states_.assign(channels_.size() * row_capacity_, RowState::untouched);
-    camera_rows_.resize(static_cast<std::size_t>(max_rows));
-    originals_.resize(row_capacity_);
-    std::iota(originals_.begin(), originals_.end(), 0);
-    depth.resize(row_capacity_);
-    is_volume.resize(row_capacity_);
-    opacity.resize(row_capacity_);
-    surface.resize(row_capacity_);
-    valid.resize(row_capacity_);
-    invalid_.resize(static_cast<std::size_t>(max_rows));
-    invalid_by_channel_.resize(channels_.size());
-    invalid_log_.reserve(invalid_samples_kept);
-    clear_rows(static_cast<int>(row_capacity_));
+    touched_.assign(channels_.size(), 0);
+    ever_touched_.assign(channels_.size(), 0);
+    offset_.assign(channels_.size(), 0);
+    counts_.invalid_by_channel.resize(channels_.size());
+    counts_.invalid_log.reserve(invalid_samples_kept);
+    counts_.refusals.resize(channels_.size() + 1);
+    counts_before_ = counts_;
+    reserve_camera_rows(max_rows);
 }
 
 SampleTable::SampleTable(SampleTable&&) noexcept = default;
@@ -67,10 +49,66 @@ PathWords& SampleTable::keep_words(const WordAlphabet& alphabet) {
     return *words_;
 }
 
+void SampleTable::reserve_camera_rows(int max_rows) {
+    const auto rows = static_cast<std::size_t>(max_rows);
+    reserve_rows(rows);
+    max_rows_ = max_rows;
+    camera_rows_.resize(rows);
+    extra_rows_.resize(rows);
+    reported.resize(rows);
+    invalid_.resize(rows);
+    for (SetChunk& chunk : set_chunks_) {
+        chunk.sums.resize(rows * set_stride);
+        chunk.masks.resize(rows);
+    }
+}
+
+/// Values stand by channel, so each channel's rows move to another place. New rows hold the channel's miss value.
+void SampleTable::reserve_rows(std::size_t capacity) {
+    if (capacity <= row_capacity_) return;
+    std::size_t size = 0;
+    for (const ChannelDefinition& channel : channels_) size += capacity * values_per_row(channel);
+    std::vector<double> values(size);
+    std::vector<RowState> states(channels_.size() * capacity, RowState::untouched);
+    std::size_t to = 0;
+    for (std::size_t channel = 0; channel < channels_.size(); ++channel) {
+        const std::size_t per_row = values_per_row(channels_[channel]), held = row_capacity_ * per_row;
+        std::copy_n(values_.data() + offset_[channel], held, values.data() + to);
+        std::fill_n(values.data() + to + held, capacity * per_row - held, fill_[channel]);
+        std::copy_n(row_states_.data() + channel * row_capacity_, row_capacity_, states.data() + channel * capacity);
+        offset_[channel] = std::exchange(to, to + capacity * per_row);
+    }
+    values_ = std::move(values);
+    row_states_ = std::move(states);
+    for (; capacity > std::size_t{64} << stripe_shift_; ++stripe_shift_)
+        for (std::uint64_t& stripes : touched_) {
+            std::uint64_t wider = 0;  // a stripe of twice the rows is touched where one of its halves is
+            for (; stripes != 0; stripes &= stripes - 1) wider |= std::uint64_t{1} << std::countr_zero(stripes) / 2;
+            stripes = wider;
+        }
+    originals_.resize(capacity);
+    depth.resize(capacity);
+    is_volume.resize(capacity);
+    opacity.resize(capacity);
+    surface.resize(capacity);
+    valid.resize(capacity);
+    if (sets_ != nullptr) set_rows_.resize(capacity);
+    row_capacity_ = capacity;
+}
+
+void SampleTable::clear_row(std::size_t row) {
+    depth[row] = std::numeric_limits<float>::infinity();
+    is_volume[row] = 0;
+    opacity[row] = RgbD{};
+    surface[row] = 0;
+    valid[row] = 1;
+}
+
 void SampleTable::clear_channel(std::size_t channel, std::size_t values, double fill, std::size_t rows) {
     double* const first = values_.data() + offset_[channel];
     const bool plain = channels_[channel].style == ChannelStyle::name;
     RowState* const states = plain ? row_states_.data() + channel * row_capacity_ : nullptr;
+    if (!discarded_) ever_touched_[channel] = 1;
     for (std::uint64_t stripes = std::exchange(touched_[channel], 0); stripes != 0;) {
         // Stripes in a row are cleared as one: a channel that everything is sent to has but one such run.
         const int begin = std::countr_zero(stripes), end = begin + std::countr_one(stripes >> begin);
@@ -138,8 +176,10 @@ void SampleTable::find_set_blocks(std::size_t first_row, std::size_t end_row) {
 void SampleTable::begin(std::span<const CameraRow> rows) {
     assert(rows.size() <= static_cast<std::size_t>(max_rows_));
     clear_rows(row_count_);
-    discarded_ = false;
+    discarded_ = handed_on_ = false;
+    if (std::exchange(counts_changed_, false)) counts_before_ = counts_;
     if (words_) words_->clear();
+    if (row_count_ > camera_row_count_) std::fill_n(extra_rows_.begin(), camera_row_count_, ExtraRowsOfRay());
     const std::size_t count = std::min(rows.size(), static_cast<std::size_t>(max_rows_));
     camera_row_count_ = row_count_ = static_cast<int>(count);
     std::copy_n(rows.begin(), count, camera_rows_.begin());
@@ -149,6 +189,7 @@ void SampleTable::begin(std::span<const CameraRow> rows) {
     std::fill_n(opacity.begin(), count, RgbD{});
     std::fill_n(surface.begin(), count, 0);
     std::fill_n(valid.begin(), count, std::uint8_t{1});
+    std::fill_n(reported.begin(), count, std::uint8_t{0});
     std::fill_n(invalid_.begin(), count, 0u);
     find_set_blocks(0, count);
 }
@@ -161,43 +202,64 @@ int SampleTable::add_camera_row(const CameraRow& camera) {
     const auto index = static_cast<std::size_t>(row);
     camera_rows_[index] = camera;
     originals_[index] = row;
-    depth[index] = std::numeric_limits<float>::infinity();
-    is_volume[index] = 0;
-    opacity[index] = RgbD{};
-    surface[index] = 0;
-    valid[index] = 1;
+    clear_row(index);
+    reported[index] = 0;
     invalid_[index] = 0;
     find_set_blocks(index, index + 1);
     return row;
 }
 
+/// False in a batch that was discarded, whose counts nobody sees.
+bool SampleTable::counts_now() {
+    counts_changed_ = true;
+    return !discarded_;
+}
+
 void SampleTable::count_invalid(int row, ChannelId channel, const Rgb& value) {
     ++invalid_[static_cast<std::size_t>(original(row))];
-    ++invalid_total_;
+    if (!counts_now()) return;
+    ++counts_.invalid;
     if (channel >= 0) count_invalid_of(channel);
-    if (invalid_log_.size() == invalid_samples_kept) return;
+    if (counts_.invalid_log.size() == invalid_samples_kept) return;
     const CameraRow& camera = camera_row(row);
-    invalid_log_.push_back({camera.pixel_x, camera.pixel_y, camera.sample, value, channel});
+    counts_.invalid_log.push_back({camera.pixel_x, camera.pixel_y, camera.sample, value, channel});
 }
 
-void SampleTable::discard() {
+void SampleTable::count_invalid_of(ChannelId channel) {
+    if (counts_now()) ++counts_.invalid_by_channel[static_cast<std::size_t>(channel)];
+}
+
+void SampleTable::count_refusal(ChannelId channel, Refusal reason, std::uint64_t count) {
+    const bool known = channel >= 0 && channel < channel_count();
+    if (counts_now())
+        counts_.refusals[known ? static_cast<std::size_t>(channel) : channels_.size()]
+            .by[static_cast<std::size_t>(reason)] += count;
+}
+
+bool SampleTable::discard() {
+    if (handed_on_) return false;
+    discarded_ = true;
     clear_rows(row_count_);
     if (words_) words_->clear();
-    discarded_ = true;
+    counts_ = counts_before_;
+    return true;
 }
 
-int SampleTable::add_row(int original) {
-    if (static_cast<std::size_t>(row_count_) == row_capacity_) return -1;
-    const int row = row_count_++;
-    const auto index = static_cast<std::size_t>(row);
-    originals_[index] = originals_[static_cast<std::size_t>(original)];
-    depth[index] = std::numeric_limits<float>::infinity();
-    is_volume[index] = 0;
-    opacity[index] = RgbD{};
-    surface[index] = 0;
-    valid[index] = 1;
-    if (sets_ != nullptr) set_rows_[index] = set_rows_[static_cast<std::size_t>(originals_[index])];
-    return row;
+int SampleTable::add_row(int row) {
+    const std::int32_t camera = original(row);
+    ExtraRowsOfRay& of_ray = extra_rows_[static_cast<std::size_t>(camera)];
+    if (of_ray.count == most_extra_rows) return -1;
+    const auto index = static_cast<std::size_t>(row_count_);
+    // Four rows for each camera ray fit most scenes; then by doubling.
+    if (index == row_capacity_)
+        reserve_rows(std::max(2 * row_capacity_, row_capacity_ + 4 * static_cast<std::size_t>(max_rows_)));
+    ++row_count_;
+    ++of_ray.count;
+    of_ray.last = static_cast<std::int32_t>(index);
+    originals_[index] = camera;
+    clear_row(index);
+    if (sets_ != nullptr) set_rows_[index] = set_rows_[static_cast<std::size_t>(camera)];
+    return of_ray.last;
 }
 
 }  // namespace raylex::display

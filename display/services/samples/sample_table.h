@@ -2,7 +2,8 @@
 //
 // Integrators fill it through DisplayServices and LpeServices; sample filters read and change it; then the frame buffer
 // takes it in. Values are double, so that a split's layers and beauty differ by no more than double rounding (Law 1).
-// Rows of one pixel stand together, in ascending sample order; extra rows (AddSample) follow all camera rays.
+// Rows of one pixel stand together, in ascending sample order; extra rows (AddSample) follow all camera rays. The table
+// grows when extra rows need room and keeps its size afterwards, so renders without extra rows pay nothing for them.
 #pragma once
 
 #include <algorithm>
@@ -15,6 +16,7 @@
 
 #include "display/services/channel.h"
 #include "display/services/rgb.h"
+#include "display/services/samples/refusals.h"
 #include "display/services/samples/splat_sets.h"
 
 namespace raylex::display {
@@ -55,10 +57,13 @@ class SampleTable {
     /// add up. Splatted values of a camera ray's rows add up, written ones are composited (see FrameBuffer).
     enum class RowState : std::uint8_t { untouched, splatted, written };
 
-    /// `max_rows` camera rays and `max_extra_rows` rows from add_sample fit in; more extra rows are refused and
-    /// counted. `sets`, which must outlive the table, lets channels share values; null: each has but its own.
-    SampleTable(std::span<const ChannelDefinition> channels, int max_rows, int max_extra_rows,
-                const SplatSets* sets = nullptr);
+    /// The budget of one camera ray: add_row() refuses further rows. It belongs to the ray alone, so what one ray gets
+    /// never depends on the other rays of its batch.
+    static constexpr int most_extra_rows = 1024;
+
+    /// Room for `max_rows` camera rays. `sets`, which must outlive the table, makes channels share values; null: each
+    /// channel has its own.
+    SampleTable(std::span<const ChannelDefinition> channels, int max_rows, const SplatSets* sets = nullptr);
 
     SampleTable(SampleTable&&) noexcept;
     ~SampleTable();
@@ -69,9 +74,14 @@ class SampleTable {
     /// One more camera row, at the end of those there are: for rows that become known one by one. No extra row may
     /// stand there yet. -1 when the table is full.
     int add_camera_row(const CameraRow& camera);
-    /// Drops everything sent since begin(); the batch then leaves no trace in the frame buffer.
-    void discard();
+    /// Makes room for `max_rows` camera rows. Rows keep their places and what they hold.
+    void reserve_camera_rows(int max_rows);
+    /// Drops everything sent since begin(), and whatever is sent until the next begin(): the batch then leaves no trace
+    /// in the frame buffer, in sinks or in counters. False, and nothing is dropped, after set_handed_on().
+    bool discard();
     [[nodiscard]] bool discarded() const { return discarded_; }
+    /// Declares that splats of this batch are in the image already.
+    void set_handed_on() { handed_on_ = true; }
 
     [[nodiscard]] int max_rows() const { return max_rows_; }
     [[nodiscard]] int camera_row_count() const { return camera_row_count_; }
@@ -86,20 +96,29 @@ class SampleTable {
     }
     /// The camera row that an extra row belongs to; a camera row's own index.
     [[nodiscard]] int original(int row) const { return originals_[static_cast<std::size_t>(row)]; }
-    int add_row(int original);  ///< -1 when the table is full
+    /// One more row of the camera ray that `row` belongs to. -1 when the ray has most_extra_rows. Pointers into the
+    /// table are not valid after the call.
+    int add_row(int row);
     /// The extra row of the same camera ray that was added last; -1: it has none.
-    [[nodiscard]] int last_row_of(int row) const {
-        for (int last = row_count_ - 1; last >= camera_row_count_; --last)
-            if (original(last) == original(row)) return last;
-        return -1;
-    }
+    [[nodiscard]] int last_row_of(int row) const { return extra_rows_[static_cast<std::size_t>(original(row))].last; }
 
-    /// Values of one channel, component-interleaved per row. Writable for sample filters. A row nothing was sent to
-    /// holds 0 in an expression channel and the channel's miss value in a plain one.
-    [[nodiscard]] double* values(ChannelId id) { return values_.data() + offset_[static_cast<std::size_t>(id)]; }
+    /// Values of one channel, component-interleaved per row. A row to which nothing was sent holds 0 in an expression
+    /// channel and the channel's miss value in a plain one.
     [[nodiscard]] const double* values(ChannelId id) const {
         return values_.data() + offset_[static_cast<std::size_t>(id)];
     }
+    /// The numbers of one row of a channel, for a sample filter to change. They count as sent: a plain channel's row
+    /// counts as written, unless it holds splats.
+    [[nodiscard]] std::span<double> edit(ChannelId id, int row) {
+        touch(id, row);
+        if (channel(id).style == ChannelStyle::name && row_state(id, row) == RowState::untouched)
+            set_row_state(id, row, RowState::written);
+        const auto components = static_cast<std::size_t>(component_count(channel(id).type));
+        return {raw_values(id) + static_cast<std::size_t>(row) * components, components};
+    }
+    /// The memory behind values(), for services that call touch() and set_row_state() themselves: what they do not
+    /// announce there is lost.
+    [[nodiscard]] double* raw_values(ChannelId id) { return values_.data() + offset_[static_cast<std::size_t>(id)]; }
     /// What was sent to is kept by stripes of rows: of many channels most get nothing from the samples of one pixel.
     [[nodiscard]] bool touched(ChannelId id) const { return touched_[static_cast<std::size_t>(id)] != 0; }
     void touch(ChannelId id, int row) {
@@ -113,6 +132,10 @@ class SampleTable {
     /// The same of a channel in the ordinary way of its light: nothing is sent apart by it.
     void touch_in_passing(ChannelId id, int row) {
         touched_[static_cast<std::size_t>(id)] |= std::uint64_t{1} << (row >> stripe_shift_);
+    }
+    /// Whether any batch so far that was not discarded sent something to the channel.
+    [[nodiscard]] bool ever_touched(ChannelId id) const {
+        return ever_touched_[static_cast<std::size_t>(id)] != 0 || (touched(id) && !discarded_);
     }
 
     /// What channels may share of this batch, beside values of their own; null when each has but its own.
@@ -156,7 +179,7 @@ class SampleTable {
     }
     /// What the channel's rows hold before anything is sent to them.
     [[nodiscard]] double fill_value(ChannelId id) const { return fill_[static_cast<std::size_t>(id)]; }
-    /// Whether a Write or a Splat through DisplayServices set this row: rows without one keep the channel's miss value.
+    /// Whether a Write or a Splat set this row: rows without one keep the channel's miss value.
     [[nodiscard]] bool written(ChannelId id, int row) const { return row_state(id, row) != RowState::untouched; }
     [[nodiscard]] RowState row_state(ChannelId id, int row) const {
         return row_states_[static_cast<std::size_t>(id) * row_capacity_ + static_cast<std::size_t>(row)];
@@ -180,21 +203,42 @@ class SampleTable {
     std::vector<std::int32_t> surface;  ///< [row] what is there, 1-based in the renderer's own count; 0 = nothing named
     std::vector<std::uint8_t>
         valid;  ///< [row] 0 marks a camera ray that could not be traced: it counts as a black miss
+    /// [camera row] whether the integrator wrote a distance, an opacity or a surface, or added a row: where it did not,
+    /// the renderer supplies them (CameraHits).
+    std::vector<std::uint8_t> reported;
 
     /// Counts a refused value of `row` against its camera ray and `channel`, and logs it while there is room: call once
     /// per refused value, count_invalid_of() for each further channel that would have taken it.
     void count_invalid(int row, ChannelId channel, const Rgb& value);
-    void count_invalid_of(ChannelId channel) { ++invalid_by_channel_[static_cast<std::size_t>(channel)]; }
+    void count_invalid_of(ChannelId channel);
+    /// Counts refused calls against a channel; invalid_channel: against those that name none.
+    void count_refusal(ChannelId channel, Refusal reason, std::uint64_t count);
     /// Refused values of a camera ray since begin(): what the AOV invalidSamples counts.
     [[nodiscard]] std::uint32_t invalid_count(int camera_row) const {
         return invalid_[static_cast<std::size_t>(camera_row)];
     }
-    /// Since the table was made, discarded batches included: in all, [channel], and the first ones.
-    [[nodiscard]] std::uint64_t invalid_total() const { return invalid_total_; }
-    [[nodiscard]] std::span<const std::uint64_t> invalid_by_channel() const { return invalid_by_channel_; }
-    [[nodiscard]] std::span<const InvalidSample> invalid_log() const { return invalid_log_; }
+    /// Since the table was made, without discarded batches: in all, [channel], and the first ones.
+    [[nodiscard]] std::uint64_t invalid_total() const { return counts_.invalid; }
+    [[nodiscard]] std::span<const std::uint64_t> invalid_by_channel() const { return counts_.invalid_by_channel; }
+    [[nodiscard]] std::span<const InvalidSample> invalid_log() const { return counts_.invalid_log; }
+    /// Calls refused likewise, [channel]; the last entry counts those that name no channel.
+    [[nodiscard]] std::span<const RefusalCounts> refusals() const { return counts_.refusals; }
 
   private:
+    /// What is counted of values and calls that were refused.
+    struct Counts {
+        std::uint64_t invalid = 0;
+        std::vector<std::uint64_t> invalid_by_channel;
+        std::vector<InvalidSample> invalid_log;
+        std::vector<RefusalCounts> refusals;
+    };
+    /// The extra rows of one camera ray.
+    struct ExtraRowsOfRay {
+        std::int32_t last = -1, count = 0;
+    };
+    [[nodiscard]] bool counts_now();
+    void reserve_rows(std::size_t capacity);
+    void clear_row(std::size_t row);
     void clear_rows(int count);
     void clear_channel(std::size_t channel, std::size_t values, double fill, std::size_t rows);
     void clear_sets();
@@ -225,20 +269,21 @@ class SampleTable {
     std::vector<std::uint8_t> shared_;  // [channel]
     std::uint8_t sent_apart_ = 0;
     std::vector<std::uint32_t> invalid_;  // [camera row]
-    std::vector<std::uint64_t> invalid_by_channel_;
-    std::vector<InvalidSample> invalid_log_;
-    std::uint64_t invalid_total_ = 0;
+    Counts counts_, counts_before_;       // before: when the batch began
+    bool counts_changed_ = false;         // since then
     std::vector<ChannelDefinition> channels_;
     std::vector<std::size_t> offset_;  // [channel] into values_
     std::vector<double> values_;
-    std::vector<double> fill_;            // [channel]
-    std::vector<std::uint64_t> touched_;  // [channel] a bit for each stripe of 2^stripe_shift_ rows
-    std::vector<RowState> row_states_;    // [channel * row_capacity_ + row]
+    std::vector<double> fill_;                // [channel]
+    std::vector<std::uint64_t> touched_;      // [channel] a bit for each stripe of 2^stripe_shift_ rows
+    std::vector<std::uint8_t> ever_touched_;  // [channel]
+    std::vector<RowState> row_states_;        // [channel * row_capacity_ + row]
     std::vector<CameraRow> camera_rows_;
     std::vector<std::int32_t> originals_;
+    std::vector<ExtraRowsOfRay> extra_rows_;  // [camera row]
     std::size_t row_capacity_ = 0;
     int max_rows_ = 0, camera_row_count_ = 0, row_count_ = 0, stripe_shift_ = 0;
-    bool discarded_ = false;
+    bool discarded_ = false, handed_on_ = false;
 };
 
 }  // namespace raylex::display

@@ -95,10 +95,9 @@ void add_file_options(const OptionGroup& group, OutputOptions& options) {
         "channels in one part, instead of one part each (multi)");
     group.add("--deep", options.deep, "OUT.exr", "also writes a deep image: Z, ZBack, A and the beauty");
     group
-        .add("--deep-channels", options.deep_channels, "NAME,...",
-             "light or filtered layers that the deep image has as well")
-        ->delimiter(',')
-        ->expected(1);
+        .add_repeated("--deep-channels", options.deep_channels, "NAME[,NAME...]",
+                      "light or filtered layers that the deep image has as well")
+        ->delimiter(',');
     group.add("--deep-samples", options.deep_samples, "N", "deep samples a pixel may have; default 32")
         ->check(CLI::Range(1, 4096));
     group

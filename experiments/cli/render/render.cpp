@@ -197,6 +197,12 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     if (Status sampling = read_sampling(options, job); !sampling) return sampling.error();
     if (Status expressions = read_expressions(command, options, job); !expressions) return expressions.error();
     if (Status settings = read_channel_settings(options, job.settings); !settings) return settings.error();
+    for (const std::string& text : options.declared) {
+        auto channel = display::parse_declared_channel(text, flag("--channel " + text));
+        if (!channel) return channel.error();
+        channel->origin = "--channel " + text;
+        job.declared.push_back(*std::move(channel));
+    }
     for (const std::string& name : options.aovs) job.aovs.push_back({name, flag("--aov " + name)});
     if (!options.cryptomatte.empty()) job.settings.cryptomatte.clear();
     for (const std::string& name : options.cryptomatte)

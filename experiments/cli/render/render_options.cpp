@@ -140,8 +140,11 @@ void add_sample_layer_options(const OptionGroup& group, RenderOptions& options) 
     group
         .add_repeated("--aov", options.aovs, "NAME[,NAME...]",
                       "adds geometric AOVs by their standard names (" + aov_names() +
-                          "), or the channels that tee textures of the scene write to")
+                          "), the channels that textures of the scene name, or those that plugins declare")
         ->delimiter(',');
+    group.add_repeated("--channel", options.declared, "NAME:TYPE",
+                       "adds a layer that plugins, patterns and materials write to by its name; TYPE is float, rgb, "
+                       "point, normal, vector or integer");
     group.add_repeated(
         "--rule", options.rules, "NAME=RULE",
         "how the samples of a channel become its pixels: filter (the pixel filter), zmin, zmax (the nearest, "

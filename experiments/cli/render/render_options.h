@@ -19,7 +19,7 @@ struct RenderOptions : ExpressionOptions {
     std::optional<std::uint64_t> spp, seed;
     std::optional<int> threads;
     std::optional<std::int64_t> max_depth;
-    std::vector<std::string> aovs, cryptomatte, rules, layers, statistic_layers, plugins, effects;
+    std::vector<std::string> aovs, declared, cryptomatte, rules, layers, statistic_layers, plugins, effects;
     std::string memory;
     std::optional<int> cryptomatte_ranks, bucket_rows;
     bool no_beauty = false, resume = false, show_effects = false;

@@ -281,9 +281,12 @@ class RenderRun {
     Step render() {
         ask_for_checkpoints();
         Progress progress;
+        std::size_t warned = 0;  // before the render
         job_.settings.before_rendering = [&](const transport::RenderPlan& plan,
                                              std::vector<display::SampleSink*>& sinks) {
             at_once_.reset();
+            for (const Error& warning : plan.warnings) warn(warning.to_string());
+            warned = plan.warnings.size();
             progress.begin(plan);
             Status begun = outputs_.begin(plan, sinks, loaded_->primaries, partitions_);
             if (begun) print_memory(outputs_, job_.outputs.memory_limit);
@@ -304,7 +307,7 @@ class RenderRun {
         }
         if (!output) return report_error(output.error());
         output_.emplace(std::move(*output));
-        for (const Error& warning : output_->warnings) warn(warning.to_string());
+        for (std::size_t i = warned; i < output_->warnings.size(); ++i) warn(output_->warnings[i].to_string());
         const transport::RenderStatistics& statistics = output_->statistics;
         phases_["build"] = {statistics.build_seconds, statistics.build_cpu_seconds};
         phases_["prepare"] = {statistics.prepare_seconds, statistics.prepare_cpu_seconds};

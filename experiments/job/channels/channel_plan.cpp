@@ -42,7 +42,7 @@ class Planner {
         }
         for (Status (Planner::*step)() :
              {&Planner::declared_partitions, &Planner::automatic_rest, &Planner::shipped, &Planner::light_groups,
-              &Planner::techniques, &Planner::aovs, &Planner::check_rules}) {
+              &Planner::techniques, &Planner::declared, &Planner::aovs, &Planner::check_rules}) {
             Status done = (this->*step)();
             if (!done) return done.error();
             if (!plan_.refuted.empty()) break;
@@ -379,6 +379,14 @@ class Planner {
                             asked + "expected a channel in the renderman dialect, without prefixes and no rest layer");
         const std::string mark = "lpe:";
         return channel.expression.starts_with(mark) ? channel.expression.substr(mark.size()) : channel.expression;
+    }
+
+    Status declared() {
+        for (const ChannelDefinition& channel : job_.declared)
+            if (Status added = add_channel(channel, {channel.origin, channel.origin_line, channel.origin_column});
+                !added)
+                return added;
+        return success();
     }
 
     Status aovs() {

@@ -23,10 +23,10 @@ import inspect
 from typing import NamedTuple
 
 from . import _raylex
-from ._raylex import Batch, Evaluation, LightSamples, Points, Sample, Samples, load_plugin
+from ._raylex import Batch, Evaluation, LightSamples, Points, Sample, Samples, TextureServices, load_plugin
 
-__all__ = ["Batch", "Evaluation", "LightSamples", "Points", "Sample", "Samples", "TexturePoints", "integrator",
-           "load_plugin", "sample_filter", "texture"]
+__all__ = ["Batch", "Evaluation", "LightSamples", "Points", "Sample", "Samples", "TexturePoints", "TextureServices",
+           "integrator", "load_plugin", "sample_filter", "texture"]
 
 
 class TexturePoints(NamedTuple):
@@ -38,6 +38,8 @@ class TexturePoints(NamedTuple):
     """float32 (points, 3): in the space that the texture was defined in"""
     normal: "np.ndarray"
     """float32 (points, 3): geometric, unit; 0 where it is not known"""
+    services: "TextureServices"
+    """``services.write(name, values)`` writes to a channel where the camera sees the points"""
 
     def __len__(self):
         return self.uv.shape[0]

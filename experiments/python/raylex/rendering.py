@@ -13,8 +13,8 @@ def _names(value):
     return [value] if isinstance(value, str) else list(value)
 
 
-def _channels(lpe, dialect):
-    tables = []
+def _channels(lpe, dialect, declared):
+    tables = [{"name": name, "type": kind} for name, kind in (declared or {}).items()]
     pairs = list(lpe.items() if isinstance(lpe, dict) else lpe or ())
     if not all(isinstance(pair, (tuple, list)) and len(pair) == 2 and all(isinstance(each, str) for each in pair)
                for pair in pairs):
@@ -44,8 +44,8 @@ def _seconds(time):
 
 
 def job_text(scene, *, spp=None, seed=None, threads=None, resolution=None, crop=None, max_depth=None, integrator=None,
-             sampler=None, filter=None, lpe=None, dialect="renderman", aovs=(), light_groups=False, shipped=False,
-             partitions=None, beauty=None, statistics=None, sample_filters=(), cryptomatte=(), time=None,
+             sampler=None, filter=None, lpe=None, dialect="renderman", aovs=(), channels=None, light_groups=False,
+             shipped=False, partitions=None, beauty=None, statistics=None, sample_filters=(), cryptomatte=(), time=None,
              until_error=None, plugins=(), output=None, atlas=None, job=None):
     """The job, as TOML, that :func:`render` reads; the same arguments. ``raylex render`` takes this text in a file."""
     file = scene.file if isinstance(scene, _raylex.Scene) else os.fspath(scene)
@@ -63,7 +63,7 @@ def job_text(scene, *, spp=None, seed=None, threads=None, resolution=None, crop=
         "output": {"file": None if output is None else os.fspath(output)},
         "atlas": atlas if atlas is None or isinstance(atlas, dict) else {"file": os.fspath(atlas)},
         "adaptive": None if until_error is None else {"error": until_error},
-        "channel": _channels(lpe, dialect),
+        "channel": _channels(lpe, dialect, channels),
         "partition": _partitions(partitions),
         "sample_filter": [_entity(each) for each in sample_filters],
     }
@@ -87,6 +87,8 @@ def render(scene, *, progress=None, **arguments):
     :param lpe: {layer: light path expression}; channels that share no path get a layer 'rest', and are proved to sum
     :param dialect: of the expressions, 'renderman' or 'osl'
     :param aovs: geometric AOVs by name: 'Nn', 'P', 'z', 'albedo', ...
+    :param channels: {name: type}: layers that plugins write to; a type is 'float', 'rgb', 'point', 'normal', 'vector' or
+        'integer'
     :param light_groups: a layer for each light group
     :param shipped: the layers of the shipped partition
     :param partitions: {name: [channels]} or {name: {"channels": [...], "rest": layer, "of": channel}}; proved before a

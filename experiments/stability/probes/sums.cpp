@@ -29,7 +29,7 @@ std::vector<ChannelDefinition> one_channel(bool statistics) {
 /// Samples [first, last) of the one pixel of `buffer`; `fill` gives a sample its value, and its row what else it has.
 template <class Fill>
 void feed(FrameBuffer& buffer, std::uint64_t first, std::uint64_t last, Fill&& fill) {
-    display::SampleTable table(buffer.channels(), batch, 0);
+    display::SampleTable table(buffer.channels(), batch);
     std::vector<display::CameraRow> rows;
     std::vector<double> values;
     for (std::uint64_t sample = first; sample < last;) {
@@ -42,7 +42,7 @@ void feed(FrameBuffer& buffer, std::uint64_t first, std::uint64_t last, Fill&& f
             rows.push_back(row);
         }
         table.begin(rows);
-        std::copy(values.begin(), values.end(), table.values(0));
+        std::copy(values.begin(), values.end(), table.raw_values(0));
         table.touch(0);
         buffer.accumulate(table);
     }

@@ -26,7 +26,7 @@ std::vector<ChannelDefinition> two_channels() {
 FrameBuffer sampled(int blocks, const std::function<double(int, int)>& value) {
     const auto channels = two_channels();
     FrameBuffer buffer({width, height}, channels);
-    SampleTable table(channels, 16, 0);
+    SampleTable table(channels, 16);
     DisplayServices services(table);
     for (int pixel = 0; pixel < width * height; ++pixel)
         for (int block = 0; block < blocks; ++block) {

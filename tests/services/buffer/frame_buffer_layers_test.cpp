@@ -44,7 +44,7 @@ constexpr ChannelId color = 0, depth = 1, light = 2, brightest = 3, nearest = 4,
 
 TEST_CASE("what is sent to a channel reaches every output, each by its own rule", "[frame_buffer][display_services]") {
     const std::vector<ChannelDefinition> list = channels();
-    SampleTable table(list, 4, 1);
+    SampleTable table(list, 4);
     DisplayServices services(table);
     FrameBuffer buffer({1, 1}, list);
     table.begin(test::pixel_rows(0, 0, 0, 4));
@@ -81,7 +81,7 @@ TEST_CASE("what is sent to a channel reaches every output, each by its own rule"
 
 TEST_CASE("layers are no channels to send to, and patterns do not see them", "[display_services][law7]") {
     const std::vector<ChannelDefinition> list = channels();
-    SampleTable table(list, 4, 0);
+    SampleTable table(list, 4);
     DisplayServices services(table);
     table.begin(test::pixel_rows(0, 0, 0, 4));
     REQUIRE(services.get_display_channels().size() == 3);

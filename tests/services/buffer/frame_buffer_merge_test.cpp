@@ -82,7 +82,7 @@ std::vector<std::pair<int, int>> all_blocks() {
 FrameBuffer render_in_order() {
     const std::vector<ChannelDefinition> channels = every_rule();
     FrameBuffer buffer({merged_width, merged_height}, channels);
-    SampleTable table(channels, block_size, 0);
+    SampleTable table(channels, block_size);
     for (const auto& [pixel, block] : all_blocks()) {
         fill_block(table, pixel, block);
         buffer.accumulate(table);
@@ -104,7 +104,7 @@ TEST_CASE("blocks dealt to several buffers at random and merged in random order 
         shuffle(blocks, random);
         std::vector<FrameBuffer> buffers;
         for (int i = 0; i < 4; ++i) buffers.emplace_back(FrameBufferLayout{merged_width, merged_height}, channels);
-        SampleTable table(channels, block_size, 0);
+        SampleTable table(channels, block_size);
         for (const auto& [pixel, block] : blocks) {
             fill_block(table, pixel, block);
             buffers[static_cast<std::size_t>(random.below(4))].accumulate(table);
@@ -127,7 +127,7 @@ TEST_CASE("threads that share a buffer by pixel give the same bits", "[frame_buf
     std::vector<std::thread> threads;
     for (int t = 0; t < 4; ++t)
         threads.emplace_back([&, t] {
-            SampleTable table(channels, block_size, 0);
+            SampleTable table(channels, block_size);
             for (const auto& [pixel, block] : all_blocks()) {
                 if (pixel % 4 != t) continue;
                 fill_block(table, pixel, blocks_per_pixel - 1 - block);
@@ -145,11 +145,11 @@ TEST_CASE("a batch that holds several blocks gives the same bits as the blocks o
     for (double& v : values) v = random.uniform();
     const auto render = [&](int batch) {
         FrameBuffer buffer({1, 1}, channels);
-        SampleTable table(channels, batch, 0);
+        SampleTable table(channels, batch);
         for (int done = 0; done < 100; done += batch) {
             const int count = std::min(batch, 100 - done);
             table.begin(test::pixel_rows(0, 0, static_cast<std::uint64_t>(done), count));
-            std::copy_n(values.begin() + done, count, table.values(0));
+            std::copy_n(values.begin() + done, count, table.raw_values(0));
             table.touch(0);
             buffer.accumulate(table);
         }

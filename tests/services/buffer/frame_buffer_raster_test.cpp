@@ -39,13 +39,13 @@ std::vector<Splat> random_splats() {
 }
 
 void feed(FrameBuffer& buffer, std::span<const Splat> list) {
-    SampleTable table(buffer.channels(), splats, 0);
+    SampleTable table(buffer.channels(), splats);
     table.begin({});
     std::vector<int> rows;
     for (const Splat& splat : list) {
         const int row = table.add_camera_row(splat.row);
         rows.push_back(row);
-        for (int c = 0; c < 3; ++c) table.values(0)[3 * row + c] = splat.color[c];
+        for (int c = 0; c < 3; ++c) table.raw_values(0)[3 * row + c] = splat.color[c];
     }
     table.touch(0);
     buffer.splat(table, rows);

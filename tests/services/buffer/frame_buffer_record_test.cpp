@@ -46,7 +46,7 @@ std::vector<ChannelDefinition> every_recorded_rule() {
 /// Blocks first, first + 2, ... of every pixel.
 FrameBuffer filled(const std::vector<ChannelDefinition>& channels, int first) {
     FrameBuffer buffer({37, 21}, channels);
-    SampleTable table(channels, 16, 0);
+    SampleTable table(channels, 16);
     DisplayServices services(table);
     for (int pixel = 0; pixel < 37 * 21; ++pixel)
         for (int block = first; block < 4; block += 2) {
@@ -115,7 +115,7 @@ TEST_CASE("a record does not depend on how many blocks of a pixel come in one ba
     constexpr int blocks = 70, rows = 16;  // more than one run has room for
     const auto filled_by = [&](int together) {
         FrameBuffer buffer({2, 1}, channels);
-        SampleTable table(channels, rows * together, rows * together);
+        SampleTable table(channels, rows * together);
         DisplayServices services(table);
         for (int first = 0; first < blocks; first += together) {
             const int count = std::min(together, blocks - first) * rows;

@@ -49,14 +49,14 @@ std::vector<Sample> even_samples(int reach, std::uint64_t seed) {
 
 /// A block of at most 16 samples of one pixel.
 void feed(FrameBuffer& buffer, std::span<const Sample> block) {
-    SampleTable table(buffer.channels(), 16, 0);
+    SampleTable table(buffer.channels(), 16);
     std::vector<CameraRow> rows;
     for (const Sample& sample : block) rows.push_back(sample.row);
     table.begin(rows);
     for (std::size_t i = 0; i < block.size(); ++i) {
         const RgbD colors[3] = {block[i].a + block[i].b, block[i].a, block[i].b};
         for (ChannelId id = 0; id < 3; ++id)
-            for (std::size_t c = 0; c < 3; ++c) table.values(id)[3 * i + c] = colors[id][static_cast<int>(c)];
+            for (std::size_t c = 0; c < 3; ++c) table.raw_values(id)[3 * i + c] = colors[id][static_cast<int>(c)];
         table.opacity[i] = RgbD(block[i].opacity);
     }
     for (ChannelId id = 0; id < 3; ++id) table.touch(id);

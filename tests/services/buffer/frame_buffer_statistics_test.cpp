@@ -36,7 +36,7 @@ void feed_block(FrameBuffer& buffer, SampleTable& table, int x, std::uint64_t fi
     const auto components = static_cast<std::size_t>(component_count(table.channel(0).type));
     for (std::size_t i = 0; i < values.size(); ++i)
         for (std::size_t c = 0; c < components; ++c)
-            table.values(0)[i * components + c] = values[i] * static_cast<double>(c + 1);
+            table.raw_values(0)[i * components + c] = values[i] * static_cast<double>(c + 1);
     table.touch(0);
     buffer.accumulate(table);
 }
@@ -44,7 +44,7 @@ void feed_block(FrameBuffer& buffer, SampleTable& table, int x, std::uint64_t fi
 TEST_CASE("even and odd are the images of half the samples each, whatever the weights", "[frame_buffer][statistics]") {
     const std::vector<ChannelDefinition> channels = with_statistics(ChannelType::rgb);
     FrameBuffer buffer({1, 1}, channels);
-    SampleTable table(channels, 16, 0);
+    SampleTable table(channels, 16);
     const PixelFilter filter = *make_pixel_filter("mitchell", {});
     Random random(2);
     double sum[2] = {0, 0}, weight[2] = {0, 0};
@@ -76,7 +76,7 @@ TEST_CASE("even and odd are the images of half the samples each, whatever the we
 TEST_CASE("light in the even samples alone leaves the odd half at zero exactly", "[frame_buffer][statistics]") {
     const std::vector<ChannelDefinition> channels = with_statistics();
     FrameBuffer buffer({2, 1}, channels);
-    SampleTable table(channels, 16, 0);
+    SampleTable table(channels, 16);
     std::vector<double> values(16);
     for (std::size_t i = 0; i < 16; i += 2) values[i] = 0.1 * static_cast<double>(i + 1);
     feed_block(buffer, table, 0, 0, values, std::vector<float>(16, 1.0f));
@@ -88,7 +88,7 @@ TEST_CASE("light in the even samples alone leaves the odd half at zero exactly",
 TEST_CASE("variance is the sample variance and mse that of the mean", "[frame_buffer][statistics]") {
     const std::vector<ChannelDefinition> channels = with_statistics();
     FrameBuffer buffer({1, 1}, channels);
-    SampleTable table(channels, 16, 0);
+    SampleTable table(channels, 16);
     Random random(9);
     std::vector<double> all;
     for (std::uint64_t first = 0; first < 48; first += 16) {
@@ -109,7 +109,7 @@ TEST_CASE("the halves differ by what mse says", "[frame_buffer][statistics][stat
     const std::vector<ChannelDefinition> channels = with_statistics();
     constexpr int pixels = 4000;
     FrameBuffer buffer({pixels, 1}, channels);
-    SampleTable table(channels, 16, 0);
+    SampleTable table(channels, 16);
     Random random(4);
     for (int x = 0; x < pixels; ++x) {
         std::vector<double> values(16);
@@ -134,7 +134,7 @@ TEST_CASE("records with statistics merge to the same bits in any order", "[frame
     std::vector<FrameBuffer> shards;
     FrameBuffer whole({1, 1}, channels);
     for (std::uint64_t first = 0; first < 64; first += 16) {
-        SampleTable table(channels, 16, 0);
+        SampleTable table(channels, 16);
         std::vector<double> values(16);
         for (double& v : values) v = random.uniform();
         const std::vector<float> weights(16, 1.0f);
@@ -152,7 +152,7 @@ TEST_CASE("records with statistics merge to the same bits in any order", "[frame
 
 TEST_CASE("nothing can be sent to a layer of statistics", "[frame_buffer][statistics]") {
     const std::vector<ChannelDefinition> channels = with_statistics(ChannelType::rgb);
-    SampleTable table(channels, 4, 0);
+    SampleTable table(channels, 4);
     table.begin(pixel_rows(0, 0, 0, 4));
     DisplayServices services(table);
     CHECK(services.write(value_id, 0, Rgb(1.0f)));

@@ -23,7 +23,7 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 /// `samples` of pixel (0, 0), in batches of 256, `fill(table, row, sample)` called for each.
 void feed(FrameBuffer& buffer, std::span<const ChannelDefinition> channels, std::uint64_t samples,
           const std::function<void(SampleTable&, int, std::uint64_t)>& fill) {
-    SampleTable table(channels, 256, 0);
+    SampleTable table(channels, 256);
     for (std::uint64_t done = 0; done < samples;) {
         const int count = static_cast<int>(std::min<std::uint64_t>(256, samples - done));
         table.begin(pixel_rows(0, 0, done, count));
@@ -45,7 +45,7 @@ TEST_CASE("a channel of another scale has the same digits", "[frame_buffer][law3
         feed(buffer, channels, 1000, [&](SampleTable& table, int row, std::uint64_t) {
             for (int i = 0; i < 3; ++i) {
                 const double value = std::ldexp(random.uniform(), scale);
-                for (ChannelId id = 0; id < 3; ++id) table.values(id)[3 * row + i] = value;
+                for (ChannelId id = 0; id < 3; ++id) table.raw_values(id)[3 * row + i] = value;
             }
             for (ChannelId id = 0; id < 3; ++id) table.touch(id);
         });
@@ -79,7 +79,7 @@ TEST_CASE("statistics survive an offset of 1e6", "[frame_buffer][statistical]") 
     std::vector<double> values;
     feed(buffer, channels, n, [&](SampleTable& table, int row, std::uint64_t) {
         values.push_back(1e6 + random.normal());
-        for (int c = 0; c < 3; ++c) table.values(0)[3 * row + c] = values.back() * (c + 1);
+        for (int c = 0; c < 3; ++c) table.raw_values(0)[3 * row + c] = values.back() * (c + 1);
         table.touch(0);
     });
     const std::vector<double> variance = buffer.resolve_variance_of_mean(0);
@@ -103,14 +103,14 @@ TEST_CASE("the variance of the mean predicts the scatter of means, negative weig
     const PixelFilter filter = *make_pixel_filter("mitchell", {});
     constexpr int pixels = 4000, n = 64;
     FrameBuffer buffer({pixels, 1}, channels);
-    SampleTable table(channels, n, 0);
+    SampleTable table(channels, n);
     Random random(11);
     for (int x = 0; x < pixels; ++x) {
         std::vector<CameraRow> rows = pixel_rows(x, 0, 0, n);
         for (CameraRow& row : rows)
             row.filter_weight = filter.sample(random.uniform_float(), random.uniform_float()).weight;
         table.begin(rows);
-        for (int row = 0; row < n; ++row) table.values(0)[row] = 3 + 0.5 * random.normal();
+        for (int row = 0; row < n; ++row) table.raw_values(0)[row] = 3 + 0.5 * random.normal();
         table.touch(0);
         buffer.accumulate(table);
     }
@@ -130,14 +130,14 @@ TEST_CASE("a constant image is constant under every pixel filter", "[frame_buffe
         const PixelFilter filter = *make_pixel_filter(name, {});
         const std::vector<ChannelDefinition> channels{plain_channel("v", ChannelType::rgb)};
         FrameBuffer buffer({8, 8}, channels);
-        SampleTable table(channels, 16, 0);
+        SampleTable table(channels, 16);
         Random random(3);
         for (int pixel = 0; pixel < 64; ++pixel) {
             std::vector<CameraRow> rows = pixel_rows(pixel % 8, pixel / 8, 0, 16);
             for (CameraRow& row : rows)
                 row.filter_weight = filter.sample(random.uniform_float(), random.uniform_float()).weight;
             table.begin(rows);
-            std::fill_n(table.values(0), 48, 0.7);
+            std::fill_n(table.raw_values(0), 48, 0.7);
             std::fill_n(table.opacity.begin(), 16, RgbD(1));
             table.touch(0);
             buffer.accumulate(table);
@@ -163,7 +163,7 @@ TEST_CASE("rules pick what they say, by depth with ties to the smaller sample", 
                                             plain_channel("average", ChannelType::real, FilterRule::average),
                                             plain_channel("sum", ChannelType::real, FilterRule::sum)};
     FrameBuffer buffer({2, 1}, channels);
-    SampleTable table(channels, 4, 0);
+    SampleTable table(channels, 4);
     table.begin(pixel_rows(0, 0, 0, 4));
     DisplayServices services(table);
     const float depths[4] = {5, 2, 2, 9};
@@ -197,7 +197,7 @@ TEST_CASE("where the nearest sample has no value of a channel, the nearest that 
                                                   plain_channel("some", ChannelType::rgb, FilterRule::zmin),
                                                   plain_channel("none", ChannelType::integer, FilterRule::zmin, 9)};
     FrameBuffer buffer({1, 1}, channels);
-    SampleTable table(channels, 4, 0);
+    SampleTable table(channels, 4);
     DisplayServices services(table);
     for (int block = 0; block < 2; ++block) {
         table.begin(pixel_rows(0, 0, 16 * static_cast<std::uint64_t>(block), 4));
@@ -221,11 +221,11 @@ TEST_CASE("a rule on an expression channel counts samples without light as black
     channels[0].rule = FilterRule::min;
     channels[1].rule = FilterRule::average;
     FrameBuffer buffer({1, 1}, channels);
-    SampleTable table(channels, 4, 0);
+    SampleTable table(channels, 4);
     for (const bool lit : {true, false}) {  // the second batch touches no channel
         table.begin(pixel_rows(0, 0, lit ? 0 : 4, 4));
         for (ChannelId id = 0; id < 2 && lit; ++id) {
-            std::fill_n(table.values(id), 12, 2.0);
+            std::fill_n(table.raw_values(id), 12, 2.0);
             table.touch(id);
         }
         buffer.accumulate(table);
@@ -239,7 +239,7 @@ TEST_CASE("straight-through rows add light, composite what is written and raise 
                                                   plain_channel("N", ChannelType::normal),
                                                   plain_channel("z", ChannelType::real, FilterRule::zmin, infinity)};
     FrameBuffer buffer({1, 1}, channels);
-    SampleTable table(channels, 2, 4);
+    SampleTable table(channels, 2);
     table.begin(pixel_rows(0, 0, 0, 2));
     DisplayServices services(table);
     // Sample 0: a quarter-opaque leaf at 2, then a wall at 5, reported out of order. Sample 1: nothing.
@@ -265,7 +265,7 @@ TEST_CASE("under a kernel misses count with the miss value, or 0 when that is in
         plain_channel("seven", ChannelType::real, FilterRule::filter, 7),
         plain_channel("far", ChannelType::real, FilterRule::filter, infinity)};
     FrameBuffer buffer({2, 1}, channels);
-    SampleTable table(channels, 4, 0);
+    SampleTable table(channels, 4);
     table.begin(pixel_rows(0, 0, 0, 4));
     DisplayServices services(table);
     services.write(0, 1, 3.0f);
@@ -284,12 +284,12 @@ TEST_CASE("sums out of range are rejected and counted, whole colours at a time",
     const std::vector<ChannelDefinition> channels{plain_channel("v", ChannelType::rgb),
                                                   plain_channel("w", ChannelType::rgb)};
     FrameBuffer buffer({1, 1}, channels);
-    SampleTable table(channels, 16, 0);
+    SampleTable table(channels, 16);
     const double bad[4] = {1e300, std::numeric_limits<double>::quiet_NaN(), 1e15, 1.0};
     for (std::uint64_t b = 0; b < 4; ++b) {
         table.begin(pixel_rows(0, 0, 16 * b, 16));
-        std::fill_n(table.values(0), 48, 1.0);
-        table.values(0)[4] = bad[b];
+        std::fill_n(table.raw_values(0), 48, 1.0);
+        table.raw_values(0)[4] = bad[b];
         table.touch(0);
         buffer.accumulate(table);
     }

@@ -40,7 +40,7 @@ class Fixture {
         auto alphabet = WordAlphabet::build(*events, {});
         REQUIRE(alphabet);
         REQUIRE(setup_.keep_words(*std::move(alphabet)));
-        table_.emplace(channels_, batch_rows, 0);
+        table_.emplace(channels_, batch_rows);
         services_.emplace(setup_, *table_, 1);
         const test::Classes classes(setup_);
         class_of_ = {{'D', classes.diffuse},         {'G', classes.glossy},           {'S', classes.singular},

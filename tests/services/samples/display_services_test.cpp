@@ -24,7 +24,7 @@ std::vector<ChannelDefinition> four_channels() {
 
 struct Fixture {
     std::vector<ChannelDefinition> channels = four_channels();
-    SampleTable table{channels, 8, 2};
+    SampleTable table{channels, 8};
     DisplayServices services{table};
 
     Fixture() { table.begin(test::pixel_rows(0, 0, 0, 4)); }
@@ -65,7 +65,9 @@ TEST_CASE("the first splat replaces an infinite miss value", "[display_services]
 
 TEST_CASE("bad ids, rows and types are refused, counted per channel and change nothing", "[display_services][law7]") {
     Fixture f;
-    CHECK_FALSE(f.services.splat(invalid_channel, 0, 1.0f));
+    CHECK(f.services.splat(invalid_channel, 0, 1.0f));  // a channel that nobody requested
+    CHECK(f.services.write(invalid_channel, 77, Rgb(1)));
+    CHECK_FALSE(f.services.splat(-2, 0, 1.0f));
     CHECK_FALSE(f.services.splat(4, 0, Rgb(1)));
     CHECK_FALSE(f.services.splat(color, 0, 1.0f));    // a float into a colour
     CHECK_FALSE(f.services.splat(depth, 0, Rgb(1)));  // a colour into a float
@@ -93,14 +95,14 @@ TEST_CASE("there is one warning per channel that refused calls, with how many an
     f.services.splat(99, 0, 1.0f);
     RefusalCounts sum;
     for (const RefusalCounts& each : f.services.refusals()) sum.add(each);
-    CHECK(sum.by == std::array<std::uint64_t, refusal_kinds>{2, 1, 3, 2, 0});
+    CHECK(sum.by == std::array<std::uint64_t, refusal_kinds>{1, 1, 3, 2, 0, 0});
     CHECK(sum.of(Refusal::wrong_type) == 3);
     CHECK(
         refusal_warnings(f.channels, f.services.refusals()) ==
         std::vector<std::string>{"channel 'color' refused 5 calls: 1 to rows that are none of the batch, 3 of another "
                                  "type than the channel's rgb, 1 with values that are not finite or out of range",
                                  "channel 'depth' refused 1 call: 1 with values that are not finite or out of range",
-                                 "the display services refused 2 calls: 2 to ids that are no channel"});
+                                 "the display services refused 1 call: 1 to ids that are no channel"});
 }
 
 TEST_CASE("a batch of values is written as one by one: good ones land, bad ones are counted",
@@ -175,7 +177,7 @@ TEST_CASE("rows that follow one another are written as one: the same as one by o
                 reals[static_cast<std::size_t>(bad)] = nan;
                 colors[static_cast<std::size_t>(bad)][bad % 3] = infinite;
             }
-            SampleTable at_once(channels, capacity, 0), one_by_one(channels, capacity, 0);
+            SampleTable at_once(channels, capacity), one_by_one(channels, capacity);
             std::vector<RefusalCounts> refusals;
             for (SampleTable* table : {&at_once, &one_by_one}) {
                 table->begin(std::vector<CameraRow>(capacity));
@@ -235,7 +237,7 @@ TEST_CASE("splat_multi serves the good ids and reports the bad one", "[display_s
     CHECK_FALSE(f.services.splat_multi(ids, 2, Rgb(1, 2, 3)));
     CHECK(f.values(color, 2) == std::vector<double>{1, 2, 3});
     CHECK(f.values(light, 2) == std::vector<double>{1, 2, 3});
-    CHECK(f.services.refusals()[4].total() == 2);
+    CHECK(f.services.refusals()[4].total() == 1);
     const std::array<ChannelId, 2> good{color, light};
     CHECK(f.services.splat_multi(good, 2, Rgb(1, 1, 1)));
 }
@@ -252,7 +254,8 @@ TEST_CASE("the channel list has every id, style, type and name", "[display_servi
     }
 }
 
-TEST_CASE("added samples keep their camera ray, depth and opacity until the table is full", "[display_services]") {
+TEST_CASE("added samples keep their camera ray, depth and opacity, and the table grows for them",
+          "[display_services]") {
     Fixture f;
     const int first = f.services.add_sample(2, {3.0f, RgbD(0.25, 0.5, 0.75), true});
     CHECK(first == 4);
@@ -264,15 +267,16 @@ TEST_CASE("added samples keep their camera ray, depth and opacity until the tabl
     const int second = f.services.add_sample(first, {5.0f, RgbD(1), false});  // on an added row: same camera ray
     CHECK(f.table.original(second) == 2);
     CHECK(f.services.splat(color, second, Rgb(1)));
-    // Room for 8 camera rays and 2 more; 4 rays leave room for 6.
-    for (int i = 0; i < 4; ++i) CHECK(f.services.add_sample(0, {}) == 6 + i);
-    // A full table has no row for a ray without one, and of another's the last takes in what comes.
-    CHECK(f.services.add_sample(1, {}) == -1);
-    CHECK(f.services.refusals()[4].total() == 1);
-    f.table.opacity[9] = RgbD(0.5, 0, 1);
-    CHECK(f.services.add_sample(0, {7.0f, RgbD(0.5, 0.25, 0.5), true}) == 9);
-    CHECK(f.table.opacity[9] == RgbD(0.75, 0.25, 1));
-    CHECK(f.services.refusals()[4].total() == 1);
+    CHECK(f.services.write(depth, second, 6.0f));
+    // Room for 8 rows at first; what rows hold moves along, and new ones hold the miss value.
+    for (int i = 0; i < 100; ++i) CHECK(f.services.add_sample(0, {}) == 6 + i);
+    CHECK(f.values(depth, second) == std::vector<double>{6});
+    CHECK(f.values(color, second) == std::vector<double>{1, 1, 1});
+    CHECK(f.values(depth, 105) == std::vector<double>{std::numeric_limits<double>::infinity()});
+    CHECK_FALSE(f.table.written(depth, 105));
+    CHECK(f.table.opacity[4] == RgbD(0.25, 0.5, 0.75));
+    CHECK(f.table.last_row_of(0) == 105);
+    CHECK(f.services.refusals()[4].total() == 0);
     f.table.begin(test::pixel_rows(0, 0, 4, 4));
     CHECK(f.table.row_count() == 4);
     CHECK_FALSE(f.services.splat(color, second, Rgb(1)));  // gone with its batch

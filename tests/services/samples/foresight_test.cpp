@@ -22,7 +22,7 @@ struct Scene {
         : channels(std::move(asked)),
           setup(build_setup(channels, invalid_channel)),
           classes(setup),
-          table(channels, 1, 0),
+          table(channels, 1),
           services(setup, table, 1) {
         table.begin(test::pixel_rows(0, 0, 0, 1));
     }

@@ -22,7 +22,7 @@ struct Language {
           classes(setup),
           reversed(std::move(*lpe::ReversedProgram::build(setup.program()))),
           words(&reversed),
-          table(channels, 1, 0),
+          table(channels, 1),
           services(setup, table, 1) {
         table.begin(test::pixel_rows(0, 0, 0, 1));
     }

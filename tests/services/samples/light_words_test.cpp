@@ -61,7 +61,7 @@ void check_against_forward(const std::vector<ChannelDefinition>& channels, const
                            int longest, const lpe::ReversedProgram* language) {
     LightWords words(language);
     constexpr int paths = 60;
-    SampleTable table(channels, paths * (longest + 2), 0);
+    SampleTable table(channels, paths * (longest + 2));
     table.begin(test::pixel_rows(3, 4, 0, paths * (longest + 2)));
     LpeServices services(setup, table, 5);
     int row = 0, accepted = 0;
@@ -81,9 +81,9 @@ void check_against_forward(const std::vector<ChannelDefinition>& channels, const
             services.contribute(Rgb(0.25f, 0.5f, 1), Technique{}, joined);
             for (ChannelId id = 0; id < table.channel_count(); ++id)
                 for (int c = 0; c < 3; ++c) {
-                    const double expected = table.values(id)[3 * forward + c];
+                    const double expected = table.raw_values(id)[3 * forward + c];
                     accepted += expected > 0;
-                    largest = std::max(largest, std::abs(table.values(id)[3 * row + c] - expected));
+                    largest = std::max(largest, std::abs(table.raw_values(id)[3 * row + c] - expected));
                 }
         }
     }
@@ -145,7 +145,7 @@ TEST_CASE("a light subpath that no channel makes anything of is dead", "[light_w
     const auto reversed = lpe::ReversedProgram::build(setup.program());
     REQUIRE(reversed);
     LightWords words(&*reversed);
-    SampleTable table(channels, 1, 0);
+    SampleTable table(channels, 1);
     table.begin(test::pixel_rows(0, 0, 0, 1));
     LpeServices services(setup, table, 1);
     CHECK_FALSE(services.begin(words, classes.emission).live());
@@ -188,7 +188,7 @@ Counted count_by_joins(LpeServices::Attribution attribution, int samples, int le
     const std::array<LobePart, 2> parts{
         {{classes.diffuse, Rgb(0.3f, 0.5f, 0.9f)}, {classes.glossy, Rgb(0.7f, 0.5f, 0.1f)}}};
     for (int sample = 0; sample < samples; ++sample) {
-        SampleTable table(channels, 1, 0);
+        SampleTable table(channels, 1);
         table.begin(test::pixel_rows(1, 2, static_cast<std::uint64_t>(sample), 1));
         LpeServices services(setup, table, 9, attribution);
         words.clear();
@@ -204,7 +204,7 @@ Counted count_by_joins(LpeServices::Attribution attribution, int samples, int le
         for (int c = 0; c < 3; ++c) {
             double sum = 0;
             for (ChannelId id = 1; id < table.channel_count(); ++id) {
-                const double value = table.values(id)[c];
+                const double value = table.raw_values(id)[c];
                 sum += value;
                 result.mean[static_cast<std::size_t>(3 * id + c)] += value / samples;
                 squares[static_cast<std::size_t>(3 * id + c)] += value * value / samples;

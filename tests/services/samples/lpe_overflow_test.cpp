@@ -62,7 +62,7 @@ Moments measure(const LpeSetup& setup, std::span<const ChannelDefinition> channe
     Moments moments;
     moments.mean.resize(count);
     moments.variance.resize(count);
-    SampleTable table(channels, 250, 0);
+    SampleTable table(channels, 250);
     LpeServices services(setup, table, seed, attribution);
     const std::array<LobePart, 3> parts{{{classes.diffuse, diffuse_part},
                                          {classes.glossy, glossy_part},
@@ -77,7 +77,7 @@ Moments measure(const LpeSetup& setup, std::span<const ChannelDefinition> channe
             for (std::size_t c = 0; c < 3; ++c) {
                 std::array<double, 2> sum{};
                 for (std::size_t i = 1; i < count; ++i) {
-                    const double v = table.values(static_cast<ChannelId>(i))[3 * static_cast<std::size_t>(row) + c];
+                    const double v = table.raw_values(static_cast<ChannelId>(i))[3 * static_cast<std::size_t>(row) + c];
                     sum[(i - 1) / cycle] += v;
                     moments.mean[i][c] += v / samples;
                     moments.variance[i][c] += v * v / samples;
@@ -135,7 +135,7 @@ TEST_CASE("a partition whose channels lie in different groups survives overflow"
     options.state_cap = 60;
     const LpeSetup setup = build_setup(channels, 0, options);
     REQUIRE(setup.program().group_count() > 1);
-    SampleTable table(channels, 100, 0);
+    SampleTable table(channels, 100);
     table.begin(test::pixel_rows(0, 0, 0, 100));
     LpeServices services(setup, table, 3);
     const Classes classes(setup);
@@ -147,7 +147,7 @@ TEST_CASE("a partition whose channels lie in different groups survives overflow"
         services.contribute(Rgb(1), Technique{}, tracker);
         for (int c = 0; c < 3; ++c) {
             double sum = 0;
-            for (ChannelId id = 1; id < table.channel_count(); ++id) sum += table.values(id)[3 * row + c];
+            for (ChannelId id = 1; id < table.channel_count(); ++id) sum += table.raw_values(id)[3 * row + c];
             CHECK(sum == Approx(1).epsilon(1e-12));
         }
     }

@@ -23,7 +23,7 @@ struct Splatted {
         : channels(make(expressions)),
           setup(build_setup(channels, with_beauty ? 0 : invalid_channel)),
           classes(setup),
-          table(channels, 2, 0),
+          table(channels, 2),
           services(setup, table, 5) {
         table.begin(test::pixel_rows(0, 0, 0, 2));
     }
@@ -248,7 +248,8 @@ TEST_CASE("channels without prefixes have the same bits beside any that have the
             const Rgb value = i % 50 == 0 ? Rgb(not_finite) : color();
             s.services.contribute(value, Technique{}, tracker, {color(), color(), random.uniform_float(), false});
         }
-        return std::vector<double>(s.table.values(0), s.table.values(0) + 3 * 2 * 4);  // beauty and the first three
+        return std::vector<double>(s.table.raw_values(0),
+                                   s.table.raw_values(0) + 3 * 2 * 4);  // beauty and the first three
     };
     std::vector<std::string> expressions{"C<RD>.*", "noclamp;C<RG>.*", "CL"};
     const std::vector<double> alone = run(expressions);

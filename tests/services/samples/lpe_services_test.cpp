@@ -63,18 +63,18 @@ Rendered render_random_paths(const std::vector<ChannelDefinition>& channels, con
     constexpr int rows = 256;
     const LpeSetup setup = build_setup(channels, 0, options);
     const Classes classes(setup);
-    SampleTable table(channels, rows, 0);
+    SampleTable table(channels, rows);
     table.begin(test::pixel_rows(3, 4, 0, rows));
     LpeServices services(setup, table, 17);
     for (int row = 0; row < rows; ++row)
         follow_random_path(services, classes, row, static_cast<std::uint64_t>(row), row % 64);
     Rendered result;
-    result.beauty.assign(table.values(0), table.values(0) + 3 * rows);
+    result.beauty.assign(table.raw_values(0), table.raw_values(0) + 3 * rows);
     result.overflow = services.overflow_count();
     for (int i = 0; i < 3 * rows; ++i) {
         double sum = 0;
-        for (ChannelId id = 1; id < table.channel_count(); ++id) sum += table.values(id)[i];
-        result.worst = std::max(result.worst, std::abs(sum - table.values(0)[i]) / table.values(0)[i]);
+        for (ChannelId id = 1; id < table.channel_count(); ++id) sum += table.raw_values(id)[i];
+        result.worst = std::max(result.worst, std::abs(sum - table.raw_values(0)[i]) / table.raw_values(0)[i]);
     }
     return result;
 }
@@ -127,7 +127,7 @@ std::vector<double> binomial(int n, double p) {
 TEST_CASE("each colour is attributed in proportion to what the lobes carried of it", "[lpe_services][law5]") {
     const std::vector<ChannelDefinition> channels = test::count_diffuse(12);
     const LpeSetup setup = build_setup(channels, 0);
-    SampleTable table(channels, 1, 0);
+    SampleTable table(channels, 1);
     table.begin(test::pixel_rows(0, 0, 0, 1));
     LpeServices services(setup, table, 1);
     const Rgb part(0.25f, 0.5f, 0.75f);
@@ -147,7 +147,7 @@ TEST_CASE("a channel that does not tell lobes apart has exactly what beauty has"
                                                   expression_channel("all", "C.*"),
                                                   expression_channel("lit", "C[RT]+L")};
     const LpeSetup setup = build_setup(channels, 0);
-    SampleTable table(channels, 1, 0);
+    SampleTable table(channels, 1);
     table.begin(test::pixel_rows(0, 0, 0, 1));
     LpeServices services(setup, table, 1);
     for (int i = 0; i < 100; ++i) follow_two_lobes(services, Classes(setup), 0, i + 1, Rgb(0.3f, 0.1f, 0.7f));
@@ -162,7 +162,7 @@ TEST_CASE("a colour to which no lobe gives anything belongs to the first", "[lpe
                                                   expression_channel("d", "C<RD>L"), expression_channel("s", "C<RS>L")};
     const LpeSetup setup = build_setup(channels, 0);
     const Classes classes(setup);
-    SampleTable table(channels, 1, 0);
+    SampleTable table(channels, 1);
     table.begin(test::pixel_rows(0, 0, 0, 1));
     LpeServices services(setup, table, 1);
     Tracker tracker = services.begin(0);
@@ -182,7 +182,7 @@ TEST_CASE("contributions that are not finite reach nothing and are logged with p
                                                   expression_channel("l", "CL")};
     const LpeSetup setup = build_setup(channels, 0);
     const Classes classes(setup);
-    SampleTable table(channels, 2, 1);
+    SampleTable table(channels, 2);
     table.begin(test::pixel_rows(11, 12, 100, 2));
     LpeServices services(setup, table, 1);
     Tracker tracker = services.begin(table.add_row(1));
@@ -215,7 +215,7 @@ TEST_CASE("a contribution beyond the frame buffer's range costs no other one, an
                                                   expression_channel("sky", "CB")};
     const LpeSetup setup = build_setup(channels, 0);
     const Classes classes(setup);
-    SampleTable table(channels, 1, 0);
+    SampleTable table(channels, 1);
     table.begin(test::pixel_rows(0, 0, 0, 1));
     LpeServices services(setup, table, 1);
     const auto add = [&](float value, lpe::EventClass terminal) {
@@ -241,7 +241,7 @@ TEST_CASE("a path is live while something can still accept it", "[lpe_services][
                                             expression_channel("caustic", "C<RD><RS>+L")};
     const LpeSetup setup = build_setup(channels, invalid_channel);
     const Classes classes(setup);
-    SampleTable table(channels, 1, 0);
+    SampleTable table(channels, 1);
     table.begin(test::pixel_rows(0, 0, 0, 1));
     LpeServices services(setup, table, 1);
     Tracker tracker = services.begin(0);
@@ -260,7 +260,7 @@ TEST_CASE("a path is live while something can still accept it", "[lpe_services][
     // With beauty everything counts.
     channels.push_back(plain_channel("beauty", ChannelType::rgb));
     const LpeSetup with_beauty = build_setup(channels, 2);
-    SampleTable second(channels, 1, 0);
+    SampleTable second(channels, 1);
     second.begin(test::pixel_rows(0, 0, 0, 1));
     LpeServices all(with_beauty, second, 1);
     Tracker dead = all.begin(0);
@@ -273,7 +273,7 @@ TEST_CASE("without expression channels only beauty is filled", "[lpe_services]")
     const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb)};
     const LpeSetup setup = build_setup(channels, 0);
     CHECK(setup.classify({lpe::EventType::light, lpe::Scatter::none, 0, {""}}) == 0);
-    SampleTable table(channels, 1, 0);
+    SampleTable table(channels, 1);
     table.begin(test::pixel_rows(0, 0, 0, 1));
     LpeServices services(setup, table, 1);
     Tracker tracker = services.begin(0);
@@ -296,7 +296,7 @@ TEST_CASE("packed channels get exactly what each gets alone", "[lpe_services][la
     channels.push_back(expression_channel("direct", "C<RD>[<L.>O]"));
     const auto render = [](const std::vector<ChannelDefinition>& list, int& branches_dropped) {
         const LpeSetup setup = build_setup(list, 0);
-        SampleTable table(list, 64, 0);
+        SampleTable table(list, 64);
         table.begin(test::pixel_rows(0, 0, 0, 64));
         LpeServices services(setup, table, 3);
         for (int row = 0; row < 64; ++row) {
@@ -317,7 +317,7 @@ TEST_CASE("packed channels get exactly what each gets alone", "[lpe_services][la
         branches_dropped += static_cast<int>(services.overflow_count());
         std::vector<std::vector<double>> values;
         for (ChannelId id = 0; id < table.channel_count(); ++id)
-            values.emplace_back(table.values(id), table.values(id) + 3 * 64);
+            values.emplace_back(table.raw_values(id), table.raw_values(id) + 3 * 64);
         return values;
     };
     int overflow = 0;

@@ -82,7 +82,7 @@ TEST_CASE("a contribution is split into words by exact shares", "[path_words][la
     const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb)};
     const LpeSetup setup = setup_with_words(channels, {});
     const Classes classes(setup);
-    SampleTable table(channels, 4, 0);
+    SampleTable table(channels, 4);
     LpeServices services(setup, table, 1);
     table.begin(test::pixel_rows(0, 0, 0, 4));
     Tracker tracker = services.begin(2);
@@ -104,7 +104,7 @@ TEST_CASE("words know no cap on pairs, and channels of the same path do", "[path
     rules.length = 40;
     const LpeSetup setup = setup_with_words(channels, rules);
     const Classes classes(setup);
-    SampleTable table(channels, 1, 0);
+    SampleTable table(channels, 1);
     LpeServices services(setup, table, 1);
     table.begin(test::pixel_rows(0, 0, 0, 1));
     Tracker tracker = services.begin(0);
@@ -133,7 +133,7 @@ TEST_CASE("words of light subpaths are those of the whole path", "[path_words][l
     for (const lpe::ReversedProgram* language : {&*reversed, static_cast<const lpe::ReversedProgram*>(nullptr)}) {
         LightWords words(language, true);
         constexpr int length = 5;
-        SampleTable table(channels, length + 2, 0);
+        SampleTable table(channels, length + 2);
         LpeServices services(setup, table, 1);
         table.begin(test::pixel_rows(0, 0, 0, length + 2));
         Random random(7);
@@ -205,7 +205,7 @@ TEST_CASE("words beyond the length end in a tail, cutouts leave no letter unless
         const LpeSetup setup = setup_with_words(channels, rules);
         const Classes classes(setup);
         const lpe::EventClass leaf = setup.classify(events_of("T,s,leaf").front());
-        SampleTable table(channels, 2, 0);
+        SampleTable table(channels, 2);
         LpeServices services(setup, table, 1);
         table.begin(test::pixel_rows(0, 0, 0, 2));
         Tracker tracker = services.begin(0);

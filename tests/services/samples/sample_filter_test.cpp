@@ -29,12 +29,12 @@ TEST_CASE("clamp scales beauty and splits by one factor and leaves the rest alon
     const std::vector<ChannelDefinition> channels = split_channels();
     const auto filter = make_sample_filter("clamp", limit(2), {channels, 0, {}});
     REQUIRE(filter);
-    SampleTable table(channels, 4, 1);
+    SampleTable table(channels, 4);
     table.begin(test::pixel_rows(0, 0, 0, 2));
     const int extra = table.add_row(0);
     const auto set = [&](ChannelId id, int row, double v) {
         table.touch(id);
-        for (int c = 0; c < 3; ++c) table.values(id)[3 * row + c] = v;
+        for (int c = 0; c < 3; ++c) table.raw_values(id)[3 * row + c] = v;
     };
     for (ChannelId id = 0; id < 4; ++id) {
         set(id, 0, 3);  // sample 0 is 3 + 5 = 8 over its two rows: factor 1 / 4
@@ -57,11 +57,11 @@ TEST_CASE("clamp by the largest component, as pbrt's films clamp", "[sample_filt
     const std::vector<ChannelDefinition> channels = split_channels();
     const auto filter = make_sample_filter("clamp", limit(2, "component"), {channels, 0, {}});
     REQUIRE(filter);
-    SampleTable table(channels, 4, 1);
+    SampleTable table(channels, 4);
     table.begin(test::pixel_rows(0, 0, 0, 2));
     table.touch(0);
     const double values[] = {1, 8, 4, 2, 1, 0.5};  // the second sample's largest component is the limit itself
-    std::copy(std::begin(values), std::end(values), table.values(0));
+    std::copy(std::begin(values), std::end(values), table.raw_values(0));
     (*filter)->apply(table);
     CHECK(table.values(0)[0] == 0.25);
     CHECK(table.values(0)[1] == 2);
@@ -82,11 +82,11 @@ TEST_CASE("clamp measures by a matrix where it is given one", "[sample_filter]")
     by_matrix.parameters.push_back(measure);
     const auto filter = make_sample_filter("clamp", by_matrix, {channels, 0, {}});
     REQUIRE(filter);
-    SampleTable table(channels, 4, 1);
+    SampleTable table(channels, 4);
     table.begin(test::pixel_rows(0, 0, 0, 2));
     table.touch(0);
     const double values[] = {1, 8, 4, 6, 1, 1};  // measured: 4, 3.25, 2 and 1, 2, 0.5
-    std::copy(std::begin(values), std::end(values), table.values(0));
+    std::copy(std::begin(values), std::end(values), table.raw_values(0));
     (*filter)->apply(table);
     for (int c = 0; c < 3; ++c) CHECK(table.values(0)[c] == values[c] / 2);
     for (int c = 3; c < 6; ++c) CHECK(table.values(0)[c] == values[c]);
@@ -110,23 +110,23 @@ TEST_CASE("splits sum to beauty with the clamp on", "[sample_filter][law1]") {
         test::expression_channel("b", "CDDL"), test::expression_channel("c", "CSL")};
     const auto filter = make_sample_filter("clamp", limit(0.5), {channels, 0, {}});
     REQUIRE(filter);
-    SampleTable table(channels, 64, 0);
+    SampleTable table(channels, 64);
     table.begin(test::pixel_rows(0, 0, 0, 64));
     test::Random random(1);
     int clamped = 0;
     for (int i = 0; i < 3 * 64; ++i)
         for (ChannelId id = 1; id < 4; ++id) {
             const double v = random.uniform();
-            table.values(id)[i] = v;
-            table.values(0)[i] += v;
+            table.raw_values(id)[i] = v;
+            table.raw_values(0)[i] += v;
         }
     for (ChannelId id = 0; id < 4; ++id) table.touch(id);
-    const std::vector<double> before(table.values(0), table.values(0) + 3 * 64);
+    const std::vector<double> before(table.raw_values(0), table.raw_values(0) + 3 * 64);
     (*filter)->apply(table);
     for (int i = 0; i < 3 * 64; ++i) {
-        const double sum = table.values(1)[i] + table.values(2)[i] + table.values(3)[i];
+        const double sum = table.raw_values(1)[i] + table.raw_values(2)[i] + table.raw_values(3)[i];
         CHECK(sum == Approx(table.values(0)[i]).epsilon(1e-12));
-        clamped += table.values(0)[i] < before[static_cast<std::size_t>(i)];
+        clamped += table.raw_values(0)[i] < before[static_cast<std::size_t>(i)];
     }
     CHECK(clamped > 100);
 }
@@ -135,9 +135,9 @@ TEST_CASE("none changes nothing; bad settings are errors", "[sample_filter][law7
     const std::vector<ChannelDefinition> channels = split_channels();
     const auto none = make_sample_filter("none", {}, {channels, 0, {}});
     REQUIRE(none);
-    SampleTable table(channels, 4, 0);
+    SampleTable table(channels, 4);
     table.begin(test::pixel_rows(0, 0, 0, 1));
-    table.values(0)[0] = 1e6;
+    table.raw_values(0)[0] = 1e6;
     table.touch(0);
     (*none)->apply(table);
     CHECK(table.values(0)[0] == 1e6);

@@ -67,7 +67,7 @@ Render render(std::span<const ChannelDefinition> channels, const LpeSetup& setup
         result.sets = sets->size();
         result.frame_buffer.expect(*sets);
     }
-    SampleTable table(channels, batch * samples, batch * samples, sets ? &*sets : nullptr);
+    SampleTable table(channels, batch * samples, sets ? &*sets : nullptr);
     LpeServices lpe(setup, table, 1);
     DisplayServices services(table);
     const Classes classes(setup);
@@ -151,7 +151,7 @@ TEST_CASE("many more sets than a table makes room for at once lose no light", "[
     const Classes classes(setup);
     FrameBuffer frame_buffer({1, 1, paths}, channels);
     const SplatSets sets = setup.splat_sets(frame_buffer.sums_only(), paths);
-    SampleTable table(channels, paths, 0, &sets);
+    SampleTable table(channels, paths, &sets);
     LpeServices lpe(setup, table, 1);
     for (int batch = 0; batch < 2; ++batch) {
         table.begin(test::pixel_rows(0, 0, static_cast<std::uint64_t>(batch) * paths, paths));
@@ -177,7 +177,7 @@ TEST_CASE("sets of another block size than the frame buffer's are rejected, not 
     const LpeSetup setup = build_setup(channels, 0);
     FrameBuffer frame_buffer({width, height, samples}, channels);
     const SplatSets sets = setup.splat_sets(frame_buffer.sums_only(), 2 * samples);
-    SampleTable table(channels, samples, 0, &sets);
+    SampleTable table(channels, samples, &sets);
     LpeServices lpe(setup, table, 1);
     table.begin(test::pixel_rows(0, 0, 0, samples));
     follow(lpe, Classes(setup), 0, 0, 0);
@@ -196,7 +196,7 @@ TEST_CASE("what is sent to a sharing channel itself adds to what it shares, and 
     FrameBuffer frame_buffer({1, 1, 1}, channels);
     const SplatSets sets = setup.splat_sets(frame_buffer.sums_only(), 1);
     frame_buffer.expect(sets);
-    SampleTable table(channels, 1, 0, &sets);
+    SampleTable table(channels, 1, &sets);
     LpeServices lpe(setup, table, 1);
     DisplayServices services(table);
     for (std::uint64_t sample = 0; sample < 4; ++sample) {

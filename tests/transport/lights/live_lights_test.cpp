@@ -33,7 +33,7 @@ TEST_CASE("the chooser of a state has every light that may end its words", "[lig
         REQUIRE(setup.ok());
         const transport::EventTable events(*setup, view, {});
         const transport::LiveLights lights(view, events, transport::LightChoice::mis, false);
-        display::SampleTable table(channels, 1, 0);
+        display::SampleTable table(channels, 1);
         const display::CameraRow row[1] = {};
         table.begin(row);
         const display::LpeServices services(*setup, table, 1);

@@ -163,7 +163,7 @@ TEST_CASE("nearest texels and ellipses read a float texture from the first chann
     const auto value = [&](const char* filter, const SurfaceFootprint* footprint) {
         const Result<TextureId> id = table.named_real(filter, {});
         REQUIRE(id.ok());
-        return table.real(*id, {0.75f, 0.75f, {}, -1, {}, footprint});
+        return table.real(*id, {0.75f, 0.75f, {}, {}, footprint, {}});
     };
     for (const SurfaceFootprint* footprint : {static_cast<const SurfaceFootprint*>(nullptr), &small}) {
         CHECK(value("point", footprint) == 0);

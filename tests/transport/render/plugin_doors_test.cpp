@@ -49,12 +49,12 @@ class WritingPattern final : public Pattern {
     explicit WritingPattern(TextureId input) : input_(input) {}
     [[nodiscard]] Rgb rgb(const PatternPoint& point) const override {
         const Rgb value = point.rgb(input_);
-        if (display::DisplayServices* services = point.display()) services->write(0, point.at.row, value);
+        if (point.services().camera_sees()) point.services().display->write(0, point.services().row, value);
         return value;
     }
     [[nodiscard]] float real(const PatternPoint& point) const override {
         const float value = point.real(input_);
-        if (display::DisplayServices* services = point.display()) services->write(1, point.at.row, value);
+        if (point.services().camera_sees()) point.services().display->write(1, point.services().row, value);
         return value;
     }
 
@@ -135,16 +135,17 @@ TEST_CASE("a pattern passes its inputs on, and writes where the camera sees it a
     auto materials = MaterialTable::build(scene, *textures);
     REQUIRE(materials);
 
-    display::SampleTable table(two_channels(), 4, 0);
+    display::SampleTable table(two_channels(), 4);
     display::DisplayServices services(table);
     table.begin(std::array<display::CameraRow, 4>{});
     std::array<SurfacePoint, 4> points{};
     for (SurfacePoint& point : points) point.shading_normal = point.geometric_normal = point.wo = {0, 0, 1};
-    points[0].row = 2;  // first hits of rows 2 and 3; the others lie deeper in paths
-    points[2].row = 3;
+    points[0].services = {&services, 2, 0};  // first hits of rows 2 and 3; the others lie deeper in paths
+    points[1].services = {&services, 0, 1};
+    points[2].services = {&services, 3, 0};
     points[2].material = points[3].material = 1;
     std::array<Bsdf, 4> closures;
-    materials->shade(*textures, points, closures, &services);
+    materials->shade(*textures, points, closures);
     CHECK(closures[0].albedo({0, 0, 1}) == Rgb(0.25f, 0.5f, 0.75f));
     CHECK(closures[1].albedo({0, 0, 1}) == Rgb(0.25f, 0.5f, 0.75f));
     for (int row = 0; row < 4; ++row) {
@@ -153,10 +154,10 @@ TEST_CASE("a pattern passes its inputs on, and writes where the camera sees it a
     }
     CHECK(table.values(0)[6] == 0.25);
     CHECK(table.values(1)[3] == 0.125);
-    CHECK(shading_display() == nullptr);
 
     // Without services nothing is written and everything is shaded.
     table.begin(std::array<display::CameraRow, 4>{});
+    for (SurfacePoint& point : points) point.services = {};
     materials->shade(*textures, points, closures);
     CHECK(closures[0].albedo({0, 0, 1}) == Rgb(0.25f, 0.5f, 0.75f));
     CHECK_FALSE(table.touched(0));

@@ -16,6 +16,7 @@ IntegratorTraits Bdpt::traits() const {
     traits.user_events = true;
     traits.max_depth = std::uint64_t{parameters_.max_depth} * (count_mirrors_ ? 1 : 2);  // as many mirrors first
     traits.media = true;
+    traits.first_hits = traits.cutouts = true;
     traits.saved_state = SavedState::none;
     traits.raster_splats = true;
     traits.pixel_samples = true;

@@ -36,6 +36,7 @@ class LightTracer final : public Integrator {
         traits.holdouts = true;
         traits.user_events = true;
         traits.media = true;
+        traits.first_hits = traits.cutouts = true;
         traits.saved_state = SavedState::none;
         traits.raster_splats = true;
         return traits;
@@ -90,11 +91,7 @@ void LightTracer::integrate(const CameraBatch& batch, IntegratorThread& state, T
     if (!can_emit_) return thread.counters.count(Pruned::light_paths, not_begun_ ? batch.rays.size() : 0);
     LightSubpaths& subpaths = thread.subpaths;
     subpaths.begin(batch.rays, batch.samplers, services.lpe, thread.counters);
-    // Splats that were handed on cannot be taken back, and a batch that is left with such leaves no checkpoint. So a
-    // batch is finished unless its paths go on for long: this many scatterings take milliseconds.
-    constexpr int soon = 64;
-    for (int scatterings = 0; subpaths.going(); ++scatterings) {
-        if (scatterings >= soon && services.leaving()) break;
+    while (subpaths.going() && !services.leaving()) {
         subpaths.advance(services.display);
         connect(batch, thread, services);
         subpaths.scatter([&](std::uint32_t row, const Rgb& power) { reject_power(services, batch.rows[row], power); });

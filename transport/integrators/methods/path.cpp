@@ -31,6 +31,7 @@ class PathIntegrator final : public Integrator, private PathTrials {
     [[nodiscard]] IntegratorTraits traits() const override {
         IntegratorTraits traits;
         traits.emitter_samples = traits.holdouts = traits.user_events = traits.media = traits.camera_weights = true;
+        traits.first_hits = traits.cutouts = true;
         traits.light_samples = parameters_.strategy != PathStrategy::scattering;
         traits.max_depth = parameters_.max_depth;
         traits.regularizes = parameters_.regularize;

@@ -59,7 +59,7 @@ bool Pssmlt::trace(PssmltThread& thread, std::size_t count, ThreadServices& serv
         thread.raster.discard();
         return false;
     }
-    thread.raster.flush();
+    thread.raster.finish();
     return true;
 }
 

@@ -94,6 +94,7 @@ IntegratorTraits Pssmlt::traits() const {
     IntegratorTraits traits;
     traits.max_depth = parameters_.max_depth;
     traits.media = true;
+    traits.first_hits = traits.cutouts = true;
     traits.user_events = true;
     traits.raster_splats = true;
     traits.tells_words = false;  // chains keep what channels get of a path, and splat that again and again

@@ -14,7 +14,7 @@ double pilot_cost(const IntegratorCounters& counters) {
 
 PilotPaths::PilotPaths(const IntegratorContext& context)
     : context_(context),
-      table_(context.channels, context.batch_capacity, 0),
+      table_(context.channels, context.batch_capacity),
       display_(table_),
       lpe_(*context.lpe, table_, context.seed, context.attribution) {
     for (std::size_t i = 0; i < context.channels.size(); ++i)

@@ -5,23 +5,6 @@
 #include "transport/materials/textures/texture_mapping.h"
 
 namespace raylex::transport {
-namespace {
-
-thread_local display::DisplayServices* current = nullptr;
-
-}  // namespace
-
-display::DisplayServices* shading_display() {
-    return current;
-}
-
-ShadingScope::ShadingScope(display::DisplayServices* services) {
-    current = services;
-}
-ShadingScope::~ShadingScope() {
-    current = nullptr;
-}
-
 Registry<PatternFactory>& pattern_registry() {
     static Registry<PatternFactory> registry = [] {
         using enum ParameterType;

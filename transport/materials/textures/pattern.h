@@ -2,9 +2,8 @@
 // look-up. In-tree textures are nodes of the texture table, which the compiler sees through; what is not in the tree
 // comes in here, under a type name of its own ("Texture "x" "spectrum" "NAME" ...").
 //
-// A pattern may write to display channels while the integrator runs (PatternPoint::display). It can do so where a
-// camera sees the surface directly, and there only: deeper in a path, in light samples and in cutouts there is nothing
-// to write to.
+// A pattern may write to display channels while the integrator runs (PatternPoint::services), at every vertex of a
+// camera path. In light samples, on light paths and in cutouts there are no services.
 #pragma once
 
 #include <functional>
@@ -28,10 +27,6 @@ class TextureLookup {
     [[nodiscard]] virtual Real real(TextureId id, const TexturePoint& at) const = 0;
 };
 
-/// The display services of the thread that is shading, null outside of MaterialTable::shade: for materials, whose rows
-/// are SurfacePoint::row. Patterns have PatternPoint::display.
-display::DisplayServices* shading_display();
-
 /// Where a pattern is evaluated, and with what.
 class PatternPoint {
   public:
@@ -42,8 +37,8 @@ class PatternPoint {
     /// An input, as PatternReader made it, at this point.
     [[nodiscard]] Rgb rgb(TextureId input) const { return textures_.rgb(input, at); }
     [[nodiscard]] Real real(TextureId input) const { return textures_.real(input, at); }
-    /// Null where nothing can be written; else `at.row` is the row to write to.
-    [[nodiscard]] display::DisplayServices* display() const { return at.row < 0 ? nullptr : shading_display(); }
+    /// What can be written to here, for which row, and how deep in its path the point is.
+    [[nodiscard]] const VertexServices& services() const { return at.services; }
 
   private:
     const TextureLookup& textures_;
@@ -92,14 +87,5 @@ using PatternFactory = std::function<Result<std::unique_ptr<Pattern>>(PatternRea
 
 /// Every texture type by name. In-tree ones that the texture table compiles itself have no factory here.
 Registry<PatternFactory>& pattern_registry();
-
-/// Makes `services` what shading_display() gives on this thread, for as long as it lives.
-class ShadingScope {
-  public:
-    explicit ShadingScope(display::DisplayServices* services);
-    ~ShadingScope();
-    ShadingScope(const ShadingScope&) = delete;
-    ShadingScope& operator=(const ShadingScope&) = delete;
-};
 
 }  // namespace raylex::transport

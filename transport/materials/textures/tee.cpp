@@ -1,7 +1,6 @@
 #include "transport/materials/textures/tee.h"
 
 #include <algorithm>
-#include <atomic>
 #include <string>
 #include <utility>
 
@@ -13,40 +12,20 @@ namespace {
 class Tee final : public Pattern {
   public:
     Tee(TextureId input, std::string channel) : input_(input), channel_(std::move(channel)) {}
-    [[nodiscard]] Rgb rgb(const PatternPoint& point) const override {
-        const Rgb value = point.rgb(input_);
-        if (display::DisplayServices* display = point.display()) write(*display, point.at.row, value);
-        return value;
-    }
-    [[nodiscard]] Real real(const PatternPoint& point) const override {
-        const Real value = point.real(input_);
-        if (display::DisplayServices* display = point.display()) write(*display, point.at.row, value);
-        return value;
-    }
+    [[nodiscard]] Rgb rgb(const PatternPoint& point) const override { return written(point, point.rgb(input_)); }
+    [[nodiscard]] Real real(const PatternPoint& point) const override { return written(point, point.real(input_)); }
 
   private:
     template <class Value>
-    void write(display::DisplayServices& display, int row, const Value& value) const {
-        const display::ChannelId id = find(display.get_display_channels());
-        if (id != display::invalid_channel) display.write(id, row, to_float(value));
-    }
-    /// A scene outlives renders, whose channels differ: where the name stood last time is looked at first, and
-    /// verified.
-    [[nodiscard]] display::ChannelId find(std::span<const display::DisplayChannel> channels) const {
-        const std::size_t last = last_.load(std::memory_order_relaxed);
-        if (last < channels.size() && is_mine(channels[last])) return channels[last].id;
-        const auto found = std::find_if(channels.begin(), channels.end(), [this](const auto& c) { return is_mine(c); });
-        if (found == channels.end()) return display::invalid_channel;
-        last_.store(static_cast<std::size_t>(found - channels.begin()), std::memory_order_relaxed);
-        return found->id;
-    }
-    [[nodiscard]] bool is_mine(const display::DisplayChannel& channel) const {
-        return channel.style == display::ChannelStyle::name && channel.name == channel_;
+    [[nodiscard]] Value written(const PatternPoint& point, const Value& value) const {
+        if (const VertexServices& services = point.services(); services.camera_sees())
+            services.display->write(channel_.id(services.display->get_display_channels()), services.row,
+                                    to_float(value));
+        return value;
     }
 
     TextureId input_;
-    std::string channel_;
-    mutable std::atomic<std::size_t> last_{0};
+    display::NamedChannel channel_;
 };
 
 Result<std::unique_ptr<Pattern>> make_tee(PatternReader& reader) {
@@ -54,14 +33,24 @@ Result<std::unique_ptr<Pattern>> make_tee(PatternReader& reader) {
     return std::unique_ptr<Pattern>(std::make_unique<Tee>(input, reader.string("channel", "")));
 }
 
-/// The name of the channel, by the texture's parameter.
+/// Whether textures of this type name a channel as tees do: by a string parameter called "channel".
+bool names_channel(const std::string& type) {
+    const auto* entry = pattern_registry().find(type);
+    return entry != nullptr &&
+           std::any_of(entry->parameters.begin(), entry->parameters.end(), [](const ParameterDescription& each) {
+               return each.name == "channel" && each.type == ParameterType::string;
+           });
+}
+
+/// The name of the channel, by the texture's parameter; empty where a pattern that is no tee leaves it out.
 Result<std::string> channel_of(const SceneTexture& texture) {
     const Parameter* parameter = texture.parameters.find("channel");
+    if (parameter == nullptr && texture.type != "tee") return std::string();
     if (parameter == nullptr || parameter->type != ParameterType::string || parameter->strings.size() != 1 ||
         parameter->strings.front().empty())
-        return error_at(
-            parameter != nullptr ? parameter->location : texture.location,
-            "tee texture '" + texture.name + "' names no channel; expected \"string channel\" with one name");
+        return error_at(parameter != nullptr ? parameter->location : texture.location,
+                        texture.type + " texture '" + texture.name +
+                            "' names no channel; expected \"string channel\" with one name");
     return parameter->strings.front();
 }
 
@@ -75,15 +64,16 @@ Registry<PatternFactory>::Entry tee_entry() {
             make_tee};
 }
 
-Result<std::vector<display::ChannelDefinition>> tee_channels(const SceneDescription& scene) {
+Result<std::vector<display::ChannelDefinition>> texture_channels(const SceneDescription& scene) {
     std::vector<display::ChannelDefinition> channels;
     for (const SceneTexture& texture : scene.textures) {
-        if (texture.type != "tee") continue;
+        if (!names_channel(texture.type)) continue;
         const Result<std::string> name = channel_of(texture);
         if (!name) return name.error();
+        if (name->empty()) continue;
         const SourceLocation& where = texture.parameters.find("channel")->location;
         if (*name == "beauty" || geoaovs::channel_definition(*name))
-            return error_at(where, "tee texture '" + texture.name + "' writes to the channel '" + *name +
+            return error_at(where, texture.type + " texture '" + texture.name + "' writes to the channel '" + *name +
                                        "', which is one of raylex's own; expected another name");
         display::ChannelDefinition channel;
         channel.name = *name;

@@ -14,9 +14,9 @@ namespace raylex::transport {
 
 Registry<PatternFactory>::Entry tee_entry();
 
-/// The channels that a scene's tees name, each once, in file order: rgb for spectrum textures, else one number;
-/// filtered; 0 where nothing is written. Errors at the texture: no name, a name that is raylex's own, one channel of
-/// two types.
-Result<std::vector<display::ChannelDefinition>> tee_channels(const SceneDescription& scene);
+/// The channels that a scene's textures name: tees, and those of every pattern that takes a string parameter "channel".
+/// Each once, in file order: rgb for spectrum textures, else one number; filtered; 0 where nothing is written. Errors
+/// at the texture: no name, a name that is raylex's own, one channel of two types.
+Result<std::vector<display::ChannelDefinition>> texture_channels(const SceneDescription& scene);
 
 }  // namespace raylex::transport

@@ -31,10 +31,10 @@ using TextureId = std::int32_t;
 /// Where a texture is looked up.
 struct TexturePoint {
     Real u = 0, v = 0;
-    Vec3 position;          ///< render space, where the texture's own to_world leads too
-    std::int32_t row = -1;  ///< of the sample table where the camera sees this point directly; else -1
-    Vec3 normal;            ///< unit, geometric, either side; zero where it is not known
+    Vec3 position;                                ///< render space, where the texture's own to_world leads too
+    Vec3 normal;                                  ///< unit, geometric, either side; zero where it is not known
     const SurfaceFootprint* footprint = nullptr;  ///< what images are filtered over; null: nothing
+    VertexServices services;                      ///< none in cutouts, which shadow rays meet too
 };
 
 class TextureTable {

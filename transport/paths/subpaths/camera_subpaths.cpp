@@ -37,14 +37,13 @@ void CameraSubpaths::weigh(std::span<const Real> weights) {
     }
 }
 
-void CameraSubpaths::pass(display::DisplayServices& display, std::size_t j) {
+void CameraSubpaths::pass(std::size_t j) {
     const VertexBatch& v = vertices();
     const std::uint32_t row = v.rows[j];
     Subpath& path = walk_.path(row);
     record_.pass_straight(row, v.sources[j].label);
-    path.travelled += v.hits[j].t;
     // This ray went through, so its own opacity at the cutout is 0: over many rays the mean is the cutout's alpha.
-    if (path.depth == 0) display.add_sample(static_cast<int>(row), {to_float(path.travelled), RgbD(0.0), false});
+    path.travelled += v.hits[j].t;
 }
 
 void CameraSubpaths::record_first_hit(display::DisplayServices& display, std::size_t j) {

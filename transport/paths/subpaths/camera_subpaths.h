@@ -131,7 +131,7 @@ class CameraSubpaths {
     bool go_back();
     void report_surfaces();
     void keep_live_lobes();
-    void pass(display::DisplayServices& display, std::size_t j);
+    void pass(std::size_t j);
     /// Distance, opacity and surface of a camera ray.
     void record_first_hit(display::DisplayServices& display, std::size_t j);
     [[nodiscard]] bool is_wanted_first_hit(std::size_t j) const {
@@ -166,7 +166,7 @@ struct CameraSubpaths::Visitor : WalkVisitor {
 
     void escapes(std::uint32_t row, const Ray& ray) { ends.escapes(row, ray); }
     void interface_emits(std::size_t j) { ends.emits(j); }
-    void passes_cutout(std::size_t j) { self.pass(display, j); }
+    void passes_cutout(std::size_t j) { self.pass(j); }
     bool arrives(std::size_t j) {
         const VertexBatch& v = self.vertices();
         const std::uint32_t row = v.rows[j];

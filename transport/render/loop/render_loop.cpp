@@ -1,5 +1,6 @@
 #include "transport/render/loop/render_loop.h"
 
+#include "display/services/channel_prefixes.h"
 #include "transport/render/schedules/start_up_schedule.h"
 
 namespace raylex::transport {
@@ -125,6 +126,14 @@ FinishedLoop RenderLoop::finish() {
     statistics.invalid_samples += frame_buffer.rejected_count();
     for (std::size_t i = 0; i < job.channels.list.size(); ++i)
         statistics.invalid_by_channel[i] += frame_buffer.rejected_count(static_cast<display::ChannelId>(i));
+    for (std::size_t i = 0; i < job.channels.list.size() && resumed_samples_ == 0 && !job.bucket; ++i)
+        if (const display::ChannelDefinition& channel = job.channels.list[i];
+            channel.declared && statistics.camera_samples > 0 &&
+            !state_.ever_touched(static_cast<display::ChannelId>(i)))
+            warnings.push_back(
+                error_at(display::location_of(channel),
+                         "channel '" + channel.name + "' is empty: no plugin, pattern or integrator wrote to it",
+                         "'raylex plugins FILE.so' lists the channels that a plugin declares"));
     for (std::string& refused : display::refusal_warnings(job.channels.list, statistics.refusals))
         warnings.push_back(error_at({}, std::move(refused)));
     return finished;

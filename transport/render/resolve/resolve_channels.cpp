@@ -1,10 +1,27 @@
 // Which channels a render has, in the order of the frame buffer.
 #include <set>
 
+#include "display/services/channel_prefixes.h"
+#include "display/services/channel_settings.h"
 #include "transport/render/resolve/resolve_checks.h"
 
 namespace raylex::transport {
 namespace {
+
+/// The definition of a plain channel: as it is declared, or as its name is known.
+Status resolve_plain(display::ChannelDefinition& channel, std::span<const display::ChannelDefinition> patterns) {
+    auto known = named_channel(channel.name, patterns);
+    if (channel.declared && !known) return success();
+    if (!known) return known.error();
+    if (channel.declared && channel.type != known->type)
+        return error_at(display::location_of(channel),
+                        "channel '" + channel.name + "' is declared with type " + display::type_name(channel.type) +
+                            ", but a channel of that name has type " + display::type_name(known->type) +
+                            "; expected another name or that type");
+    known->statistics = channel.statistics;
+    channel = *std::move(known);
+    return success();
+}
 
 /// Beauty first when it is wanted, then the settings' channels, then statistics; names are unique and AOVs known.
 Status list_channels(const RenderSettings& settings, std::span<const display::ChannelDefinition> patterns,
@@ -26,10 +43,8 @@ Status list_channels(const RenderSettings& settings, std::span<const display::Ch
         if (!names.insert(channel.name).second)
             return error_at({}, "the channel name '" + channel.name + "' is used twice; expected every name once");
         if (channel.style == display::ChannelStyle::name) {
-            auto known = named_channel(channel.name, patterns);
-            if (!known) return known.error();
-            known->statistics = channel.statistics;
-            channel = *std::move(known);
+            if (Status s = resolve_plain(channel, patterns); !s) return s;
+            channels.written_by_plugins |= !geoaovs::channel_definition(channel.name);
         }
         if (splat_anywhere) channel.statistics = false;  // nothing to keep, but for what layers ask of it
         for (std::size_t& index : channel.rest_of) index += shift;
@@ -73,11 +88,14 @@ Result<display::ChannelDefinition> named_channel(const std::string& name,
         if (pattern.name == name) return pattern;
         names.push_back(pattern.name);
     }
+    if (const auto* entry = display::channel_registry().find(name)) return entry->factory;
     auto standard = geoaovs::channel_definition(name);
     if (standard) return standard;
     Error error = standard.error();
-    if (const std::string near = nearest_name(name, names); !near.empty())
-        error.hint = "did you mean '" + near + "', which a tee texture of the scene writes to?";
+    const std::string near = nearest_name(name, names),
+                      of_plugin = nearest_name(name, display::channel_registry().names());
+    if (!near.empty()) error.hint = "did you mean '" + near + "', which a texture of the scene writes to?";
+    else if (!of_plugin.empty()) error.hint = "did you mean '" + of_plugin + "', which a plugin declares?";
     return error;
 }
 

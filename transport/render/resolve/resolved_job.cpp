@@ -155,7 +155,7 @@ Result<ResolvedJob> ResolvedJob::resolve(const BuiltScene& scene, const RenderSe
     job.grid = *grid;
     job.threads =
         settings.threads > 0 ? settings.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    job.has_extra_rows = scene.view().geometry->has_alpha() || scene.view().media->any();
+    job.has_extra_rows = scene.view().media->any();
     return job;
 }
 

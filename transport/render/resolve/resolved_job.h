@@ -43,6 +43,8 @@ struct JobChannels {
     display::SampleFilterChain filters;
     std::unique_ptr<display::LpeSetup> lpe;
     bool keeps_words = false;  ///< RenderSettings::words
+    bool written_by_plugins =
+        false;  ///< some plain channel is no geometric AOV: patterns, materials and integrators write it
     display::LpeServices::Attribution attribution = display::LpeServices::Attribution::exact;
 };
 
@@ -77,7 +79,7 @@ class ResolvedJob {
     TileGrid grid;
     std::optional<display::RowRange> bucket;  ///< of the image, while a render in buckets is in it
     int threads = 1;
-    bool has_extra_rows = false;  ///< camera rays may pass cutouts or media
+    bool has_extra_rows = false;  ///< camera rays may leave rows in media
     std::vector<Error> warnings;
 
   private:

@@ -10,39 +10,6 @@
 namespace raylex::transport {
 namespace {
 
-bool asks_for(std::span<const display::ChannelDefinition> channels,
-              std::span<const display::ChannelDefinition> patterns) {
-    return std::any_of(channels.begin(), channels.end(), [&](const display::ChannelDefinition& channel) {
-        return channel.style == display::ChannelStyle::name &&
-               std::any_of(patterns.begin(), patterns.end(),
-                           [&](const auto& each) { return each.name == channel.name; });
-    });
-}
-
-/// What an integrator sees of the render. The pointers are to what stays where it is when the job is moved.
-IntegratorContext context_of(const PreparedJob& prepared) {
-    const ResolvedJob& job = prepared.job;
-    IntegratorContext context;
-    context.scene = job.scene.view();
-    context.events = prepared.events.get();
-    context.aovs = prepared.aovs.get();
-    context.channels = job.channels.list;
-    context.pattern_channels = asks_for(job.channels.list, job.scene.pattern_channels());
-    context.camera = job.sampling.camera.get();
-    context.camera->rigid_world_to_camera(context.world_to_camera);
-    context.pixel_size = context.camera->pixel_size();
-    context.beauty = job.channels.beauty >= 0;
-    context.batch_capacity = RenderWorker::batch_capacity;
-    context.width = job.grid.width;
-    context.height = job.grid.height;
-    context.filter_radius = {job.sampling.filter->radius_x(), job.sampling.filter->radius_y()};
-    context.tiles = static_cast<std::uint32_t>(job.grid.count());
-    context.seed = job.sampling.seed;
-    context.lpe = job.channels.lpe.get();
-    context.attribution = job.channels.attribution;
-    return context;
-}
-
 /// Whether a channel takes light without its path's throughput: then how often paths are sampled is part of what it
 /// shows, and nothing may be pruned (Law 4). What surfaces say of themselves (user events) is sampled alike.
 Result<bool> counts_paths(const std::vector<display::ChannelDefinition>& channels) {
@@ -62,6 +29,28 @@ Result<bool> counts_paths(const std::vector<display::ChannelDefinition>& channel
 
 }  // namespace
 
+IntegratorContext PreparedJob::context() const {
+    IntegratorContext context;
+    context.scene = job.scene.view();
+    context.events = events.get();
+    context.aovs = aovs.get();
+    context.channels = job.channels.list;
+    context.pattern_channels = job.channels.written_by_plugins;
+    context.camera = job.sampling.camera.get();
+    context.camera->rigid_world_to_camera(context.world_to_camera);
+    context.pixel_size = context.camera->pixel_size();
+    context.beauty = job.channels.beauty >= 0;
+    context.batch_capacity = RenderWorker::batch_capacity;
+    context.width = job.grid.width;
+    context.height = job.grid.height;
+    context.filter_radius = {job.sampling.filter->radius_x(), job.sampling.filter->radius_y()};
+    context.tiles = static_cast<std::uint32_t>(job.grid.count());
+    context.seed = job.sampling.seed;
+    context.lpe = job.channels.lpe.get();
+    context.attribution = job.channels.attribution;
+    return context;
+}
+
 Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
     const Stopwatch watch;
     PreparedJob prepared(std::move(resolved));
@@ -78,9 +67,14 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
     prepared.events = std::make_unique<const EventTable>(*job.channels.lpe, job.scene.view(), job.settings.lobe_slots,
                                                          job.settings.prune && !*counts, regularizes);
     prepared.aovs = std::make_unique<const geoaovs::GeometricAovs>(job.channels.list);
-    if (Status s = job.integrator().prepare(context_of(prepared)); !s) return s.error();
+    if (Status s = job.integrator().prepare(prepared.context()); !s) return s.error();
     for (std::string& omission : job.integrator().omissions())
         job.warnings.push_back(error_at({}, std::move(omission)));
+    if (!job.integrator().traits().cutouts && job.scene.view().tests_alpha())
+        job.warnings.push_back(error_at({},
+                                        "the scene has cutouts or interfaces, and integrator '" + job.chosen.name +
+                                            "' does not declare that its rays pass through them: they may be opaque",
+                                        "integrators declare it by IntegratorTraits::cutouts"));
     prepared.seconds = watch.wall();
     prepared.cpu_seconds = watch.process_cpu();
     return prepared;

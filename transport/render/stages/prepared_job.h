@@ -13,6 +13,9 @@ class PreparedJob {
     /// Events, geometric AOVs, Integrator::prepare() with all of them; an Error is the integrator's.
     static Result<PreparedJob> prepare(ResolvedJob resolved);
 
+    /// What an integrator sees of the render. The pointers are to what stays where it is when the job is moved.
+    [[nodiscard]] IntegratorContext context() const;
+
     ResolvedJob job;
     std::unique_ptr<const EventTable> events;
     std::unique_ptr<const geoaovs::GeometricAovs> aovs;

@@ -54,6 +54,11 @@ bool RenderState::splats_left_behind() const {
     return std::any_of(workers.begin(), workers.end(), [](const auto& worker) { return worker->splats_left_behind(); });
 }
 
+bool RenderState::ever_touched(display::ChannelId id) const {
+    return std::any_of(workers.begin(), workers.end(),
+                       [&](const auto& worker) { return worker->table().ever_touched(id); });
+}
+
 std::vector<IntegratorThread*> RenderState::thread_states() const {
     std::vector<IntegratorThread*> states;
     for (const auto& worker : workers) states.push_back(&worker->state());
@@ -72,6 +77,7 @@ void RenderState::collect(RenderStatistics& statistics) const {
     statistics.render_seconds += earlier.render_seconds;
     statistics.render_cpu_seconds += earlier.render_cpu_seconds;
     statistics.camera_samples += earlier.camera_samples;
+    statistics.discarded_samples += earlier.discarded_samples;
     statistics.attribution_overflow += earlier.attribution_overflow;
     statistics.invalid_samples += earlier.invalid_samples;
     statistics.invalid_by_channel = earlier.invalid_by_channel;
@@ -83,6 +89,7 @@ void RenderState::collect(RenderStatistics& statistics) const {
         const WorkerTotals& totals = worker->totals();
         counters.add(totals.counters);
         statistics.camera_samples += worker->samples;
+        statistics.discarded_samples += worker->discarded_samples;
         statistics.render_cpu_seconds += worker->cpu_seconds;
         statistics.attribution_overflow += totals.overflow;
         statistics.invalid_samples += totals.invalid;

@@ -39,6 +39,8 @@ class RenderState {
     void collect(RenderStatistics& statistics) const;
     /// After a stop: whether splats of light paths that were not finished are in the image.
     [[nodiscard]] bool splats_left_behind() const;
+    /// Whether any sample of this session sent something to the channel.
+    [[nodiscard]] bool ever_touched(display::ChannelId id) const;
     [[nodiscard]] std::vector<IntegratorThread*> thread_states() const;
 
     const PreparedJob& prepared;

@@ -34,7 +34,8 @@ RenderPlan plan_of(const ResolvedJob& job) {
                     .words = job.channels.lpe->words(),
                     .altered = job.channels.filters.alters(),
                     .memory = display::frame_buffer_memory(layout, job.channels.list, job.raster()),
-                    .identity = render_identity(job)};
+                    .identity = render_identity(job),
+                    .warnings = job.warnings};
     for (const geoaovs::MatteKind kind : settings.cryptomatte)
         plan.memory.push_back({geoaovs::matte_layer(kind), display::RankedCoverage::expected_bytes(width, height)});
     if (settings.adaptive)  // an error and a decision a pixel

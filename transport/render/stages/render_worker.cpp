@@ -47,14 +47,15 @@ RenderWorker::RenderWorker(const PreparedJob& prepared, RenderTarget& target, Ti
       aovs_(*prepared.aovs),
       target_(target),
       locks_(locks),
-      table_(job_.channels.list, batch_capacity, job_.has_extra_rows ? 4 * batch_capacity : 0, target.splat_sets.get()),
+      table_(job_.channels.list, batch_capacity, target.splat_sets.get()),
       display_(table_),
       lpe_(*job_.channels.lpe, table_, job_.sampling.seed, job_.channels.attribution),
       gate_(job_, locks, target),
       raster_(job_.raster()
                   ? std::make_unique<display::RasterSplats>(*job_.channels.lpe, job_.channels.list, job_.sampling.seed,
-                                                            job_.channels.attribution, gate_)
+                                                            job_.channels.attribution, gate_, table_)
                   : nullptr),
+      camera_hits_(job_.integrator().traits().first_hits ? nullptr : std::make_unique<CameraHits>(prepared)),
       state_(job_.integrator().make_thread_state()),
       rows_(batch_capacity),
       camera_samples_(batch_capacity),
@@ -140,39 +141,44 @@ void RenderWorker::flush() {
         for (std::size_t i = 0; i < count_; ++i) rays_[i].cone = cone_of_sample(rays_[i].cone, rows_[i].sample);
     table_.begin({rows_.data(), count_});
     const double begin = aovs_.wants_time() ? thread_cpu_seconds() : 0;
+    const std::uint64_t overflow_before = overflow();
     ThreadServices services{display_, lpe_, raster_.get(), &leave_};
-    job_.integrator().integrate(
-        {{rays_.data(), count_}, {samplers_.data(), count_}, {rows_.data(), count_}, tile_, startup_, weights}, *state_,
-        services);
+    const CameraBatch batch{
+        {rays_.data(), count_}, {samplers_.data(), count_}, {rows_.data(), count_}, tile_, startup_, weights};
+    job_.integrator().integrate(batch, *state_, services);
     if (services.left) {
+        if (raster_) raster_->discard();
         left_ = true;
         count_ = 0;
         return;
     }
-    if (raster_ && table_.discarded()) raster_->discard();
-    if (!table_.discarded()) {
-        if (raster_) {
-            raster_->flush();
-            target_.frame_buffer.count_light_paths(count_);
-        }
+    if (raster_) raster_->finish();
+    if (table_.discarded()) {
+        dropped_overflow_ += overflow() - overflow_before;
+        if (!startup_) discarded_samples += count_;
+    } else {
+        if (camera_hits_) camera_hits_->supply(batch, table_);
+        if (raster_) target_.frame_buffer.count_light_paths(count_);
         finish_samples(begin);
         const std::lock_guard lock(adding_);
         target_.frame_buffer.accumulate(table_);
         for (display::SampleSink* sink : target_.sinks) sink->accumulate(table_);
+        if (!startup_) samples += count_;
     }
-    if (!startup_) samples += count_;
     count_ = 0;
     done_ = added_;
 }
 
+/// Moves that had to collapse branches, those of discarded iterations among them.
+std::uint64_t RenderWorker::overflow() const {
+    return lpe_.overflow_count() + (raster_ ? raster_->lpe().overflow_count() : 0);
+}
+
 void RenderWorker::note_totals() {
     totals_.counters = state_->counters;
-    totals_.overflow = lpe_.overflow_count();
+    totals_.overflow = overflow() - dropped_overflow_;
     std::uint64_t invalid = table_.invalid_total();
-    if (raster_) {
-        totals_.overflow += raster_->lpe().overflow_count();
-        invalid += raster_->table().invalid_total();
-    }
+    if (raster_) invalid += raster_->table().invalid_total();
     splats_taken_ = gate_.taken();
     if (invalid == totals_.invalid && !totals_.invalid_by_channel.empty()) return;
     totals_.invalid = invalid;

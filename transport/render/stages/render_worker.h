@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "transport/render/stages/camera_hits.h"
 #include "transport/render/stages/render_target.h"
 #include "transport/samplers/sampler_batch.h"
 
@@ -78,12 +79,15 @@ class RenderWorker {
     /// Without the batch that was left.
     [[nodiscard]] const WorkerTotals& totals();
     [[nodiscard]] const display::DisplayServices& display() const { return display_; }
+    [[nodiscard]] const display::SampleTable& table() const { return table_; }
     [[nodiscard]] IntegratorThread& state() { return *state_; }
-    std::uint64_t samples = 0;  ///< camera samples in the frame buffer
+    std::uint64_t samples = 0;            ///< camera samples in the frame buffer
+    std::uint64_t discarded_samples = 0;  ///< of iterations that the integrator discarded
     double cpu_seconds = 0;
 
   private:
     void note_totals();
+    [[nodiscard]] std::uint64_t overflow() const;
     void flush();
     void finish_samples(double begin);
     const ResolvedJob& job_;
@@ -95,6 +99,7 @@ class RenderWorker {
     display::LpeServices lpe_;
     SplatGate gate_;
     std::unique_ptr<display::RasterSplats> raster_;
+    std::unique_ptr<CameraHits> camera_hits_;  // null where the integrator reports them
     std::unique_ptr<IntegratorThread> state_;
     std::vector<display::CameraRow> rows_;
     std::vector<CameraSample> camera_samples_;
@@ -111,6 +116,7 @@ class RenderWorker {
     bool left_ = false;
     std::uint64_t skip_ = 0, added_ = 0, done_ = 0;  // blocks of pixels of the task
     std::uint64_t splats_taken_ = 0;                 // before the batch
+    std::uint64_t dropped_overflow_ = 0;             // of discarded iterations
     WorkerTotals totals_;                            // the same
 };
 

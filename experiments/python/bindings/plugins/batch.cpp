@@ -121,10 +121,10 @@ std::shared_ptr<Points> Batch::trace(std::vector<Ray> rays, std::vector<std::uin
         geometry.surfaces(made->rays, made->hits, made->points, made->sources);
         for (std::size_t i = 0; i < made->count(); ++i) {
             made->points[i].random_key = camera().samplers[made->rows[i]].key(key);
-            made->points[i].row = first ? static_cast<std::int32_t>(made->rows[i]) : -1;
+            made->points[i].services = {&display(), static_cast<std::int32_t>(made->rows[i]), depth_ - 1};
         }
         if (scene().materials->turns_normals()) transport::turn_normals(scene(), made->hits, made->points);
-        scene().materials->shade(*scene().textures, made->points, made->bsdfs, &display());
+        scene().materials->shade(*scene().textures, made->points, made->bsdfs);
     });
     if (!first) return made;
     for (std::size_t i = 0; i < made->count(); ++i) {

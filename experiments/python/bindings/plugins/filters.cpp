@@ -3,6 +3,8 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cstring>
+#include <map>
 
 #include "display/services/samples/sample_filter.h"
 #include "experiments/python/bindings/arrays.h"
@@ -20,7 +22,18 @@ namespace {
 class Samples {
   public:
     Samples(display::SampleTable& table, ChannelId beauty) : table_(&table), beauty_(beauty) {}
-    void end() { table_ = nullptr; }
+    /// What a filter changed of a plain channel counts as written.
+    void end() {
+        for (const auto& [id, before] : before_) {
+            const auto components = static_cast<std::size_t>(display::component_count(table().channel(id).type));
+            for (int row = 0; row < table().row_count(); ++row) {
+                const std::size_t at = static_cast<std::size_t>(row) * components;
+                const double* const now = table().values(id) + at;
+                if (std::memcmp(now, before.data() + at, components * sizeof(double)) != 0) table().edit(id, row);
+            }
+        }
+        table_ = nullptr;
+    }
 
     [[nodiscard]] std::vector<std::string> names() const {
         std::vector<std::string> names;
@@ -36,7 +49,11 @@ class Samples {
             const int components = display::component_count(table().channel(id).type);
             std::vector<py::ssize_t> shape{table().row_count()};
             if (components != 1) shape.push_back(components);
-            return py::array_t<double>(std::move(shape), table().values(id), self);
+            if (table().channel(id).style == display::ChannelStyle::name && !before_.contains(id)) {
+                const double* const values = table().values(id);
+                before_[id].assign(values, values + table().row_count() * components);
+            }
+            return py::array_t<double>(std::move(shape), table().raw_values(id), self);
         }
         fail("there is no channel '" + name + "' in the samples", near_miss(name, names()));
     }
@@ -58,6 +75,7 @@ class Samples {
     }
     display::SampleTable* table_;
     ChannelId beauty_;
+    mutable std::map<ChannelId, std::vector<double>> before_;  // values of the plain channels that were read
 };
 
 class PythonFilter final : public display::SampleFilter {

@@ -5,6 +5,7 @@
 
 #include "experiments/python/bindings/plugins/batch.h"
 #include "experiments/python/bindings/plugins/python_object.h"
+#include "experiments/python/bindings/plugins/services.h"
 
 namespace raylex::python {
 
@@ -30,8 +31,6 @@ class PythonIntegrator final : public transport::Integrator {
     [[nodiscard]] std::vector<std::string> omissions() const override {
         std::vector<std::string> all;
         if (context_.scene.asks_for_media()) all.emplace_back("media: rays of Python integrators pass through them");
-        if (context_.scene.tests_alpha())
-            all.emplace_back("light through cutouts and interfaces: to Python integrators they are opaque");
         return all;
     }
     void integrate(const transport::CameraBatch& camera, transport::IntegratorThread& thread,
@@ -173,6 +172,7 @@ void add_batch(py::module_& module) {
 
 void add_integrators(py::module_& module) {
     add_batch(module);
+    add_services(module);
     module.def("_register_integrator", &register_integrator, "name"_a, "type"_a, "help"_a, "defaults"_a);
 }
 

@@ -5,6 +5,7 @@
 #include "experiments/python/bindings/arrays.h"
 #include "experiments/python/bindings/plugins/plugin_parts.h"
 #include "experiments/python/bindings/plugins/python_object.h"
+#include "experiments/python/bindings/plugins/services.h"
 #include "transport/materials/textures/pattern.h"
 
 namespace raylex::python {
@@ -91,10 +92,13 @@ class PythonTexture final : public transport::Pattern {
                                              transport::to_float(each.normal.z)});
             }
             const auto count = static_cast<py::ssize_t>(points.size());
+            const auto services = std::make_shared<TextureServices>(points);
+            const std::unique_ptr<TextureServices, void (*)(TextureServices*)> ends(
+                services.get(), [](TextureServices* s) { s->end(); });
             const py::object at = py::module_::import("raylex.plugins")
                                       .attr("TexturePoints")(owning_array(std::move(uv), {count, 2}),
                                                              owning_array(std::move(position), {count, 3}),
-                                                             owning_array(std::move(normal), {count, 3}));
+                                                             owning_array(std::move(normal), {count, 3}), services);
             const Array<float> result =
                 array_of<float>((*object_).attr("evaluate")(at), "what texture '" + name_ + "' returned");
             check_shape(result, points.size(), spectrum_ ? 3 : 0, "what texture '" + name_ + "' returned");

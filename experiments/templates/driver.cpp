@@ -1,4 +1,5 @@
-// A display driver: the beauty or one layer as a Portable Float Map (P. Debevec), 32-bit floats, bottom row first.
+// @NAME@: a display driver, the beauty or one layer as a Portable Float Map (P. Debevec), 32-bit floats, bottom row
+// first.
 #include <fstream>
 
 #include "transport/plugins/plugin.h"
@@ -24,7 +25,7 @@ class PfmDriver final : public DisplayDriver {
             return success();
         }
         const std::string near = nearest_name(layer_, known);
-        return error_at(where_, "display driver 'pfm': no layer '" + layer_ + "' with three numbers a pixel",
+        return error_at(where_, "display driver '@NAME@': no layer '" + layer_ + "' with three numbers a pixel",
                         near.empty() ? std::string() : "did you mean '" + near + "'?");
     }
 
@@ -38,7 +39,7 @@ class PfmDriver final : public DisplayDriver {
                 out.write(reinterpret_cast<const char*>(&value), sizeof value);
             }
         out.close();
-        if (!out) return error_at(where_, "display driver 'pfm' cannot write '" + file_ + "'");
+        if (!out) return error_at(where_, "display driver '@NAME@' cannot write '" + file_ + "'");
         return success();
     }
 
@@ -51,11 +52,11 @@ class PfmDriver final : public DisplayDriver {
     int width_ = 0, height_ = 0;
 };
 
-Result<std::unique_ptr<DisplayDriver>> make_pfm(const ParameterSet& parameters, const DriverContext&) {
+Result<std::unique_ptr<DisplayDriver>> make(const ParameterSet& parameters, const DriverContext&) {
     transport::ParameterReader reader(parameters);
     const std::string file = reader.string("file", ""), layer = reader.string("layer", "");
     if (file.empty())
-        reader.fail(error_at(parameters.location, "display driver 'pfm' has no file; expected file=NAME.pfm"));
+        reader.fail(error_at(parameters.location, "display driver '@NAME@' has no file; expected file=NAME.pfm"));
     if (reader.error()) return *reader.error();
     return std::unique_ptr<DisplayDriver>(std::make_unique<PfmDriver>(file, layer, parameters.location));
 }
@@ -63,9 +64,9 @@ Result<std::unique_ptr<DisplayDriver>> make_pfm(const ParameterSet& parameters, 
 }  // namespace
 
 RAYLEX_PLUGIN(host) {
-    host.add_display_driver({"pfm",
+    host.add_display_driver({"@NAME@",
                              "writes a Portable Float Map",
                              {{"file", ParameterType::string, "", "to write"},
                               {"layer", ParameterType::string, "", "of three numbers a pixel; default: the beauty"}},
-                             make_pfm});
+                             make});
 }

@@ -1,4 +1,4 @@
-// A material with a lobe of its own: Minnaert's law of the moon's surface ("The reciprocity principle in lunar
+// @NAME@: a material with a lobe of its own: Minnaert's law of the moon's surface ("The reciprocity principle in lunar
 // photometry", Astrophysical Journal 93, 1941), f = reflectance (k + 2) / (2 pi) (cos_i cos_o)^k. It is reciprocal;
 // what it reflects of light from everywhere is reflectance cos_o^k.
 #include <cmath>
@@ -10,10 +10,10 @@ namespace {
 using namespace raylex;
 using namespace raylex::transport;
 
-LobeId minnaert_lobe = 0;  // set when the plugin registers
+LobeId own_lobe = 0;  // set when the plugin registers
 
 /// What varies from point to point: plain data, in the shading frame. Sampled by its density cos_i^(k+1).
-struct MinnaertClosure {
+struct MoonClosure {
     Rgb reflectance;
     float k = 0;
 
@@ -24,7 +24,7 @@ struct MinnaertClosure {
         BsdfEvaluation result;
         result.pdf = pdf(wo, wi);
         result.value = albedo(std::abs(wo.z)) * result.pdf;
-        if (result.pdf > 0) result.lobes.add(minnaert_lobe, result.value);
+        if (result.pdf > 0) result.lobes.add(own_lobe, result.value);
         return result;
     }
     [[nodiscard]] BsdfSample sample(const Vec3& wo, float, const Vec2& u) const {
@@ -41,37 +41,37 @@ struct MinnaertClosure {
     [[nodiscard]] bool has_density() const { return !reflectance.is_black(); }
 };
 
-class MinnaertMaterial final : public Material {
+class MoonMaterial final : public Material {
   public:
-    MinnaertMaterial(RgbInput reflectance, float k) : reflectance_(reflectance), k_(k) {}
+    MoonMaterial(RgbInput reflectance, float k) : reflectance_(reflectance), k_(k) {}
     void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
                std::span<Bsdf> closures) const override {
         for (const std::uint32_t i : hits)
             closures[i].set_custom(Frame::from_normal(points[i].shading_normal),
-                                   MinnaertClosure{clamp_to_unit(reflectance_.at(textures, points[i])), k_});
+                                   MoonClosure{clamp_to_unit(reflectance_.at(textures, points[i])), k_});
     }
-    void append_lobes(std::vector<LobeId>& lobes) const override { lobes.push_back(minnaert_lobe); }
+    void append_lobes(std::vector<LobeId>& lobes) const override { lobes.push_back(own_lobe); }
 
   private:
     RgbInput reflectance_;
     float k_;
 };
 
-Result<std::unique_ptr<Material>> make_minnaert(const SceneEntity& entity, const MaterialContext& context) {
+Result<std::unique_ptr<Material>> make(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const RgbInput reflectance = reader.rgb("reflectance", Rgb(0.5f));
     const float k = reader.real("k", 0.5f, 0, 100);
     if (reader.error()) return *reader.error();
-    return std::unique_ptr<Material>(std::make_unique<MinnaertMaterial>(reflectance, k));
+    return std::unique_ptr<Material>(std::make_unique<MoonMaterial>(reflectance, k));
 }
 
 }  // namespace
 
 RAYLEX_PLUGIN(host) {
-    minnaert_lobe = host.add_lobe({lpe::EventType::reflection, lpe::Scatter::diffuse, "minnaert"});
-    host.add_material({"minnaert",
+    own_lobe = host.add_lobe({lpe::EventType::reflection, lpe::Scatter::diffuse, "@NAME@"});
+    host.add_material({"@NAME@",
                        "the moon's surface",
                        {{"reflectance", ParameterType::rgb, "0.5", "what is reflected when seen from straight above"},
                         {"k", ParameterType::real, "0.5", "0 is Lambert's surface, more darkens the rim; 0 to 100"}},
-                       make_minnaert});
+                       make});
 }

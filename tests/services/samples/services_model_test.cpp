@@ -1,0 +1,614 @@
+// The display services against a model of them made of maps and lists: random programs of calls, in any order and for
+// any ray, must come to what the model says, and to the same bits for any batch size.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+#include <tuple>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "display/buffer/frame_buffer/frame_buffer.h"
+#include "display/buffer/sinks/ranked_coverage.h"
+#include "display/deep/deep_buffer.h"
+#include "display/services/samples/display_services.h"
+#include "display/services/samples/raster_splats.h"
+#include "tests/services/helpers.h"
+
+namespace raylex::display {
+namespace {
+
+using test::expression_channel;
+using test::plain_channel;
+using test::Random;
+using RowState = SampleTable::RowState;
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr int width = 3, height = 2, samples_per_pixel = 32, block = 16;
+constexpr int pixels = width * height, rays = pixels * samples_per_pixel, channels_known = 10;
+
+std::vector<ChannelDefinition> model_channels() {
+    std::vector<ChannelDefinition> list{
+        expression_channel("beauty", "C.*"),
+        plain_channel("heat", ChannelType::real),
+        plain_channel("paint", ChannelType::rgb),
+        plain_channel("P", ChannelType::point),
+        plain_channel("N", ChannelType::normal),
+        plain_channel("nearest", ChannelType::real, FilterRule::zmin, infinity),
+        plain_channel("index", ChannelType::integer, FilterRule::zmin),
+        plain_channel("largest", ChannelType::vector, FilterRule::max),
+        plain_channel("total", ChannelType::real, FilterRule::sum),
+        plain_channel("mean", ChannelType::rgb, FilterRule::average),
+    };
+    ChannelDefinition layer = plain_channel("layer of heat", ChannelType::real);
+    layer.source = 1;  // nothing can be sent to it
+    list.push_back(layer);
+    return list;
+}
+
+// ------------------------------------------------------------------------------------------------- calls and programs
+
+enum class Kind {
+    splat_float,
+    splat_rgb,
+    write_float,
+    write_rgb,
+    write_integer,
+    add,
+    distance,
+    opacity,
+    surface,
+    raster
+};
+struct Call {
+    Kind kind;
+    int channel = 0;
+    int row = 0;  ///< of the ray: 0 its camera row, i its i-th extra row; far: none of the batch
+    static constexpr int far = 1000;
+    Rgb value;
+    std::int32_t integer = 0;
+    bool volume = false;
+};
+/// What an integrator calls for one ray.
+using Calls = std::vector<Call>;
+
+struct Program {
+    std::vector<Calls> calls;     ///< [ray] rays of a pixel stand together, in the order of samples
+    std::vector<CameraRow> rows;  ///< [ray]
+    std::array<bool, samples_per_pixel / block> discarded{};  ///< [iteration]: a block of every pixel's samples
+    bool discard_first = false;                               ///< before all calls of the iteration, or amid them
+};
+
+float some_value(Random& random) {
+    return random.below(40) == 0 ? std::numeric_limits<float>::quiet_NaN() : random.uniform_float() * 4 - 1;
+}
+
+Program random_program(std::uint64_t seed) {
+    Random random(seed);
+    Program program;
+    for (bool& each : program.discarded) each = random.below(5) == 0;
+    program.discard_first = random.below(2) == 0;
+    for (int ray = 0; ray < rays; ++ray) {
+        CameraRow row;
+        const int pixel = ray / samples_per_pixel;
+        row.pixel_x = pixel % width;
+        row.pixel_y = pixel / width;
+        row.sample = static_cast<std::uint64_t>(ray % samples_per_pixel);
+        row.filter_weight = random.below(2) == 0 ? 1.0f : 0.75f;
+        program.rows.push_back(row);
+        Calls calls;
+        int extra = 0;
+        for (int n = random.below(9); n > 0; --n) {
+            Call call{static_cast<Kind>(random.below(10))};
+            call.channel = random.below(12) == 0 ? invalid_channel : random.below(30) == 0 ? 99 : random.below(11);
+            call.row = random.below(40) == 0 ? Call::far : random.below(extra + 1);
+            call.value = Rgb(some_value(random), some_value(random), some_value(random));
+            call.integer = random.below(1000) - 500;
+            call.volume = random.below(2) == 0;
+            if (call.kind == Kind::opacity || call.kind == Kind::add) {
+                constexpr std::array<float, 5> choices{0, 0.25f, 0.5f, 0.875f, 1};
+                call.value = Rgb(choices[static_cast<std::size_t>(random.below(5))],
+                                 choices[static_cast<std::size_t>(random.below(5))],
+                                 choices[static_cast<std::size_t>(random.below(5))]);
+            }
+            if (call.kind == Kind::surface) call.integer = random.below(6) - 1;
+            if (call.kind == Kind::add && call.row != Call::far) ++extra;
+            calls.push_back(call);
+        }
+        program.calls.push_back(std::move(calls));
+    }
+    return program;
+}
+
+float depth_of(const Call& call) {
+    return static_cast<float>(1 + (call.integer + 500) % 7);
+}
+
+// -------------------------------------------------------------------------------------------------------------- model
+
+struct ModelValue {
+    RowState state = RowState::untouched;
+    std::array<double, 3> v{};
+};
+struct ModelRow {
+    float depth = infinity;
+    RgbD opacity{0.0};
+    bool volume = false;
+    int surface = 0;
+    std::map<int, ModelValue> values;  ///< by channel
+};
+struct ModelRay {
+    std::vector<ModelRow> rows{1};
+};
+struct ModelSplat {
+    float x, y;
+    Rgb value;
+    auto operator<=>(const ModelSplat& o) const {
+        return std::tuple(x, y, value.r, value.g, value.b) <=> std::tuple(o.x, o.y, o.value.r, o.value.g, o.value.b);
+    }
+    bool operator==(const ModelSplat&) const = default;
+};
+struct Model {
+    std::vector<ModelRay> rays;
+    std::map<std::pair<int, Refusal>, std::uint64_t> refusals;  ///< by channel, -1: none
+    std::uint64_t invalid = 0;
+    std::vector<ModelSplat> splats;
+};
+
+bool is_number(const Rgb& value) {
+    return is_finite(value);
+}
+
+/// Refuses the call as the documents say, or returns the row.
+ModelRow* accepted(Model& model, ModelRay& ray, const Call& call, const ChannelDefinition* channel, bool right_type,
+                   bool number) {
+    const int name = channel == nullptr ? -1 : call.channel;
+    const auto refuse = [&](Refusal reason) {
+        ++model.refusals[{name, reason}];
+        return nullptr;
+    };
+    if (channel == nullptr || !takes_samples(*channel)) return refuse(Refusal::unknown_channel);
+    if (!right_type) return refuse(Refusal::wrong_type);
+    if (call.row == Call::far) return refuse(Refusal::unknown_row);
+    if (!number) {
+        ++model.invalid;
+        return refuse(Refusal::bad_value);
+    }
+    return &ray.rows[static_cast<std::size_t>(call.row)];
+}
+
+void call_model(Model& model, ModelRay& ray, const Call& call, const std::vector<ChannelDefinition>& list,
+                const CameraRow& camera) {
+    const bool to_channel = call.kind <= Kind::write_integer;
+    if (to_channel) {
+        if (call.channel == invalid_channel) return;  // legal, and nothing
+        const bool known = call.channel >= 0 && call.channel < static_cast<int>(list.size());
+        const ChannelDefinition* channel = known ? &list[static_cast<std::size_t>(call.channel)] : nullptr;
+        const bool triple = call.kind == Kind::splat_rgb || call.kind == Kind::write_rgb;
+        const bool integer = call.kind == Kind::write_integer;
+        const bool right = known && (triple    ? component_count(channel->type) == 3
+                                     : integer ? channel->type == ChannelType::integer
+                                               : channel->type == ChannelType::real);
+        const bool number = integer || (triple ? is_number(call.value) : std::isfinite(call.value.r));
+        ModelRow* row = accepted(model, ray, call, channel, right, number);
+        if (row == nullptr) return;
+        ModelValue& value = row->values[call.channel];
+        const bool splat = call.kind == Kind::splat_float || call.kind == Kind::splat_rgb;
+        for (int c = 0; c < 3; ++c) {
+            const double v = integer ? call.integer : static_cast<double>(triple ? call.value[c] : call.value.r);
+            double& to = value.v[static_cast<std::size_t>(c)];
+            to = splat ? to + v : v;
+        }
+        if (!splat) value.state = RowState::written;
+        else if (value.state == RowState::untouched) value.state = RowState::splatted;
+        return;
+    }
+    if (call.kind == Kind::raster) {
+        if (is_number(call.value)) model.splats.push_back({camera.screen_x, camera.screen_y, call.value});
+        else ++model.invalid;
+        return;
+    }
+    const bool good = call.kind != Kind::surface || call.integer >= 0;
+    if (!good || call.row == Call::far) {
+        ++model.refusals[{-1, good ? Refusal::unknown_row : Refusal::bad_value}];
+        return;
+    }
+    ModelRow& row = ray.rows[static_cast<std::size_t>(call.row)];
+    if (call.kind == Kind::distance) row.depth = depth_of(call), row.volume = call.volume;
+    if (call.kind == Kind::opacity) row.opacity = RgbD(call.value);
+    if (call.kind == Kind::surface) row.surface = call.integer;
+    if (call.kind == Kind::add) ray.rows.push_back({depth_of(call), RgbD(call.value), call.volume, 0, {}});
+}
+
+Model model_of(const Program& program, const std::vector<ChannelDefinition>& list) {
+    Model model;
+    model.rays.resize(rays);
+    for (std::size_t ray = 0; ray < rays; ++ray) {
+        if (program.discarded[program.rows[ray].sample / block]) continue;
+        for (const Call& call : program.calls[ray]) call_model(model, model.rays[ray], call, list, program.rows[ray]);
+    }
+    std::sort(model.splats.begin(), model.splats.end());
+    return model;
+}
+
+/// The rows front to back with what each covers; and the sample's alpha.
+std::vector<std::pair<const ModelRow*, double>> front_to_back(const ModelRay& ray, double& alpha) {
+    std::vector<std::pair<const ModelRow*, double>> sorted;
+    for (const ModelRow& row : ray.rows) sorted.emplace_back(&row, 0);
+    std::stable_sort(sorted.begin(), sorted.end(), [](auto& a, auto& b) { return a.first->depth < b.first->depth; });
+    RgbD through{1.0};
+    for (auto& [row, coverage] : sorted) {
+        const double before = through.average();
+        through *= RgbD(1.0) - row->opacity;
+        coverage = before - through.average();
+    }
+    alpha = 1 - through.average();
+    return sorted;
+}
+
+/// What a filtered channel's sample counts.
+double sample_value(const ModelRay& ray, int channel, std::size_t component) {
+    double alpha = 0, splatted = 0, covered = 0, weighted = 0, first = 0;
+    bool any = false;
+    for (const auto& [row, coverage] : front_to_back(ray, alpha)) {
+        const auto found = row->values.find(channel);
+        if (found == row->values.end()) continue;
+        const double v = found->second.v[component];
+        if (found->second.state != RowState::written || channel == 0) {  // light adds up, however it is sent
+            splatted += v;
+            continue;
+        }
+        if (!any) first = v;
+        any = true;
+        covered += coverage;
+        weighted += coverage * v;
+    }
+    if (!any) return splatted;
+    return splatted + (alpha > 0 ? alpha : 1) * (covered > 0 ? weighted / covered : first);
+}
+
+/// A pixel of a channel by its rule.
+double pixel_value(const Model& model, const Program& program, const ChannelDefinition& definition, int channel,
+                   int pixel, std::size_t component) {
+    double sum = 0, weights = 0, picked = 0, nearest = infinity;
+    int seen = 0, samples = 0;
+    for (int s = 0; s < samples_per_pixel; ++s) {
+        const auto at = static_cast<std::size_t>(pixel * samples_per_pixel + s);
+        if (program.discarded[program.rows[at].sample / block]) continue;
+        ++samples;
+        const ModelRay& ray = model.rays[at];
+        const auto weight = static_cast<double>(program.rows[at].filter_weight);
+        weights += weight;
+        if (definition.rule == FilterRule::filter) {
+            sum += weight * sample_value(ray, channel, component);
+            continue;
+        }
+        double alpha = 0;
+        for (const auto& [row, coverage] : front_to_back(ray, alpha)) {
+            const auto found = row->values.find(channel);
+            if (found == row->values.end()) continue;
+            const double v = found->second.v[component];
+            if (definition.rule == FilterRule::max && (seen == 0 || v > picked)) picked = v;
+            if (definition.rule == FilterRule::zmin && (seen == 0 || row->depth < static_cast<float>(nearest)))
+                picked = v, nearest = row->depth;
+            ++seen;
+            sum += v;
+        }
+    }
+    if (definition.rule == FilterRule::filter) return weights > 0 ? sum / weights : 0;
+    if (seen == 0) return static_cast<double>(definition.miss_value);
+    if (definition.rule == FilterRule::average) return sum / seen;
+    return definition.rule == FilterRule::sum ? sum : picked;
+}
+
+// -------------------------------------------------------------------------------------------------------- the services
+
+/// Keeps splats as they are handed on.
+struct Collector final : RasterSink {
+    std::vector<ModelSplat> splats;
+    void take(SampleTable& table) override {
+        for (int row = 0; row < table.camera_row_count(); ++row) {
+            const double* v = table.values(0) + 3 * static_cast<std::size_t>(row);
+            const CameraRow& camera = table.camera_row(row);
+            // A tracker's row that nothing valid was contributed to holds no light.
+            if (!table.touched(0) || (v[0] == 0 && v[1] == 0 && v[2] == 0)) continue;
+            splats.push_back({camera.screen_x, camera.screen_y,
+                              Rgb(static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]))});
+        }
+    }
+};
+
+struct Outcome {
+    std::vector<double> values, alpha;  ///< of all channels and pixels
+    std::vector<float> deep;            ///< all deep samples
+    std::vector<double> flat;           ///< [pixel] of the deep image: alpha, beauty, heat, N
+    std::vector<double> coverage;       ///< [pixel][id]
+    std::vector<RefusalCounts> refusals;
+    std::uint64_t invalid = 0;
+    std::vector<ModelSplat> splats;
+    std::uint64_t samples = 0;
+};
+
+class Services {
+  public:
+    Services(const Program& program, const std::vector<ChannelDefinition>& list, std::uint64_t order)
+        : program_(program),
+          list_(list),
+          random_(order),
+          table_(list, rays),
+          services_(table_),
+          setup_(*LpeSetup::build(list, 0)),
+          splats_(setup_, list, 0, LpeServices::Attribution::exact, collector_, table_),
+          buffer_({width, height}, list),
+          deep_(width, height, list, {0, 1, 4}, {.most_samples = 4096, .tolerance = 0x1p-23}),
+          mattes_(width, height, {0, 10, 20, 30, 40, 50}) {}
+
+    /// Batches of `blocks_together` blocks of one iteration; rays take turns in a random order.
+    Outcome run(int blocks_together) {
+        for (std::size_t iteration = 0; iteration < program_.discarded.size(); ++iteration)
+            for (int first = 0; first < pixels; first += blocks_together)
+                run_batch(iteration, first, std::min(pixels, first + blocks_together));
+        return result();
+    }
+
+  private:
+    void run_batch(std::size_t iteration, int first_pixel, int end_pixel) {
+        std::vector<std::size_t> of;  // [row] ray
+        std::vector<CameraRow> rows;
+        for (int pixel = first_pixel; pixel < end_pixel; ++pixel)
+            for (int s = 0; s < block; ++s) {
+                of.push_back(static_cast<std::size_t>(pixel * samples_per_pixel + s) + iteration * block);
+                rows.push_back(program_.rows[of.back()]);
+            }
+        table_.begin(rows);
+        std::vector<std::vector<int>> extra(of.size());
+        std::vector<std::size_t> next(of.size()), turns;
+        for (std::size_t row = 0; row < of.size(); ++row)
+            turns.insert(turns.end(), program_.calls[of[row]].size(), row);
+        for (std::size_t i = turns.size(); i > 1; --i)
+            std::swap(turns[i - 1], turns[static_cast<std::size_t>(random_.below(static_cast<int>(i)))]);
+        const bool discards = program_.discarded[iteration];
+        const std::size_t when = program_.discard_first ? 0 : turns.size() / 2;
+        for (std::size_t turn = 0; turn <= turns.size(); ++turn) {
+            if (discards && turn == when) CHECK(services_.discard_iteration());
+            if (turn == turns.size()) break;
+            const std::size_t row = turns[turn];
+            call(program_.calls[of[row]][next[row]++], static_cast<int>(row), extra[row]);
+        }
+        splats_.finish();
+        buffer_.accumulate(table_);
+        deep_.accumulate(table_);
+        mattes_.accumulate(table_);
+        if (!table_.discarded()) samples_ += of.size();
+    }
+
+    void call(const Call& call, int camera_row, std::vector<int>& extra) {
+        const int row = call.row == Call::far ? -7
+                        : call.row == 0       ? camera_row
+                                              : extra[static_cast<std::size_t>(call.row) - 1];
+        switch (call.kind) {
+            case Kind::splat_float:
+                services_.splat(call.channel, row, call.value.r);
+                break;
+            case Kind::splat_rgb:
+                services_.splat(call.channel, row, call.value);
+                break;
+            case Kind::write_float:
+                services_.write(call.channel, row, call.value.r);
+                break;
+            case Kind::write_rgb:
+                services_.write(call.channel, row, call.value);
+                break;
+            case Kind::write_integer:
+                services_.write(call.channel, row, call.integer);
+                break;
+            case Kind::add:
+                if (const int added = services_.add_sample(row, {depth_of(call), RgbD(call.value), call.volume});
+                    added >= 0)
+                    extra.push_back(added);
+                break;
+            case Kind::distance:
+                services_.write_distance(row, depth_of(call), call.volume);
+                break;
+            case Kind::opacity:
+                services_.write_opacity(row, call.value);
+                break;
+            case Kind::surface:
+                services_.write_surface(row, call.integer);
+                break;
+            case Kind::raster: {
+                const CameraRow& camera = table_.camera_row(camera_row);
+                const Tracker tracker = splats_.begin(camera.screen_x, camera.screen_y, camera);
+                splats_.lpe().contribute(call.value, {}, tracker);
+                break;
+            }
+        }
+    }
+
+    Outcome result() {
+        Outcome r;
+        for (ChannelId id = 0; id < channels_known; ++id)
+            for (const double v : buffer_.resolve(id)) r.values.push_back(v);
+        r.alpha = buffer_.resolve_alpha();
+        for (int pixel = 0; pixel < pixels; ++pixel) {
+            double through = 1;
+            std::array<double, 8> flat{};
+            for (const DeepSample& s : deep_.resolve(pixel % width, pixel / width)) {
+                r.deep.insert(r.deep.end(), {s.z, s.z_back, s.alpha});
+                r.deep.insert(r.deep.end(), s.values.begin(), s.values.end());
+                for (std::size_t i = 0; i < s.values.size(); ++i)
+                    flat[i + 1] += through * static_cast<double>(s.values[i]);
+                through *= 1 - static_cast<double>(s.alpha);
+            }
+            flat[0] = 1 - through;
+            r.flat.insert(r.flat.end(), flat.begin(), flat.end());
+            std::vector<RankedCoverage::Rank> ranks(6);
+            r.coverage.push_back(mattes_.resolve(static_cast<std::size_t>(pixel), ranks));
+            std::map<std::uint32_t, double> by_id;
+            for (const auto& rank : ranks) by_id[rank.id] += rank.coverage;
+            for (const std::uint32_t id : {10u, 20u, 30u, 40u, 50u}) r.coverage.push_back(by_id[id]);
+        }
+        r.refusals.assign(services_.refusals().begin(), services_.refusals().end());
+        r.invalid = table_.invalid_total() + splats_.table().invalid_total();
+        r.splats = collector_.splats;
+        std::sort(r.splats.begin(), r.splats.end());
+        r.samples = samples_;
+        return r;
+    }
+
+    const Program& program_;
+    const std::vector<ChannelDefinition>& list_;
+    Random random_;
+    SampleTable table_;
+    DisplayServices services_;
+    LpeSetup setup_;
+    Collector collector_;
+    RasterSplats splats_;
+    FrameBuffer buffer_;
+    DeepBuffer deep_;
+    RankedCoverage mattes_;
+    std::uint64_t samples_ = 0;
+};
+
+/// Values are below 4 (sums of 9 calls and 32 samples below 2^11), so double rounding leaves less than 2^11 2^-53 a
+/// term; 2^-38 has room for the thousand terms of a pixel.
+constexpr double rounding = 0x1p-38;
+
+void compare(const Outcome& got, const Model& model, const Program& program,
+             const std::vector<ChannelDefinition>& list) {
+    std::size_t at = 0;
+    double worst = 0;
+    for (int channel = 0; channel < channels_known; ++channel) {
+        const auto components = static_cast<std::size_t>(component_count(list[static_cast<std::size_t>(channel)].type));
+        for (int pixel = 0; pixel < pixels; ++pixel)
+            for (std::size_t c = 0; c < components; ++c, ++at) {
+                const double expected =
+                    pixel_value(model, program, list[static_cast<std::size_t>(channel)], channel, pixel, c);
+                if (expected == got.values[at]) continue;  // infinite ones too
+                worst = std::max(worst, std::abs(expected - got.values[at]));
+                if (std::abs(expected - got.values[at]) <= rounding) continue;
+                CAPTURE(channel, pixel, c);
+                CHECK(got.values[at] == Approx(expected));
+            }
+    }
+    CHECK(worst <= rounding);
+    // Deep samples hold floats: a pixel's alpha and light are of at most 32 x 9 of them, each rounded to 2^-24 of
+    // values below 2^6.
+    constexpr double of_floats = 0x1p-24 * 64 * 32 * 9;
+    for (int pixel = 0; pixel < pixels; ++pixel) {
+        const double* flat = &got.flat[8 * static_cast<std::size_t>(pixel)];
+        CHECK(std::abs(flat[0] - got.alpha[static_cast<std::size_t>(pixel)]) <= of_floats);
+        std::size_t k = 1;
+        for (const int channel : {0, 1, 4})
+            for (std::size_t c = 0; c < (channel == 1 ? 1u : 3u); ++c, ++k)
+                CHECK(std::abs(flat[k] - pixel_value(model, program, list[static_cast<std::size_t>(channel)], channel,
+                                                     pixel, c)) <= of_floats);
+        // Mattes round each row's weight to 2^-32.
+        std::map<int, double> covered;
+        double weights = 0;
+        for (int s = 0; s < samples_per_pixel; ++s) {
+            const auto ray = static_cast<std::size_t>(pixel * samples_per_pixel + s);
+            if (program.discarded[program.rows[ray].sample / block]) continue;
+            double alpha = 0;
+            const auto weight = static_cast<double>(program.rows[ray].filter_weight);
+            weights += weight;
+            for (const auto& [row, coverage] : front_to_back(model.rays[ray], alpha))
+                covered[row->surface <= 5 ? row->surface : 0] += weight * coverage;
+        }
+        for (int surface = 0; surface <= 5; ++surface)
+            CHECK(std::abs(got.coverage[6 * static_cast<std::size_t>(pixel) + static_cast<std::size_t>(surface)] -
+                           (weights > 0 ? covered[surface] / weights : 0)) <= 0x1p-32 * 32 * 9);
+    }
+    std::map<std::pair<int, Refusal>, std::uint64_t> refused;
+    for (std::size_t channel = 0; channel < got.refusals.size(); ++channel)
+        for (int kind = 0; kind < refusal_kinds; ++kind)
+            if (const std::uint64_t n = got.refusals[channel].by[static_cast<std::size_t>(kind)]; n > 0)
+                refused[{channel < list.size() ? static_cast<int>(channel) : -1, static_cast<Refusal>(kind)}] = n;
+    CHECK(refused == model.refusals);
+    CHECK(got.invalid == model.invalid);
+    CHECK(got.splats == model.splats);
+    std::uint64_t kept = 0;
+    for (const CameraRow& row : program.rows) kept += program.discarded[row.sample / block] ? 0 : 1;
+    CHECK(got.samples == kept);
+}
+
+TEST_CASE("a thousand random programs of calls come to what a model of the services says", "[services][model]") {
+    const std::vector<ChannelDefinition> list = model_channels();
+    for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
+        CAPTURE(seed);
+        const Program program = random_program(seed);
+        const Model model = model_of(program, list);
+        const Outcome alone = Services(program, list, seed).run(1);
+        compare(alone, model, program, list);
+        for (const int together : {2, pixels}) {
+            const Outcome other = Services(program, list, seed + 7919).run(together);
+            REQUIRE(other.values == alone.values);  // bit by bit
+            REQUIRE(other.alpha == alone.alpha);
+            REQUIRE(other.deep == alone.deep);
+            REQUIRE(other.coverage == alone.coverage);
+            REQUIRE(other.refusals == alone.refusals);
+            REQUIRE(other.invalid == alone.invalid);
+            REQUIRE(other.splats == alone.splats);
+        }
+    }
+}
+
+TEST_CASE("a ray has its own budget of extra rows, which neighbours do not touch", "[services]") {
+    const std::vector<ChannelDefinition> list{plain_channel("heat", ChannelType::real)};
+    SampleTable table(list, 4);
+    DisplayServices services(table);
+    for (int batch = 0; batch < 2; ++batch) {
+        table.begin(test::pixel_rows(0, 0, 0, 4));
+        for (int i = 0; i < SampleTable::most_extra_rows; ++i)
+            REQUIRE(services.add_sample(1, {static_cast<float>(i), RgbD(0.0)}) >= 0);
+        CHECK(services.refusals().back().total() == static_cast<std::uint64_t>(batch));
+        const int last = table.last_row_of(1);
+        CHECK(services.add_sample(1, {9, RgbD(0.5)}) == last);  // merged, and counted
+        CHECK(table.opacity[static_cast<std::size_t>(last)] == RgbD(0.5));
+        CHECK(services.refusals().back().of(Refusal::no_room) == static_cast<std::uint64_t>(batch) + 1);
+        const int other = services.add_sample(2, {1, RgbD(0.25)});
+        CHECK(other > last);
+        CHECK(services.write(0, other, 3.0f));
+        CHECK(table.original(other) == 2);
+        CHECK(table.opacity[static_cast<std::size_t>(other)] == RgbD(0.25));
+    }
+    CHECK(refusal_warnings(list, services.refusals()).front().find("1024 extra rows") != std::string::npos);
+}
+
+TEST_CASE("splats of an iteration stay until it is over, up to a budget of memory that is counted", "[services]") {
+    const std::vector<ChannelDefinition> list{expression_channel("beauty", "C.*")};
+    const LpeSetup setup = *LpeSetup::build(list, 0);
+    SampleTable batch(list, 1);
+    DisplayServices services(batch);
+    Collector sink;
+    RasterSplats splats(setup, list, 0, LpeServices::Attribution::exact, sink, batch);
+    const auto send = [&](int count) {
+        for (int i = 0; i < count; ++i) splats.lpe().contribute(Rgb(1), {}, splats.begin(1, 1, CameraRow{}));
+    };
+    batch.begin(test::pixel_rows(0, 0, 0, 1));
+    send(50000);
+    CHECK(sink.splats.empty());
+    CHECK(services.discard_iteration());
+    send(5000);
+    splats.finish();
+    CHECK(sink.splats.empty());
+    batch.begin(test::pixel_rows(0, 0, 0, 1));
+    send(3000);
+    splats.finish();
+    CHECK(sink.splats.size() == 3000);
+    // Beyond the budget splats are in the image, and the iteration can no longer be discarded: said, not ignored.
+    batch.begin(test::pixel_rows(0, 0, 0, 1));
+    send(1000000);
+    CHECK(sink.splats.size() > 3000);
+    CHECK_FALSE(services.discard_iteration());
+    CHECK(services.refusals().back().of(Refusal::too_late) == 1);
+    splats.finish();
+    CHECK(sink.splats.size() == 1003000);
+}
+
+}  // namespace
+}  // namespace raylex::display
