@@ -156,6 +156,8 @@ int write_layers(const CLI::App& command, display::AtlasFile& atlas, const AskOp
                  const CommandContext& context) {
     Job job;
     if (Status read = read_expressions(command, options, job); !read) return report_error(read.error());
+    for (const AovRequest& aov : job.aovs) print_warning("an atlas has light alone; '" + aov.name + "' is left out");
+    job.aovs.clear();
     auto answered = answer_question(atlas, job, {options.intervals, options.errors});
     if (!answered) return report_error(answered.error());
     for (const std::string& note : answered->notes) print_warning(note);

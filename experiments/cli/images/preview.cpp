@@ -8,7 +8,6 @@
 #include "display/output/atomic_file.h"
 #include "display/output/color/color_manager.h"
 #include "display/output/color/color_names.h"
-#include "display/output/reader/exr_layers.h"
 #include "display/output/reader/exr_reader.h"
 #include "experiments/cli/image_commands.h"
 #include "experiments/job/output_requests.h"

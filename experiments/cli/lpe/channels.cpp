@@ -61,7 +61,7 @@ Result<bool> is_channel_file(const std::string& text) {
     });
     std::error_code failed;
     const bool exists = std::filesystem::exists(text, failed);
-    if (!ends_as_one && exists && text.find('=') == std::string::npos)
+    if (!ends_as_one && std::filesystem::is_regular_file(text, failed) && text.find('=') == std::string::npos)
         return error_at({text, 0, 0},
                         "no format is known by this name; expected a file that ends in .toml, .rib, .usda, .usd or "
                         ".ini, or NAME=EXPR",

@@ -129,6 +129,14 @@ bool is_all_light(const lpe::ChannelSource& source, const lpe::MacroTable& macro
     return false;
 }
 
+/// Whether nobody asked for it yet.
+bool add_once(display::StatisticRequest request, std::vector<display::StatisticRequest>& asked) {
+    for (const display::StatisticRequest& each : asked)
+        if (each.channel == request.channel && each.statistic == request.statistic) return false;
+    asked.push_back(std::move(request));
+    return true;
+}
+
 /// A channel of a file that holds the spread of another one: the layer of statistics of the channel with its
 /// expression.
 void add_statistic(const ChannelSet& set, const lpe::FileChannel& channel, Job& job,
@@ -151,13 +159,9 @@ void add_statistic(const ChannelSet& set, const lpe::FileChannel& channel, Job& 
     auto request =
         display::parse_statistic_request(of, statistic, {source.origin, source.origin_line, source.origin_column});
     if (!request) return warnings.push_back(request.error().to_string());
-    std::vector<display::StatisticRequest>& asked = job.settings.statistics;
-    const bool twice = std::any_of(asked.begin(), asked.end(), [&](const display::StatisticRequest& each) {
-        return each.channel == request->channel && each.statistic == request->statistic;
-    });
+    const bool twice = !add_once(*std::move(request), job.settings.statistics);
     const std::string layer = of + "_" + statistic;
     if (twice || layer != source.name) warnings.push_back(who + ") of '" + of + "': it is the layer '" + layer + "'");
-    if (!twice) asked.push_back(*std::move(request));
 }
 
 /// Channels without an expression: AOVs that raylex has, the image and its statistics; the others are named.
@@ -308,8 +312,7 @@ Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& war
     }
     job.partitions.insert(job.partitions.end(), set.partitions.begin(), set.partitions.end());
     job.aovs.insert(job.aovs.end(), set.aovs.begin(), set.aovs.end());
-    std::vector<display::StatisticRequest>& statistics = job.settings.statistics;
-    statistics.insert(statistics.end(), set.statistics.begin(), set.statistics.end());
+    for (const display::StatisticRequest& each : set.statistics) add_once(each, job.settings.statistics);
     if (!settings.empty())
         warnings.push_back("what channels say beside their expression has no place in a job, and is left out: " +
                            lpe::left_out_text(settings));

@@ -94,6 +94,13 @@ TEST_CASE("channels of a file without expressions are AOVs, and a name is taken 
     REQUIRE(image);
     for (const char* layer : {"albedo", "rib_albedo", "z"}) CHECK(image->layer(layer) != nullptr);
     check_refused(folder, "render room.pbrt -o c.exr --channels show.rib --rename albdo=x", {"--rename", "'albdo=x'"});
+    // An atlas has no AOVs, and answers the rest of such a file.
+    folder.write("light.rib",
+                 "DisplayChannel \"float z\"\nDisplayChannel \"color d\" \"string source\" \"lpe:C<RD>L\"\n");
+    REQUIRE(run_raylex(folder, "render room.pbrt -o g.exr --atlas g.atlas.exr --spp 1").code == 0);
+    const Outcome asked = run_raylex(folder, "ask g.atlas.exr --channels light.rib -o h.exr");
+    CHECK(asked.code == 0);
+    CHECK(contains(asked.err, "'z' is left out"));
     // A name that means the same is one layer, however it is written.
     const Outcome same = run_raylex(folder, "render room.pbrt -o d.exr --lpe 'd=C<RD>[<L.>O]' --lpe 'd=C<RD>[LO]'");
     INFO(same.err);
