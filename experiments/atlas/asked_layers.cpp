@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 
+#include "experiments/program/console.h"
 #include "lpe/algebra/proofs/check.h"
 #include "lpe/language/prefixes.h"
 #include "lpe/program.h"
@@ -157,7 +158,7 @@ class AskedLayers::Builder {
         if (!light) {
             channel.style = display::ChannelStyle::name;
             channel.type = display::ChannelType::real;
-            channel.space = "standard error of the luminance of " + like.name;
+            channel.space = "standard error of the mean (R + G + B) / 3 of " + like.name;
         }
         to_.channels_.push_back(std::move(channel));
         const std::size_t components = light ? 3 : 1;
@@ -177,7 +178,9 @@ class AskedLayers::Builder {
         for (std::size_t i = 0; i < plan_.channels.size(); ++i) {
             const display::ChannelDefinition& channel = plan_.channels[i];
             const std::int64_t word = answers.undecided_word(static_cast<std::uint16_t>(program_channel[i]));
-            if (word >= 0 && !settings_.intervals) return refuse(channel, static_cast<std::uint32_t>(word));
+            if (word >= 0 && !settings_.intervals)
+                return refuse(channel, static_cast<std::uint32_t>(word), answers,
+                              static_cast<std::uint16_t>(program_channel[i]));
             Target target;
             target.least = add_layer(word < 0 ? channel.name : channel.name + "_least", channel, true);
             if (word >= 0) {
@@ -199,12 +202,46 @@ class AskedLayers::Builder {
                           : "render the atlas with a greater --atlas-length or --atlas-budget");
         return success();
     }
-    Error refuse(const display::ChannelDefinition& channel, std::uint32_t word) const {
-        return error_at(display::location_of(channel),
-                        "channel '" + channel.name + "' cannot be answered exactly: it takes some of the paths that " +
-                            atlas_.path() + " keeps together as '" + word_text(atlas_.table(), word) + "'",
-                        "--intervals gives what it is at least and at most; --atlas-length, --atlas-by and "
-                        "--atlas-budget say what a render keeps apart");
+    /// "between 1.2 % and 1.3 % of the image's light", what the words that are kept together leave open.
+    Result<std::string> at_stake(const WordAnswers& answers, std::uint16_t program_channel) {
+        const auto has = [program_channel](std::span<const std::uint16_t> channels) {
+            return std::binary_search(channels.begin(), channels.end(), program_channel);
+        };
+        double sure = 0, possible = 0, all = 0;
+        atlas_.read_parts(false);
+        display::AtlasRow row;
+        for (int y = 0; y < atlas_.height(); ++y) {
+            if (Status read = atlas_.row(y, row); !read) return read.error();
+            for (const display::WordSample& sample : row.samples) {
+                const double light = sample.rgb[0] + sample.rgb[1] + sample.rgb[2];
+                all += light;
+                sure += has(answers.all(sample.word)) ? light : 0;
+                possible += has(answers.some(sample.word)) ? light : 0;
+            }
+        }
+        const auto share = [all](double light) { return number_text(all != 0 ? 100 * light / all : 0) + " %"; };
+        return "between " + share(sure) + " and " + share(sure + possible) + " of the image's light";
+    }
+
+    /// What a render must be told to keep apart what the word keeps together.
+    [[nodiscard]] std::string remedy(std::uint32_t word) const {
+        const display::WordTable& table = atlas_.table();
+        const auto& letters = table.words[word];
+        if (std::find(letters.begin(), letters.end(), display::WordAlphabet::open) == letters.end())
+            return "--atlas-by with more than '" + to_string(table.rules) + "'";
+        return table.merged > 0 ? "a greater --atlas-budget"
+                                : "an --atlas-length above " + std::to_string(table.rules.length);
+    }
+
+    Error refuse(const display::ChannelDefinition& channel, std::uint32_t word, const WordAnswers& answers,
+                 std::uint16_t program_channel) {
+        const auto open = at_stake(answers, program_channel);
+        if (!open) return open.error();
+        return error_at(
+            display::location_of(channel),
+            "channel '" + channel.name + "' cannot be answered exactly: it takes some of the paths that " +
+                atlas_.path() + " keeps together as '" + word_text(atlas_.table(), word) + "', and has " + *open,
+            "--intervals gives the least and the most as layers; a render with " + remedy(word) + " answers exactly");
     }
 
     [[nodiscard]] std::size_t pixel_count() const {

@@ -18,7 +18,7 @@ namespace raylex::experiments {
 
 struct AskSettings {
     bool intervals = false;  ///< channels that the atlas cannot answer become NAME_least and NAME_most
-    bool errors = false;     ///< NAME_error, the standard error of each layer's luminance
+    bool errors = false;     ///< NAME_error, the standard error of each layer's mean (R + G + B) / 3
 };
 
 /// The render's beauty and the layers asked for, as a frame buffer would hold them.
@@ -54,9 +54,9 @@ class AskedLayers final : public display::PixelImage {
 /// Compiles the expression channels of a plan, `program_channel` [plan channel] their places; -1: no expression.
 Result<lpe::Program> compile_plan(const ChannelPlan& plan, std::vector<std::int32_t>& program_channel);
 
-/// The standard error of a sum of words' mean luminance, from what the eighths of the samples brought to it; `counts`
-/// is how many samples they are. With shares n_k of the samples and means m_k of the eighths that had any (K of them),
-/// m their mean weighted by n_k:
+/// The standard error of a sum of words' means (R + G + B) / 3, from what the eighths of the samples brought to it;
+/// `counts` is how many samples they are. With shares n_k of the samples and means m_k of the eighths that had any (K
+/// of them), m their mean weighted by n_k:
 ///     error^2 = sum n_k (m_k - m)^2 / (K - 1).
 /// Infinite where fewer than two eighths had samples.
 double standard_error(const std::array<double, display::PathAtlas::parts>& luminance,

@@ -14,12 +14,12 @@ using display::WordAlphabet;
 using display::WordTable;
 using Parts = std::array<double, PathAtlas::parts>;
 
-double luminance_of(const std::array<double, 3>& rgb) {
+double mean_of(const std::array<double, 3>& rgb) {
     return (rgb[0] + rgb[1] + rgb[2]) / 3;
 }
 
 void add_parts(const display::WordSample& sample, Parts& sum) {
-    const double whole = luminance_of(sample.rgb);
+    const double whole = mean_of(sample.rgb);
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += whole * static_cast<double>(sample.parts[k]);
 }
 
@@ -100,19 +100,46 @@ Result<BrightPixel> bright_words(display::AtlasFile& atlas, int x, int y, std::s
         Parts parts{};
         add_parts(sample, parts);
         add_parts(sample, whole);
-        pixel.words.push_back(
-            {sample.word, sample.rgb, luminance_of(sample.rgb), standard_error(parts, row.counts[at])});
+        pixel.words.push_back({sample.word, sample.rgb, mean_of(sample.rgb), standard_error(parts, row.counts[at])});
     }
     const std::array<float, 4>& rgba = pixel.rgba;
-    pixel.luminance =
-        luminance_of({static_cast<double>(rgba[0]), static_cast<double>(rgba[1]), static_cast<double>(rgba[2])});
+    pixel.mean = mean_of({static_cast<double>(rgba[0]), static_cast<double>(rgba[1]), static_cast<double>(rgba[2])});
     pixel.error = standard_error(whole, row.counts[at]);
-    std::stable_sort(pixel.words.begin(), pixel.words.end(), [](const BrightWord& a, const BrightWord& b) {
-        return std::abs(a.luminance) > std::abs(b.luminance);
-    });
+    std::stable_sort(pixel.words.begin(), pixel.words.end(),
+                     [](const BrightWord& a, const BrightWord& b) { return std::abs(a.mean) > std::abs(b.mean); });
     pixel.more = pixel.words.size() - std::min(pixel.words.size(), most);
     pixel.words.resize(std::min(pixel.words.size(), most));
     return pixel;
+}
+
+Result<std::vector<std::array<int, 2>>> brightest_outliers(display::AtlasFile& atlas, std::size_t most) {
+    const int width = atlas.width(), height = atlas.height();
+    std::vector<float> means;
+    display::AtlasRow row;
+    for (int y = 0; y < height; ++y) {
+        if (Status read = atlas.row(y, row); !read) return read.error();
+        for (const std::array<float, 4>& rgba : row.rgba) means.push_back((rgba[0] + rgba[1] + rgba[2]) / 3);
+    }
+    const auto mean_at = [&](int x, int y) {
+        return means[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+    };
+    std::vector<std::pair<float, std::array<int, 2>>> found;
+    std::vector<float> around;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            around.clear();
+            for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v)
+                for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u)
+                    if (u != x || v != y) around.push_back(mean_at(u, v));
+            const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
+            std::nth_element(around.begin(), middle, around.end());
+            const float above = mean_at(x, y) - (around.empty() ? 0.0f : *middle);
+            if (above > 0) found.push_back({above, {x, y}});
+        }
+    std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::vector<std::array<int, 2>> pixels;
+    for (std::size_t k = 0; k < std::min(found.size(), most); ++k) pixels.push_back(found[k].second);
+    return pixels;
 }
 
 Result<std::vector<SuggestedLayer>> suggest_partition(display::AtlasFile& atlas, std::size_t most) {
@@ -137,7 +164,7 @@ Result<std::vector<SuggestedLayer>> suggest_partition(display::AtlasFile& atlas,
                 Kind& kind = kinds[kind_of[row.samples[i].word]];
                 if (!std::exchange(kind.touched, true)) here.push_back(kind_of[row.samples[i].word]);
                 add_parts(row.samples[i], kind.here);
-                kind.light += luminance_of(row.samples[i].rgb);
+                kind.light += mean_of(row.samples[i].rgb);
             }
             for (const std::size_t k : here) {
                 const double error = standard_error(kinds[k].here, row.counts[x]);

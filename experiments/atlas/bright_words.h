@@ -13,25 +13,29 @@ namespace raylex::experiments {
 struct BrightWord {
     std::uint32_t word = 0;
     std::array<double, 3> rgb{};
-    double luminance = 0;  ///< (R + G + B) / 3
-    double error = 0;      ///< its standard error; infinite when there is no telling
+    double mean = 0;   ///< (R + G + B) / 3
+    double error = 0;  ///< its standard error; infinite when there is no telling
 };
 
 struct BrightPixel {
     std::array<float, 4> rgba{};
-    double luminance = 0, error = 0, samples = 0;
-    std::vector<BrightWord> words;  ///< brightest first, by |luminance|
+    double mean = 0, error = 0, samples = 0;
+    std::vector<BrightWord> words;  ///< brightest first, by |mean|
     std::size_t more = 0;           ///< words beside these
 };
 
 /// The `most` words that make a pixel bright. Errors: a pixel outside the image; a damaged file.
 Result<BrightPixel> bright_words(display::AtlasFile& atlas, int x, int y, std::size_t most);
 
+/// The `most` pixels, as x and y, that are furthest above the median of their neighbours, by (R + G + B) / 3. Errors: a
+/// damaged file.
+Result<std::vector<std::array<int, 2>>> brightest_outliers(display::AtlasFile& atlas, std::size_t most);
+
 /// A layer that `ask --suggest` proposes.
 struct SuggestedLayer {
     std::string name;
     std::string expression;  ///< renderman
-    double light = 0;        ///< share of the image's luminance
+    double light = 0;        ///< share of the image's light
     double noise = 0;        ///< share of the image's variance, words taken as if each were alone
 };
 

@@ -1,5 +1,6 @@
 #include "experiments/cli/expression_options.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <CLI/Validators.hpp>
@@ -14,10 +15,19 @@ SourceLocation at_option(const std::string& name) {
     return {name, 0, 0};
 }
 
-/// The channels of a file, as if each stood behind an --lpe of its own.
-Status read_channel_file(const std::string& file, lpe::Dialect dialect, Job& job) {
+/// The channels of a file, as if each stood behind an --lpe of its own. Each of `renames`, OLD=NEW, that names one of
+/// them is taken off the list.
+Status read_channel_file(const std::string& file, lpe::Dialect dialect, std::vector<std::string>& renames, Job& job) {
     auto set = read_channel_files({file}, {}, dialect);
     if (!set) return set.error();
+    for (lpe::FileChannel& channel : set->file.channels) {
+        const auto rename = std::find_if(renames.begin(), renames.end(), [&](const std::string& each) {
+            return each.starts_with(channel.source.name + "=");
+        });
+        if (rename == renames.end()) continue;
+        channel.source.name = rename->substr(channel.source.name.size() + 1);
+        renames.erase(rename);
+    }
     std::vector<std::string> warnings = std::move(set->file.warnings);
     Status added = add_to_job(*set, job, warnings);
     if (!added) {
@@ -35,8 +45,10 @@ Result<ExpressionRequest> parse_named_expression(const std::string& text, lpe::D
                                                  const std::string& option) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
-        return error_at(at_option(option),
-                        "'" + text + "' is no named expression; expected NAME=EXPR, such as caustics='CDS+L'");
+        return error_at(
+            at_option(option),
+            "'" + text + "' is no named expression; expected NAME=EXPR, such as caustics='CDS+L'" +
+                std::string(option == "channel" ? ", or a file of channels: .toml, .rib, .usda, .usd or .ini" : ""));
     ExpressionRequest request;
     request.name = text.substr(0, equals);
     request.expression = text.substr(equals + 1);
@@ -53,6 +65,8 @@ void add_expression_options(const OptionGroup& group, ExpressionOptions& options
         "--channels", options.channel_files, "FILE",
         "adds the channels of a file as --lpe does, and the partitions that it declares: RIB DisplayChannel lines, "
         "rendermn.ini, USD ASCII RenderVar prims or TOML");
+    group.add_repeated("--rename", options.renames, "OLD=NEW",
+                       "the channel OLD of the --channels files becomes the layer NEW, where another has its name");
     group.add_repeated("--dialect", options.dialects, "D",
                        "language of the --lpe and of USD channel files that follow: renderman (default) or osl");
     group.add("--partition", options.partition, "shipped", "'shipped' adds the layers of the shipped partition")
@@ -71,6 +85,7 @@ Status read_expressions(const CLI::App& command, const ExpressionOptions& option
                                                     options.dialects[next_dialect - 1] +
                                                     "', and it is of those that follow; expected it before them");
     };
+    std::vector<std::string> renames = options.renames;
     for (const CLI::Option* option : command.parse_order()) {
         if (option->get_name() == "--dialect") {
             if (Status used = check_dialect(); !used) return used;
@@ -84,11 +99,15 @@ Status read_expressions(const CLI::App& command, const ExpressionOptions& option
             job.expressions.push_back(std::move(*request));
             rules_nothing = false;
         } else if (option->get_name() == "--channels") {
-            if (Status read = read_channel_file(options.channel_files[next_file++], dialect, job); !read) return read;
+            const std::string& file = options.channel_files[next_file++];
+            if (Status read = read_channel_file(file, dialect, renames, job); !read) return read;
             rules_nothing = false;
         }
     }
     if (Status used = check_dialect(); !used) return used;
+    if (!renames.empty())
+        return error_at(at_option("--rename"), "no file of --channels has the channel of '" + renames.front() +
+                                                   "'; expected OLD=NEW, the name of such a channel before '='");
     if (!options.partition.empty()) job.shipped_partition = true;
     if (options.light_groups) job.light_groups = true;
     return success();

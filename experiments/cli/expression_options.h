@@ -10,7 +10,7 @@
 namespace raylex::experiments {
 
 struct ExpressionOptions {
-    std::vector<std::string> expressions, channel_files, dialects;
+    std::vector<std::string> expressions, channel_files, renames, dialects;
     std::string partition;
     bool light_groups = false;
 

@@ -81,6 +81,11 @@ std::string verdict_text(const display::SplitVerdict& verdict, const std::string
                 (verdict.exceeding == 1 ? " pixel exceeds " : " pixels exceed ") +
                 (verdict.allowed_for.empty() ? "the bound" : "what is allowed") +
                 (verdict.never_above ? "; the sum is never above, so that light is missing from the layers" : "");
+    if (const display::NegativeValues& negative = verdict.negative; negative.pixels > 0)
+        text += "\n  " + std::to_string(negative.pixels) + (negative.pixels == 1 ? " pixel has" : " pixels have") +
+                " negative values, the lowest " + number_text(static_cast<double>(negative.lowest)) + " in " +
+                (negative.layer.empty() ? "beauty" : negative.layer) + " at pixel " +
+                pixel_text(negative.x, negative.y);
     if (verdict.non_finite > 0)
         text += "\n  " + std::to_string(verdict.non_finite) +
                 (verdict.non_finite == 1 ? " pixel holds" : " pixels hold") +

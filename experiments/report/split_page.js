@@ -46,7 +46,7 @@
       part(section, '[data-show="all"]').setAttribute('aria-pressed', String(state.all));
       stops.textContent = (exposure.value > 0 ? '+' : '') + (+exposure.value).toFixed(1) + ' stops';
       const layer = layers[state.layer];
-      part(section, '.name').textContent = state.all ? `${lit.length} layers` : layer.name;
+      part(section, '.name').textContent = state.all ? (lit.length < layers.length ? `${lit.length} of ` : '') + `${layers.length} layers` : layer.name;
       part(section, '.expression').textContent = state.all ? '' : layer.expression || layer.look || '';
       read();
     };

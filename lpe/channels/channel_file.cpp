@@ -76,4 +76,25 @@ std::string statistics_of(const FileChannel& channel) {
     return {};
 }
 
+void leave_out(const FileChannel& channel, const std::string& parameter, LeftOut& left) {
+    // "string filter" "gaussian" of RIB, token driver:parameters:filter = "gaussian" of USD.
+    const bool rib = parameter.starts_with('"');
+    std::string name = parameter.substr(rib ? 1 : 0, parameter.find(rib ? '"' : '=', 1) - (rib ? 1 : 0));
+    while (name.ends_with(' ')) { name.pop_back(); }
+    left[name.substr(name.find_last_of(" \t") + 1)].push_back(channel.source.name);
+}
+
+std::string left_out_text(const LeftOut& left) {
+    constexpr std::size_t most = 8;
+    std::string text;
+    for (const auto& [parameter, channels] : left) {
+        text += (text.empty() ? "" : ", ") + parameter + " (";
+        for (std::size_t k = 0; k < std::min(channels.size(), most); ++k) {
+            text += (k == 0 ? "'" : ", '") + channels[k] + "'";
+        }
+        text += (channels.size() > most ? " and " + std::to_string(channels.size() - most) + " more" : "") + ")";
+    }
+    return text;
+}
+
 }  // namespace raylex::lpe

@@ -6,10 +6,12 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "lpe/language/extensions.h"
 #include "lpe/language/names.h"
 #include "lpe/program.h"
 #include "lpe/result.h"
@@ -41,7 +43,8 @@ struct ChannelFile {
     std::vector<FileChannel> channels;
     std::vector<ChannelSource> macros;
     std::vector<LobeOption> lobe_options;
-    std::vector<std::string> other_channels;  ///< names of channels without an expression: depth, normals, ...
+    /// Channels without an expression (depth, normals, ...): the source's is what they hold, "Nn" of "normal Nn".
+    std::vector<FileChannel> other_channels;
     std::vector<std::string> warnings;
 };
 
@@ -56,11 +59,19 @@ Result<ChannelFile> parse_channel_file(std::string_view text, const std::string&
 /// channels hold the spread of another one, not light.
 [[nodiscard]] std::string statistics_of(const FileChannel& channel);
 
+/// What a format has no place for: names of parameters ("filter"), each with the channels that have it.
+using LeftOut = std::map<std::string, std::vector<std::string>>;
+/// Adds a channel's parameter, as its file has it.
+void leave_out(const FileChannel& channel, const std::string& parameter, LeftOut& left);
+/// "filter ('a', 'b'), filterwidth ('a')"; of many channels the first and how many more.
+[[nodiscard]] std::string left_out_text(const LeftOut& left);
+
 /// The file's text. Names that the format cannot hold are changed into ones it can (usda: the prim's name; the
-/// channel's own name stays in an attribute). Errors: expressions in a dialect that the format cannot hold, a name that
-/// cannot be written. `warnings` gets what was left out.
+/// channel's own name stays in an attribute). For RenderMan (`reader`) expressions are written without blanks and
+/// comments, and one that RenderMan does not read is an error. Errors: expressions in a dialect that the format cannot
+/// hold, a name that cannot be written. `warnings` gets what was left out.
 Result<std::string> write_channel_file(const ChannelFile& file, ChannelFormat format,
-                                       std::vector<std::string>& warnings);
+                                       std::vector<std::string>& warnings, Reader reader = Reader::renderman);
 
 // One per format; parse_channel_file and write_channel_file choose.
 [[nodiscard]] ChannelFile parse_rib(std::string_view text, const std::string& origin);   ///< throws Failure

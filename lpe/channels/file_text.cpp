@@ -93,4 +93,40 @@ std::size_t expression_offset(std::string_view source) {
     return declared && separate ? mark + 4 : std::string_view::npos;
 }
 
+std::string quoted(std::string_view text) {
+    std::string result = "\"";
+    for (const char c : text) {
+        switch (c) {
+            case '"':
+                result += "\\\"";
+                break;
+            case '\\':
+                result += "\\\\";
+                break;
+            case '\n':
+                result += "\\n";
+                break;
+            case '\r':
+                result += "\\r";
+                break;
+            case '\t':
+                result += "\\t";
+                break;
+            default:
+                result += c;
+        }
+    }
+    return result + "\"";
+}
+
+std::string commented(const std::string& comment, const std::string& mark) {
+    std::string result;
+    for (std::size_t begin = 0; begin < comment.size();) {
+        const std::size_t end = std::min(comment.find('\n', begin), comment.size());
+        result += mark + (end > begin ? " " : "") + comment.substr(begin, end - begin) + "\n";
+        begin = end + 1;
+    }
+    return result;
+}
+
 }  // namespace raylex::lpe

@@ -68,4 +68,9 @@ class FileText {
 /// "color lpe:CD<L.>" and "lpe:CD<L.>": the offset of what follows "lpe:", or npos when it is not there.
 [[nodiscard]] std::size_t expression_offset(std::string_view source);
 
+/// In double quotes with escapes, as RIB, USD and TOML write strings.
+[[nodiscard]] std::string quoted(std::string_view text);
+/// Lines of comment behind their mark, each with its end.
+[[nodiscard]] std::string commented(const std::string& comment, const std::string& mark);
+
 }  // namespace raylex::lpe

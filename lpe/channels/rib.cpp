@@ -253,11 +253,15 @@ class RibReader {
                 expression = declared;
             }
         }
+        count(request);
         if (offset == std::string_view::npos) {
-            file_.other_channels.push_back(name);
+            const std::string source = split_declaration(expression.text()).second;
+            channel.source = in_.source(name, declared);
+            channel.source.expression = source.empty() ? name : source;
+            channel.comment = comment;
+            file_.other_channels.push_back(std::move(channel));
             return;
         }
-        count(request);
         if (offset >= expression.text().size()) {
             in_.fail_at(expression.position(offset),
                         "channel '" + name + "' has an empty expression; expected one behind 'lpe:'");

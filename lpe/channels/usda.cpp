@@ -387,7 +387,9 @@ class UsdaReader {
         const bool named_so = prim.source_name && prim.source_name->is_string &&
                               expression_offset(prim.source_name->text.text()) != std::string_view::npos;
         if (!says_lpe && !named_so) {
-            file_.other_channels.push_back(prim.name);
+            FileChannel& other = file_.other_channels.emplace_back(std::move(prim.channel));
+            other.source.name = other.source.expression = prim.name;
+            if (prim.source_name) { other.source = in_.source(prim.name, prim.source_name->text); }
             return;
         }
         if (!prim.source_name) {

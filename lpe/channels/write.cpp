@@ -20,45 +20,9 @@ namespace {
     throw Failure{SourceText::whole_error(source, std::move(error))};
 }
 
-/// In double quotes, as RIB and USD write strings.
-std::string quoted(std::string_view text) {
-    std::string result = "\"";
-    for (const char c : text) {
-        switch (c) {
-            case '"':
-                result += "\\\"";
-                break;
-            case '\\':
-                result += "\\\\";
-                break;
-            case '\n':
-                result += "\\n";
-                break;
-            case '\r':
-                result += "\\r";
-                break;
-            case '\t':
-                result += "\\t";
-                break;
-            default:
-                result += c;
-        }
-    }
-    return result + "\"";
-}
-
-std::string commented(const std::string& comment, const std::string& mark) {
-    std::string result;
-    for (std::size_t begin = 0; begin < comment.size();) {
-        const std::size_t end = std::min(comment.find('\n', begin), comment.size());
-        result += mark + (end > begin ? " " : "") + comment.substr(begin, end - begin) + "\n";
-        begin = end + 1;
-    }
-    return result;
-}
-
 /// A line break inside an expression is a blank, and its comments end at it: formats of one line drop both.
-std::string one_line(const ChannelSource& source) {
+/// RenderMan's own language has no blanks either.
+std::string one_line(const ChannelSource& source, Reader reader) {
     std::string result;
     bool quote = false;
     for (std::size_t i = 0; i < source.expression.size(); ++i) {
@@ -68,6 +32,8 @@ std::string one_line(const ChannelSource& source) {
             i = std::min(source.expression.find('\n', i), source.expression.size() - 1);
             continue;
         }
+        const bool blank = c == '\n' || c == '\r' || c == ' ' || c == '\t';
+        if (blank && !quote && reader == Reader::renderman) { continue; }
         result += c == '\n' || c == '\r' ? ' ' : c;
     }
     while (!result.empty() && result.back() == ' ') { result.pop_back(); }
@@ -91,20 +57,10 @@ void require_renderman(const ChannelSource& source, const char* format) {
     }
 }
 
-/// Letters that RenderMan does not read: raylex's own.
-void note_extensions(const ChannelSource& source, std::set<std::string>& found) {
-    bool quote = false;
-    for (const char c : source.expression) {
-        quote = quote != (c == '\'');
-        if (!quote && std::string_view("VBG&-!?$").find(c) != std::string_view::npos) {
-            found.insert(std::string(1, c));
-        }
-    }
-}
-
 class Writer {
   public:
-    Writer(const ChannelFile& file, std::vector<std::string>& warnings) : file_(file), warnings_(warnings) {}
+    Writer(const ChannelFile& file, std::vector<std::string>& warnings, Reader reader)
+        : file_(file), warnings_(warnings), reader_(reader) {}
 
     std::string rib() {
         std::string text = "##RenderMan RIB\nversion 3.04\n";
@@ -113,12 +69,24 @@ class Writer {
         }
         for (const FileChannel& channel : file_.channels) {
             require_renderman(channel.source, "RIB");
-            note_extensions(channel.source, extensions_);
             const bool declared = channel.type.find("color3f") == std::string::npos;
             text += commented(channel.comment, "#");
             text += "DisplayChannel " + quoted((declared ? channel.type : "color") + " " + channel.source.name) +
-                    " \"string source\" [" + quoted("color lpe:" + one_line(channel.source)) + "]";
-            for (const std::string& parameter : kept(channel, "\"")) { text += " " + parameter; }
+                    " \"string source\" [" + quoted("color lpe:" + expression_of(channel.source)) + "]";
+            for (const std::string& parameter : kept(channel, true)) { text += " " + parameter; }
+            text += "\n";
+        }
+        for (const FileChannel& channel : file_.other_channels) {
+            std::vector<std::string> parameters = kept(channel, true);
+            const bool has_source = std::any_of(parameters.begin(), parameters.end(), [](const std::string& each) {
+                return each.starts_with("\"string source\"");
+            });
+            if (!has_source && channel.source.expression != channel.source.name) {
+                parameters.push_back("\"string source\" [" + quoted(channel.source.expression) + "]");
+            }
+            const std::string type = channel.type.substr(0, channel.type.find_first_of("0123456789"));
+            text += commented(channel.comment, "#") + "DisplayChannel " + quoted(type + " " + channel.source.name);
+            for (const std::string& parameter : parameters) { text += " " + parameter; }
             text += "\n";
         }
         finish("RIB");
@@ -141,10 +109,9 @@ class Writer {
         }
         const auto add = [&](const ChannelSource& source) {
             require_renderman(source, "rendermn.ini");
-            note_extensions(source, extensions_);
             MacroTable probe;
             if (Status usable = probe.add(source); !usable) { throw Failure{usable.error()}; }
-            const std::string line = marked(one_line(source));
+            const std::string line = marked(expression_of(source));
             if (line.ends_with('\\')) {
                 refuse(source,
                        "channel '" + source.name + "' ends in a backslash, which continues a line of rendermn.ini",
@@ -154,9 +121,13 @@ class Writer {
         };
         for (const ChannelSource& macro : file_.macros) { add(macro); }
         for (const FileChannel& channel : file_.channels) {
+            for (const std::string& parameter : channel.parameters) { leave_out(channel, parameter, lost_); }
+            if (!statistics_of(channel).empty()) {  // a macro with its expression would be light
+                spreads_ += (spreads_.empty() ? "'" : ", '") + channel.source.name + "'";
+                continue;
+            }
             text += commented(channel.comment, "#");
             add(channel.source);
-            lost_ += channel.parameters.empty() ? 0U : 1U;
         }
         finish("rendermn.ini");
         return text;
@@ -175,9 +146,10 @@ class Writer {
                     (channel.prim_metadata.empty() ? "" : " " + channel.prim_metadata) + "\n        {\n";
             const bool usd_type = channel.type.find(' ') == std::string::npos && channel.type != "color";
             text += "            uniform token dataType = " + quoted(usd_type ? channel.type : "color3f") + "\n";
-            text += "            uniform string sourceName = " + quoted(marked(channel.source.expression)) + "\n";
+            text += "            uniform string sourceName = " + quoted(marked(expression_of(channel.source, false))) +
+                    "\n";
             text += "            uniform token sourceType = \"lpe\"\n";
-            const std::vector<std::string> parameters = kept(channel, "");
+            const std::vector<std::string> parameters = kept(channel, false);
             const bool has_name = std::any_of(parameters.begin(), parameters.end(), [](const std::string& each) {
                 return each.find("driver:parameters:aov:name") != std::string::npos;
             });
@@ -196,14 +168,25 @@ class Writer {
     }
 
   private:
-    /// The parameters in this format's own words: RIB's begin with a quote, USD's do not.
-    std::vector<std::string> kept(const FileChannel& channel, std::string_view beginning) {
+    /// Throws where it is for RenderMan, which does not read it.
+    [[nodiscard]] std::string expression_of(const ChannelSource& source, bool of_one_line = true) const {
+        const bool own = reader_ == Reader::renderman && source.dialect == Dialect::renderman;
+        if (Status readable = renderman_reads(source, true); own && !readable) { throw Failure{readable.error()}; }
+        return own || of_one_line ? one_line(source, reader_) : source.expression;
+    }
+
+    /// The parameters in this format's own words: RIB's begin with a quote, USD's do not. Statistics have both.
+    std::vector<std::string> kept(const FileChannel& channel, bool rib) {
         std::vector<std::string> result;
+        const std::string statistics = statistics_of(channel);
         for (const std::string& parameter : channel.parameters) {
-            if (parameter.starts_with('"') == !beginning.empty()) {
+            if (parameter.starts_with('"') == rib) {
                 result.push_back(parameter);
+            } else if (!statistics.empty() && parameter.find("statistics") != std::string::npos) {
+                result.push_back(rib ? "\"string statistics\" [\"" + statistics + "\"]"
+                                     : "string driver:parameters:aov:statistics = \"" + statistics + "\"");
             } else {
-                ++lost_;
+                leave_out(channel, parameter, lost_);
             }
         }
         return result;
@@ -223,29 +206,37 @@ class Writer {
     }
 
     void finish(const std::string& format) {
-        if (lost_ > 0) {
-            warnings_.push_back(std::to_string(lost_) + " parameters of channels have no place in " + format +
-                                "; they are left out");
+        if (!lost_.empty()) {
+            warnings_.push_back(
+                format + " has no place for parameters of channels, which are left out: " + left_out_text(lost_));
         }
-        if (!extensions_.empty()) {
-            std::string list;
-            for (const std::string& each : extensions_) { list += (list.empty() ? "'" : ", '") + each + "'"; }
-            warnings_.push_back("the expressions use " + list + ", which raylex reads and RenderMan does not");
+        if (!spreads_.empty()) {
+            warnings_.push_back(format + " has no statistics; channels of them are left out: " + spreads_);
+        }
+        std::string others;
+        for (const FileChannel& each : file_.other_channels) {
+            if (format != "RIB") { others += (others.empty() ? "'" : ", '") + each.source.name + "'"; }
+        }
+        if (!others.empty()) {
+            warnings_.push_back(format +
+                                " is written with expressions alone; channels without one are left out: " + others);
         }
     }
 
     const ChannelFile& file_;
     std::vector<std::string>& warnings_;
-    std::set<std::string> prims_, extensions_;
-    std::size_t lost_ = 0;
+    Reader reader_;
+    std::set<std::string> prims_;
+    LeftOut lost_;
+    std::string spreads_;  // channels of statistics that have no place
 };
 
 }  // namespace
 
 Result<std::string> write_channel_file(const ChannelFile& file, ChannelFormat format,
-                                       std::vector<std::string>& warnings) {
+                                       std::vector<std::string>& warnings, Reader reader) {
     return guarded([&]() -> std::string {
-        Writer writer(file, warnings);
+        Writer writer(file, warnings, reader);
         switch (format) {
             case ChannelFormat::rib:
                 return writer.rib();

@@ -1,10 +1,21 @@
 #include "lpe/language/extensions.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "lpe/failure.h"
+#include "lpe/language/names.h"
+#include "lpe/language/prefixes.h"
+#include "lpe/language/source_text.h"
 
 namespace raylex::lpe {
 
 namespace {
+
+struct Extension {
+    std::string what;
+    std::size_t offset;
+};
 
 /// The end of the label that is opened at `at`; whether it is more than plain text is said in `plain`.
 std::size_t label_end(std::string_view text, std::size_t at, bool& plain) {
@@ -43,29 +54,68 @@ std::string extension_at(std::string_view text, std::size_t at) {
     }
 }
 
+/// The prefix that ends before `at`, if it is ours.
+std::string prefix_before(std::string_view text, std::size_t at) {
+    const std::size_t before = text.substr(0, at).find_last_of(":; \t\r\n");
+    const std::string_view word = text.substr(before + 1, at - before - 1);
+    return word == "unweighted" || technique_prefix(word) ? std::string(word) + ";" : "";
+}
+
+std::vector<Extension> find_extensions(std::string_view expression) {
+    std::vector<Extension> found;
+    const auto add = [&found](const std::string& what, std::size_t offset) {
+        const auto same = [&what](const Extension& each) { return each.what == what; };
+        if (!what.empty() && std::none_of(found.begin(), found.end(), same)) { found.push_back({what, offset}); }
+    };
+    const std::size_t end = expression.size() - name_alone(expression).size();  // letters of a name are no events
+    for (std::size_t i = 0; i < end; ++i) {
+        const std::size_t begin = i;
+        if (expression[i] == '\'') {
+            bool plain = true;
+            i = label_end(expression, i, plain);
+            add(plain ? "" : "a glob in a label", begin);
+            continue;
+        }
+        add(expression[i] == ';' ? prefix_before(expression, i) : extension_at(expression, i), begin);
+        if (expression[i] == '#') { i = std::min(expression.find('\n', i), expression.size()); }
+    }
+    return found;
+}
+
 }  // namespace
 
 std::vector<std::string> extensions_in(std::string_view expression) {
     std::vector<std::string> found;
-    const auto add = [&found](const std::string& each) {
-        if (!each.empty() && std::find(found.begin(), found.end(), each) == found.end()) { found.push_back(each); }
-    };
-    for (std::size_t i = 0; i < expression.size(); ++i) {
-        if (expression[i] == '\'') {
-            bool plain = true;
-            i = label_end(expression, i, plain);
-            add(plain ? "" : "a glob in a label");
-            continue;
-        }
-        add(extension_at(expression, i));
-        if (expression[i] == '#') { i = std::min(expression.find('\n', i), expression.size()); }
-    }
+    for (Extension& each : find_extensions(expression)) { found.push_back(std::move(each.what)); }
     return found;
 }
 
 bool names_volume(std::string_view expression) {
     const std::vector<std::string> found = extensions_in(expression);
     return std::find(found.begin(), found.end(), "V") != found.end();
+}
+
+Status renderman_reads(const ChannelSource& source, bool without_blanks) {
+    return guarded([&] {
+        std::vector<Extension> found = find_extensions(source.expression);
+        if (without_blanks) {
+            std::erase_if(found,
+                          [](const Extension& each) { return each.what == "a blank" || each.what == "a comment"; });
+        }
+        if (source.dialect != Dialect::renderman || found.empty()) { return std::monostate{}; }
+        std::string list;
+        for (const Extension& each : found) {
+            const std::string text = each.what.size() == 1 ? "'" + each.what + "'" : each.what;
+            list += (list.empty() ? "" : ", ") + text;
+        }
+        const std::string who = source.name.empty() ? "the expression" : "'" + source.name + "'";
+        std::string hint = found.front().what == "G" ? "S is every specular lobe there, glossy or not; " : "";
+        hint += found.front().what == "V" ? "--no-volume leaves scattering in media out; " : "";
+        SourceText(source).fail_at(found.front().offset,
+                                   who + " has " + list + ", which raylex reads and RenderMan does not; expected " +
+                                       "RenderMan's own language",
+                                   hint + "--for raylex takes the channels as raylex's own");
+    });
 }
 
 }  // namespace raylex::lpe

@@ -379,8 +379,7 @@ class Expander {
                 ++at;
             }
         }
-        const std::string_view name = lone_name(text);
-        return !name.empty() && !reads_as_expression(name);
+        return !name_alone(text).empty();
     }
 
     const MacroTable& macros_;
@@ -396,6 +395,12 @@ bool may_have_names(std::string_view text) {
 }
 
 }  // namespace
+
+std::string_view name_alone(std::string_view text) {
+    const std::string_view name = lone_name(text);
+    if (name.empty() || reads_as_expression(name)) { return {}; }
+    return text.substr(static_cast<std::size_t>(name.data() - text.data()));
+}
 
 std::span<const NamedExpression> builtin_names() {
     return builtin_table;

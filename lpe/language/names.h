@@ -21,6 +21,10 @@ namespace raylex::lpe {
 /// The names that need no definition, each with its published expression.
 [[nodiscard]] std::span<const NamedExpression> builtin_names();
 
+/// The end of the text from the name on that is all there is behind 'lpe:' and prefixes; empty where an expression
+/// stands there.
+[[nodiscard]] std::string_view name_alone(std::string_view text);
+
 /// What users define.
 class MacroTable {
   public:

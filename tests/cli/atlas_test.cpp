@@ -281,8 +281,10 @@ TEST_CASE("what an atlas cannot tell is refused, or between what it is at least 
     REQUIRE(merged.code == 0);
     for (const std::string name : {"a", "b"}) {
         check_verified(folder, name + ".atlas.exr");
-        check_refused(folder, "ask " + name + ".atlas.exr --lpe c='CDS+L' -o c.exr",
-                      {"channel 'c' cannot be answered exactly", "...", "--intervals"});
+        check_refused(
+            folder, "ask " + name + ".atlas.exr --lpe c='CDS+L' -o c.exr",
+            {"channel 'c' cannot be answered exactly", "...", "--intervals", "and has between ",
+             " % of the image's light", name == "a" ? "an --atlas-length above 2" : "a greater --atlas-budget"});
         const Outcome asked =
             run_raylex(folder, "ask " + name +
                                    ".atlas.exr --intervals --lpe c='CDS+L' --lpe d='CDD+L' --lpe s='C<TS>+L' -o i.exr");
@@ -317,11 +319,17 @@ TEST_CASE("what an atlas cannot tell is refused, or between what it is at least 
     check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --atlas-budget lots", {"--atlas-budget"});
 }
 
+TEST_CASE("an atlas keeps words of a deep scene whole", "[atlas]") {
+    const AtlasFolder folder;
+    folder.render_atlas("deep", "--spp 4 --max-depth 65");
+    CHECK(run_raylex(folder, "ask deep.atlas.exr --lpe caustics='CDS+L' -o c.exr").code == 0);  // README's example
+}
+
 TEST_CASE("labels, lobes and groups that an atlas did not keep are not answered", "[atlas]") {
     const AtlasFolder folder;
     folder.render_atlas("plain", "--atlas-by group --atlas-length 6");
     check_refused(folder, "ask plain.atlas.exr --lpe f=\"C<RD'ground'>L\" -o f.exr",
-                  {"channel 'f' cannot be answered exactly", "ground"});
+                  {"channel 'f' cannot be answered exactly", "ground", "--atlas-by with more than 'group'"});
     CHECK(run_raylex(folder, "ask plain.atlas.exr --lpe key=\"C.*<L.'key'>\" -o g.exr").code == 0);
     check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --atlas-by labels", {"did you mean 'label'?"});
     check_refused(folder, "render job.toml -o n.exr --atlas-length 4", {"--atlas FILE.exr"});
@@ -336,7 +344,7 @@ TEST_CASE("why a pixel is bright, and what is noisy", "[atlas]") {
     const Outcome top = run_raylex(folder, "ask a.atlas.exr --top 2 --at 4,6");
     INFO(top.out << top.err);
     REQUIRE(top.code == 0);
-    CHECK(count_matches(top.out, "pixel \\(4, 6\\): \\(.*\\), luminance [0-9.]+ \\+- [0-9.]+, 8 samples") == 1);
+    CHECK(count_matches(top.out, "pixel \\(4, 6\\): \\(.*\\), mean [0-9.]+ \\+- [0-9.]+, 8 samples") == 1);
     CHECK(count_matches(top.out, "\n  [0-9.]+ % +[0-9.e-]+ \\+- [0-9.e-]+ +C [RTLBO]") == 2);
     const Outcome suggested = run_raylex(folder, "ask a.atlas.exr --suggest 3");
     INFO(suggested.out << suggested.err);

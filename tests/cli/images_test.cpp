@@ -16,6 +16,7 @@
 #include "experiments/report/preview.h"
 #include "support.h"
 #include "support/paths.h"
+#include "support/skip.h"
 
 using namespace raylex::test;
 using raylex::display::read_exr;
@@ -108,6 +109,7 @@ TEST_CASE("a preview shows any OpenEXR file: half, single part, luminance alone,
                   width, height);
     CHECK(run_raylex(folder, "preview blender.exr -o b.png").out.find("ViewLayer.Combined through") !=
           std::string::npos);
+    CHECK(run_raylex(folder, "compare blender.exr blender.exr").out == "0\n");
     CHECK(pixel(picture(folder, "blender.exr", "ViewLayer.Depth"), 0)[0] == 0);
     CHECK(pixel(picture(folder, "blender.exr", "ViewLayer.Depth"), 1)[0] == 255);
     write_foreign_parts(folder.path("parts.exr"),
@@ -127,6 +129,35 @@ TEST_CASE("a preview shows any OpenEXR file: half, single part, luminance alone,
     CHECK(run_raylex(folder, "preview half.exr --exposure 2 --size 3 -o bright.png").out.find("3x2, beauty through") !=
           std::string::npos);
     CHECK(run_raylex(folder, "preview half.exr --exposure 60 -o white.png").code == 0);
+}
+
+TEST_CASE("Blender reads every layer of a file with ids, each with its values", "[.full]") {
+    if (std::system("blender --version >/dev/null 2>&1") != 0) RAYLEX_SKIP("blender is not installed");
+    const SceneFolder folder;
+    const std::string script = source_dir() + "/tests/experiments/data/blender_reads.py";
+    const Outcome read = run_shell(
+        folder,
+        "\"$RAYLEX\" render room.pbrt -o a.exr --aov id --aov Nn --aov albedo --cryptomatte object --statistics "
+        "beauty=mse --lpe 'direct=C<RD>L' >&2 && blender -b --factory-startup --python '" +
+            script + "' -- a.exr");
+    CAPTURE(read.out, read.err);
+    REQUIRE(read.code == 0);
+    auto image = read_exr(folder.path("a.exr"));
+    REQUIRE(image);
+    std::size_t layers = 0;
+    for (const auto& line : all_matches(read.out, "layer (\\S+) (\\S+)\n")) {
+        CAPTURE(line[0]);
+        if (line[1] == "Alpha") continue;
+        const display::ImageLayer* layer = image->layer(line[1] == "Combined" ? "" : line[1]);
+        REQUIRE(layer != nullptr);
+        float largest = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            for (const float value : layer->planes[std::min(k, layer->planes.size() - 1)].values)
+                largest = std::max(largest, value);
+        CHECK(std::stof(line[2]) == Approx(largest).epsilon(1e-6));  // float in, float out
+        ++layers;
+    }
+    CHECK(layers + 1 == image->layers.size());  // all but id, which Blender has no form for
 }
 
 TEST_CASE("names that a preview does not know are answered with the nearest ones", "[law7]") {

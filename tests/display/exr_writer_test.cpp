@@ -120,7 +120,7 @@ TEST_CASE("every pixel of the frame buffer comes back, rounded to float once", "
     const ExrImage image = written(folder);
     CHECK(image.width == width);
     CHECK(image.height == height);
-    CHECK(image.layer_names() == std::vector<std::string>{"", "diffuse", "specular", "rest", "z", "Nn", "id", "VLen"});
+    CHECK(image.layer_names() == std::vector<std::string>{"", "diffuse", "specular", "rest", "z", "Nn", "VLen", "id"});
     const FrameBuffer buffer = filled();
     for (ChannelId id = 1; id <= 3; ++id) {
         const std::vector<double> expected = buffer.resolve(id);
@@ -181,7 +181,7 @@ TEST_CASE("each kind of channel is stored as its row of the table says", "[displ
         CHECK(file.header(4).compression() == Imf::NO_COMPRESSION);
         CHECK(file.header(4).channels().findChannel("Z")->type == Imf::FLOAT);
         CHECK(file.header(5).compression() == Imf::RLE_COMPRESSION);
-        CHECK(file.header(6).channels().findChannel("id")->type == Imf::UINT);
+        CHECK(file.header(7).channels().findChannel("id")->type == Imf::UINT);
     }
     const auto image = read_exr(folder.path("a.exr"));
     REQUIRE(image.ok());
@@ -284,11 +284,12 @@ TEST_CASE("parts, channels and attributes stand where the design puts them", "[d
     REQUIRE(file.header(4).channels().findChannel("Z") != nullptr);
     CHECK(file.header(4).channels().findChannel("Z")->type == Imf::FLOAT);
     CHECK(file.header(5).channels().findChannel("Nn.Z") != nullptr);
-    CHECK(file.header(6).channels().findChannel("id")->type == Imf::UINT);
-    CHECK(file.header(7).channels().findChannel("VLen") != nullptr);
+    CHECK(file.header(6).channels().findChannel("VLen") != nullptr);
+    // Asked for before VLen: Blender reads what is behind unsigned integers as black.
+    CHECK(file.header(7).channels().findChannel("id")->type == Imf::UINT);
     for (int part = 0; part < file.parts(); ++part) {
         CAPTURE(part);
-        CHECK(file.header(part).compression() == (part == 6 ? Imf::ZIPS_COMPRESSION : Imf::ZIP_COMPRESSION));
+        CHECK(file.header(part).compression() == (part == 7 ? Imf::ZIPS_COMPRESSION : Imf::ZIP_COMPRESSION));
         CHECK(text(part, "colorInteropID") == (part < 4 ? "lin_ap1_scene" : "data"));
         CHECK(Imf::chromaticities(file.header(part)).white.x == 0.32168f);
         CHECK(text(part, "raylex/seed") == "7");
@@ -343,7 +344,7 @@ TEST_CASE("integer channels keep all 32 bits", "[display][exr]") {
     std::vector<unsigned> ids(width * height);
     Imf::FrameBuffer buffer;
     buffer.insert("id", Imf::Slice(Imf::UINT, reinterpret_cast<char*>(ids.data()), 4, 4 * width));
-    Imf::InputPart part(file, 6);
+    Imf::InputPart part(file, 7);
     part.setFrameBuffer(buffer);
     part.readPixels(0, height - 1);
     CHECK(ids[0] == 0);

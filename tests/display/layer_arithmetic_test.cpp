@@ -218,6 +218,16 @@ TEST_CASE("three answers: to rounding, as allowed, not", "[display][verify]") {
     // Too little everywhere is said: a layer is missing.
     CHECK(judge(values({{"", 1.0f}, {"a", 0.5f}}), "a").never_above);
     CHECK_FALSE(judge(values({{"", 0.5f}, {"a", 1.0f}}), "a").never_above);
+    // Not where something is negative: then the sum may be too small though no light is missing.
+    const SplitVerdict lowered = judge(values({{"", 1.0f}, {"a", 1.0f}, {"b", -0.5f}}), "a,b");
+    CHECK_FALSE(lowered.never_above);
+    CHECK(lowered.negative.pixels == 1);
+    CHECK(lowered.negative.lowest == -0.5f);
+    CHECK(lowered.negative.layer == "b");
+    const SplitVerdict cancelled = judge(values({{"", 0.5f}, {"a", 1.0f}, {"b", -0.5f}}), "a,b");
+    CHECK(cancelled.holds);
+    CHECK(cancelled.negative.pixels == 1);
+    CHECK(judge(values({{"", 1.0f}, {"a", 1.0f}}), "a").negative.pixels == 0);
 }
 
 TEST_CASE("what is not finite is found in its layer, and by overflow together", "[display][verify][law6]") {

@@ -185,11 +185,19 @@ TEST_CASE("the whole image is found by the names renderers give it, a layer's ow
     CHECK(verdict_of(image, {"x", "y"}, "beauty").holds);
     CHECK(verdict_of(image, {"x", "beauty"}, "").holds);
     CHECK(verdict_of(image, {"x", "beauty"}, "RGBA").holds);
-    // Named after nothing that is there: the likely layer is proposed, never taken silently.
+    // What another renderer calls its beauty is found by every command, and the verdict names it.
     const auto blender = image_of(1, 1, {rgb("ViewLayer.Combined", 1.0f), rgb("ViewLayer.DiffDir", 1.0f)});
-    const auto refused = check_split(blender, "beauty", {"ViewLayer.DiffDir"});
-    REQUIRE_FALSE(refused);
-    CHECK(refused.error().hint.find("'ViewLayer.Combined'") != std::string::npos);
+    for (const char* name : {"", "beauty"}) {
+        CHECK(verdict_of(blender, {"ViewLayer.DiffDir"}, name).of == "ViewLayer.Combined");
+        CHECK((*blender.require_layer(name))->name == "ViewLayer.Combined");
+    }
+    CHECK_FALSE(image_of(1, 1, {rgb("x", 1.0f)}).require_layer("beauty"));
+    // A part's name is its layer's; of a cryptomatte's ranks the first.
+    auto mattes = image_of(1, 1, {rgb("", 1.0f), rgb("CryptoObject00", 1.0f), rgb("CryptoObject01", 1.0f)});
+    mattes.layers[1].part = mattes.layers[2].part = "CryptoObject";
+    CHECK((*mattes.require_layer("CryptoObject"))->name == "CryptoObject00");
+    mattes.layers[2].name = "CryptoObject.more";
+    CHECK_FALSE(mattes.require_layer("CryptoObject"));
     CHECK(verdict_of(image_of(1, 1, {rgb("x", 1.0f), rgb("", 1.0f)}), {"beauty"}, "x").holds);
 }
 

@@ -54,14 +54,14 @@ class Asked(Case):
         self.assertEqual(len(pixel), 3)
         self.assertTrue(np.allclose(pixel.rgba[:3], image["beauty"][7, 9]))
         self.assertEqual(pixel.samples, 8)
-        light = [word.luminance for _, word in pixel]
+        light = [word.mean for _, word in pixel]
         self.assertEqual(light, sorted(light, reverse=True))
         self.assertTrue(all(text.startswith("C ") for text, _ in pixel))
         self.assertIn(" R,D", repr(pixel))
         self.assertIn("<code>C ", pixel._repr_html_())
         everything = atlas.at(9, 7, top=100000)
         self.assertEqual(everything.more, 0)
-        self.assertTrue(np.isclose(sum(w.luminance for _, w in everything), everything.luminance, rtol=1e-5))
+        self.assertTrue(np.isclose(sum(w.mean for _, w in everything), everything.mean, rtol=1e-5))
         self.assertRaylexError("outside the image", atlas.at, 20, 0)
         self.assertRaylexError("expected 1 or more", atlas.at, 0, 0, 0)
 

@@ -62,9 +62,10 @@ struct ExrImage {
     /// By name. "" means the nameless R G B, else a layer called beauty; "beauty", "rgba", "rgb", "image" and "main"
     /// (in any case) mean the nameless R G B unless a layer is called so, and so does the name of its part.
     [[nodiscard]] const ImageLayer* layer(std::string_view name) const;
-    /// The same; failing that, the one layer that is called so behind a prefix: "DiffDir" is "ViewLayer.DiffDir", and
-    /// "diffuse" is "shot_diffuse" where all names begin with "shot_". Else an error with near misses and the names
-    /// there are.
+    /// The same; failing that, for the beauty what other renderers call it (Combined, Ci, ...); the one layer that is
+    /// called so behind a prefix: "DiffDir" is "ViewLayer.DiffDir", and "diffuse" is "shot_diffuse" where all names
+    /// begin with "shot_"; the layer of the part called so, of a cryptomatte's the one of the first ranks. Else an
+    /// error with near misses and the names there are. Every command finds its layers by this.
     [[nodiscard]] Result<const ImageLayer*> require_layer(std::string_view name) const;
     [[nodiscard]] std::vector<std::string> layer_names() const;
 };

@@ -193,6 +193,25 @@ void note_allowances(SplitVerdict& verdict, const std::vector<LayerPlanes>& all,
     if (allowance.absolute > 0 || allowance.relative > 0) verdict.allowed_for.push_back(allowance.reason);
 }
 
+// Which pixels of a block have a negative value.
+std::array<bool, block> find_negative(NegativeValues& all_found, int width, const std::vector<LayerPlanes>& all,
+                                      const std::vector<std::string>& names, std::size_t first, std::size_t count) {
+    std::array<bool, block> found{};
+    for (std::size_t k = 0; k < all.size(); ++k)
+        for (const ImagePlane* plane : all[k])
+            for (std::size_t i = 0; i < count; ++i) {
+                const float value = plane->values[first + i];
+                if (!(value < 0)) continue;
+                found[i] = true;
+                if (!(value < all_found.lowest)) continue;
+                const auto columns = static_cast<std::size_t>(width);
+                all_found = {all_found.pixels, value, static_cast<int>((first + i) % columns),
+                             static_cast<int>((first + i) / columns), names[k]};
+            }
+    all_found.pixels += static_cast<std::size_t>(std::count(found.begin(), found.end(), true));
+    return found;
+}
+
 // The first layer that is not finite at the verdict's pixel.
 std::string culprit(const SplitVerdict& verdict, const ExrImage& image, const std::vector<LayerPlanes>& all,
                     const std::vector<std::string>& names) {
@@ -224,10 +243,14 @@ Result<SplitVerdict> judge_sum(const ExrImage& image, const ImageLayer& of, cons
     for (const ImagePlane* plane : *whole) unit = std::max(unit, precision_of(*plane).unit);
     const std::size_t pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
     VerdictTally tally(image.width, pixels, unit, rules.allowance, true);
+    planes.push_back(*whole);
+    names.push_back(name_of(of));
+    NegativeValues signs;
     Values target;
     std::vector<std::array<SplitError, 3>> errors(block);
     for (std::size_t first = 0; first < pixels; first += block) {
         const std::size_t count = std::min(block, pixels - first);
+        const std::array<bool, block> negative = find_negative(signs, image.width, planes, names, first, count);
         for (std::size_t c = 0; c < 3; ++c) {
             load(target, *(*whole)[c], precision_of(*(*whole)[c]), !rules.allowance.instead_of_compression, first,
                  count);
@@ -240,7 +263,8 @@ Result<SplitVerdict> judge_sum(const ExrImage& image, const ImageLayer& of, cons
                     found.rounding[i] + target.rounding[i],
                     found.allowed[i] + target.allowed[i] + rules.allowance.absolute + rules.allowance.relative * scale,
                     found.value[i],
-                    target.value[i]};
+                    target.value[i],
+                    negative[i]};
             }
         }
         for (std::size_t i = 0; i < count; ++i) tally.add(first + i, errors[i]);
@@ -248,8 +272,7 @@ Result<SplitVerdict> judge_sum(const ExrImage& image, const ImageLayer& of, cons
     SplitVerdict verdict = tally.finish();
     verdict.of = name_of(of);
     for (const ImageLayer* layer : sum.layers) verdict.layers.push_back(name_of(*layer));
-    planes.push_back(*whole);
-    names.push_back(verdict.of);
+    verdict.negative = std::move(signs);
     verdict.bound_reason = bound_reason(planes, sum, rules);
     note_allowances(verdict, planes, rules.allowance);
     if (verdict.non_finite > 0) verdict.non_finite_layer = culprit(verdict, image, planes, names);

@@ -40,8 +40,6 @@ std::string likely_layer(const ExrImage& image, std::string_view name) {
     for (const std::string& each : known)
         if (lower_case(each) == lower_case(name)) return "did you mean '" + each + "'?";
     if (std::string near = near_miss(name, known); !near.empty()) return near;
-    if (name.empty() || name == "beauty")
-        if (const std::string likely = likely_beauty(image); !likely.empty()) return "did you mean '" + likely + "'?";
     std::vector<std::string> alike;
     for (const ImageLayer& layer : image.layers)
         if (name.size() >= 3 &&
@@ -49,6 +47,18 @@ std::string likely_layer(const ExrImage& image, std::string_view name) {
              (layer.name.size() >= 3 && lower_case(name).find(lower_case(layer.name)) != std::string::npos)))
             alike.push_back(layer.name);
     return alike.empty() ? std::string() : "names like it: " + list_names(alike);
+}
+
+// The layers of the part of that name: one, or ranks of a cryptomatte, CryptoObject00 and so on.
+std::vector<const ImageLayer*> layers_of_part(const ExrImage& image, std::string_view part) {
+    std::vector<const ImageLayer*> found;
+    for (const ImageLayer& layer : image.layers)
+        if (!part.empty() && layer.part == part) found.push_back(&layer);
+    const bool ranks = std::all_of(found.begin(), found.end(), [part](const ImageLayer* layer) {
+        return layer->name.starts_with(part) &&
+               layer->name.find_first_not_of("0123456789", part.size()) == std::string::npos;
+    });
+    return found.size() == 1 || ranks ? found : std::vector<const ImageLayer*>{};
 }
 
 }  // namespace
@@ -83,6 +93,8 @@ std::string likely_beauty(const ExrImage& image) {
 
 Result<const ImageLayer*> resolve_layer(const ExrImage& image, std::string_view name, std::string_view beside) {
     if (const ImageLayer* found = image.layer(name)) return found;
+    if (name.empty() || name == "beauty")
+        if (const std::string likely = likely_beauty(image); !likely.empty()) return image.layer(likely);
     if (const std::string_view prefix = prefix_of(beside); !prefix.empty() && !name.empty())
         if (const ImageLayer* found = image.layer(std::string(prefix) + std::string(name))) return found;
     Error error;
@@ -95,6 +107,7 @@ Result<const ImageLayer*> resolve_layer(const ExrImage& image, std::string_view 
         error.message = "several layers are called '" + std::string(name) + "'; expected one of: " + list_names(names);
         return error;
     }
+    if (const auto part = layers_of_part(image, name); !part.empty()) return part.front();
     error.message = "the image has no layer '" + std::string(name.empty() ? "beauty" : name) +
                     "'; expected one of: " + list_names(image.layer_names());
     error.hint = likely_layer(image, name);

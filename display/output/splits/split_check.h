@@ -20,6 +20,14 @@ struct Allowance {
     bool instead_of_compression = false;  ///< lossy compressions then add nothing of their own
 };
 
+/// Of the layers of a split and of what is split.
+struct NegativeValues {
+    std::size_t pixels = 0;
+    float lowest = 0;  ///< of all, with its pixel and its layer
+    int x = 0, y = 0;
+    std::string layer;
+};
+
 enum class SplitAnswer : std::uint8_t { holds_to_rounding, holds_as_allowed, does_not_hold };
 
 /// |sum - of| against what rounding explains, and what is allowed beyond it.
@@ -47,8 +55,10 @@ struct SplitVerdict {
     int non_finite_x = 0, non_finite_y = 0;     ///< the first one that is not finite
     std::string non_finite_layer;  ///< and the layer that it is in, empty for values that overflow together
     SplitAnswer answer = SplitAnswer::does_not_hold;
-    bool holds = false;        ///< to rounding or as allowed
-    bool never_above = false;  ///< where it does not hold, the sum is too small: light that no layer has
+    bool holds = false;  ///< to rounding or as allowed
+    /// Where it does not hold the sum is too small, and no value there is negative: light that no layer has.
+    bool never_above = false;
+    NegativeValues negative;
     /// [height * width] |sum - of| as a part of what is allowed, times bound + allowance.relative, at most 1/2 (a plain
     /// sum that is allowed nothing: relative to sum of |layers| + |of|), worst component; infinite where a value is not
     /// finite.

@@ -47,7 +47,7 @@ void VerdictTally::add(std::size_t pixel, const std::array<SplitError, 3>& compo
         past = past || here.absolute > here.rounding;
         if (here.absolute > here.allowed) {
             exceeds = true;
-            if (here.sum > here.whole) verdict.never_above = false;
+            if (here.sum > here.whole || here.negative) verdict.never_above = false;
         }
         if (here.absolute > 0) {
             const double share = limit_ * here.absolute / here.allowed;
@@ -154,6 +154,11 @@ void add_rows(SplitVerdict& verdict, const SplitVerdict& below, int first_row) {
     // Of bands in which nothing exceeds there is nothing to tell the side of.
     if (verdict.exceeding == 0) verdict.never_above = below.never_above;
     else if (below.exceeding > 0) verdict.never_above = verdict.never_above && below.never_above;
+    NegativeValues lower = below.negative;
+    lower.pixels += verdict.negative.pixels;
+    lower.y += first_row;
+    if (lower.lowest < verdict.negative.lowest) verdict.negative = std::move(lower);
+    else verdict.negative.pixels = lower.pixels;
     verdict.past_rounding += below.past_rounding;
     verdict.non_finite += below.non_finite;
     verdict.exceeding += below.exceeding;

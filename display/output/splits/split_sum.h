@@ -24,6 +24,7 @@ struct SplitError {
     double rounding = 0;  ///< what rounding explains
     double allowed = 0;   ///< and what is allowed in all, >= rounding
     double sum = 0, whole = 0;
+    bool negative = false;  ///< some value of the pixel is
 };
 
 /// Where the scale of a residual map goes from allowed to not: bound + allowance.relative, at most 1/2.

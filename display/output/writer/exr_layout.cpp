@@ -163,6 +163,10 @@ std::vector<PlannedPart> plan_parts(std::span<const ChannelDefinition> channels,
         part.attributes["colorInteropID"] = "data";
         parts.push_back(std::move(part));
     }
+    // Blender (3.4) reads every part behind one of unsigned integers as black.
+    std::stable_partition(parts.begin(), parts.end(), [&channels](const PlannedPart& part) {
+        return part.data != nullptr || channels[static_cast<std::size_t>(part.channel)].type != ChannelType::integer;
+    });
     for (std::size_t i = 0; i < description.partitions.size(); ++i) {
         const PartitionDeclaration& partition = description.partitions[i];
         // An image must not be lost over a partition that cannot be; the header says why it is not there.

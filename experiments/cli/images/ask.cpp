@@ -44,7 +44,7 @@ Status check_options(const AskOptions& options) {
     if (asked == 0)
         return option_error("ask",
                             "nothing is asked for; expected --lpe, --channels, --partition or --light-groups "
-                            "with -o, or --top with --at, --suggest, or --merge with -o");
+                            "with -o, or --top, --suggest, or --merge with -o");
     if (asked > 1)
         return option_error("ask",
                             "layers, --top, --suggest and --merge are questions of their own; "
@@ -54,10 +54,9 @@ Status check_options(const AskOptions& options) {
                             "--merge makes one of several");
     if (options.merge && options.files.size() < 2)
         return option_error("--merge", "one atlas cannot be merged; expected at least two");
-    if (options.top.has_value() != !options.at.empty())
-        return option_error(options.top ? "--top" : "--at",
-                            "--top and --at say how many words of which pixel; expected "
-                            "both, such as --top 20 --at 12,7");
+    if (!options.top && !options.at.empty())
+        return option_error("--at",
+                            "a pixel is given without how many of its words; expected --top too, such as --top 20");
     if (layers != !options.output.empty() && !options.merge)
         return option_error("-o", layers ? "layers need a file; expected -o LAYERS.exr"
                                          : "only layers and merged atlases are written; expected no -o");
@@ -85,6 +84,33 @@ std::string with_error(double value, double error) {
     return number_text(value) + (std::isfinite(error) ? " +- " + number_text(error, 2) : " +- unknown");
 }
 
+/// The brightest words of a pixel.
+Status print_pixel(display::AtlasFile& atlas, int x, int y, std::size_t most) {
+    const auto pixel = bright_words(atlas, x, y, most);
+    if (!pixel) return pixel.error();
+    print_line("pixel (" + std::to_string(x) + ", " + std::to_string(y) +
+               "): " + triple({pixel->rgba[0], pixel->rgba[1], pixel->rgba[2]}) + ", mean " +
+               with_error(pixel->mean, pixel->error) + ", " + number_text(pixel->samples, 6) + " samples");
+    for (const BrightWord& word : pixel->words) {
+        const double share = pixel->mean != 0 ? 100 * word.mean / pixel->mean : 0;
+        print_line("  " + padded(number_text(share) + " %", 9) + padded(with_error(word.mean, word.error), 24) +
+                   word_text(atlas.table(), word.word));
+    }
+    if (pixel->more > 0) print_line("  and " + counted(pixel->more, "more word"));
+    return success();
+}
+
+/// Without --at: the image's brightest outliers, each with its brightest words.
+int tell_outliers(display::AtlasFile& atlas, std::size_t most) {
+    constexpr std::size_t words_of_each = 2;
+    const auto pixels = brightest_outliers(atlas, most);
+    if (!pixels) return report_error(pixels.error());
+    if (pixels->empty()) print_line("no pixel is brighter than the median of its neighbours");
+    for (const auto& [x, y] : *pixels)
+        if (Status printed = print_pixel(atlas, x, y, words_of_each); !printed) return report_error(printed.error());
+    return exit_holds;
+}
+
 int tell_pixel(display::AtlasFile& atlas, const AskOptions& options) {
     int x = 0, y = 0;
     const char* const end = options.at.data() + options.at.size();
@@ -92,18 +118,8 @@ int tell_pixel(display::AtlasFile& atlas, const AskOptions& options) {
     const bool comma = first.ec == std::errc() && first.ptr != end && *first.ptr == ',';
     if (!comma || std::from_chars(first.ptr + 1, end, y).ptr != end || end[-1] == ',')
         return report_error(option_error("--at", "'" + options.at + "' is no pixel; expected X,Y, such as 12,7"));
-    const auto pixel = bright_words(atlas, x, y, static_cast<std::size_t>(*options.top));
-    if (!pixel) return report_error(pixel.error());
-    print_line("pixel (" + std::to_string(x) + ", " + std::to_string(y) +
-               "): " + triple({pixel->rgba[0], pixel->rgba[1], pixel->rgba[2]}) + ", luminance " +
-               with_error(pixel->luminance, pixel->error) + ", " + number_text(pixel->samples, 6) + " samples");
-    for (const BrightWord& word : pixel->words) {
-        const double share = pixel->luminance != 0 ? 100 * word.luminance / pixel->luminance : 0;
-        print_line("  " + padded(number_text(share) + " %", 9) + padded(with_error(word.luminance, word.error), 24) +
-                   word_text(atlas.table(), word.word));
-    }
-    if (pixel->more > 0) print_line("  and " + counted(pixel->more, "more word"));
-    return exit_holds;
+    const Status printed = print_pixel(atlas, x, y, static_cast<std::size_t>(*options.top));
+    return printed ? exit_holds : report_error(printed.error());
 }
 
 int tell_suggestion(display::AtlasFile& atlas, const AskOptions& options) {
@@ -140,6 +156,8 @@ int write_layers(const CLI::App& command, display::AtlasFile& atlas, const AskOp
                  const CommandContext& context) {
     Job job;
     if (Status read = read_expressions(command, options, job); !read) return report_error(read.error());
+    for (const AovRequest& aov : job.aovs) print_warning("an atlas has light alone; '" + aov.name + "' is left out");
+    job.aovs.clear();
     auto answered = answer_question(atlas, job, {options.intervals, options.errors});
     if (!answered) return report_error(answered.error());
     for (const std::string& note : answered->notes) print_warning(note);
@@ -171,6 +189,7 @@ int ask(const CLI::App& command, const AskOptions& options, const CommandContext
     if (!atlas) return report_error(atlas.error());
     if (!(*atlas)->description().complete)
         print_warning((*atlas)->path() + " is of a render that was interrupted: its pixels have fewer samples");
+    if (options.top && options.at.empty()) return tell_outliers(**atlas, static_cast<std::size_t>(*options.top));
     if (options.top) return tell_pixel(**atlas, options);
     if (options.suggest) return tell_suggestion(**atlas, options);
     return write_layers(command, **atlas, options, context);
@@ -191,8 +210,10 @@ void add_ask_command(CLI::App& app, CommandContext& context) {
                     "a layer that the atlas cannot tell exactly becomes two, NAME_least and NAME_most, between which "
                     "it is; default: it is refused");
     layers.add_flag("--errors", options->errors,
-                    "adds a layer NAME_error to each: the standard error of its luminance, (R + G + B) / 3");
-    why.add("--top", options->top, "N", "prints the N words that make a pixel bright, with their standard errors")
+                    "adds a layer NAME_error to each: the standard error of its mean, (R + G + B) / 3");
+    why.add("--top", options->top, "N",
+            "prints the N words that make the pixel of --at bright, with their standard errors of (R + G + B) / 3; "
+            "without --at the N pixels furthest above the median of their neighbours, with their brightest words")
         ->check(CLI::Range(1, 1000000));
     why.add("--at", options->at, "X,Y", "the pixel, from the top left corner");
     why.add("--suggest", options->suggest, "N",

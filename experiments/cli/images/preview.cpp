@@ -8,7 +8,6 @@
 #include "display/output/atomic_file.h"
 #include "display/output/color/color_manager.h"
 #include "display/output/color/color_names.h"
-#include "display/output/reader/exr_layers.h"
 #include "display/output/reader/exr_reader.h"
 #include "experiments/cli/image_commands.h"
 #include "experiments/job/output_requests.h"
@@ -33,12 +32,11 @@ std::string shown_name(const display::ImageLayer& layer) {
 /// light.
 Result<const display::ImageLayer*> chosen_layer(const display::ExrImage& image, const std::string& name) {
     if (!name.empty()) return image.require_layer(name == "beauty" ? "" : name);
-    for (const std::string& each : {std::string(), display::likely_beauty(image)})
-        if (const display::ImageLayer* found = image.layer(each)) return found;
+    auto beauty = image.require_layer("");
+    if (beauty || image.layers.empty()) return beauty;
     for (const display::ImageLayer& each : image.layers)
         if (look_of(each) == LayerLook::light) return &each;
-    if (!image.layers.empty()) return &image.layers.front();
-    return image.require_layer("");
+    return &image.layers.front();
 }
 
 int run_preview(PreviewOptions options) {

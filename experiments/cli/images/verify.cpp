@@ -65,10 +65,8 @@ Result<display::Allowance> parse_tolerance(const std::string& text) {
 /// Of an image in memory, or of a file in bands.
 template <class Source>
 int verify_sum_of(const Source& source, const display::ExrImage& image, const VerifyOptions& options) {
-    // Nobody said what is split: what is called as renderers call the beauty, and the verdict names it.
-    std::string of = options.of;
-    if (of.empty() && image.layer("") == nullptr) of = display::likely_beauty(image);
-    auto verdict = display::check_split(source, of, options.sums, options.tolerance.value_or(display::Allowance{}));
+    auto verdict =
+        display::check_split(source, options.of, options.sums, options.tolerance.value_or(display::Allowance{}));
     if (!verdict) return report_error(verdict.error());
     note_incomplete(image);
     return tell_verdict(*verdict, image) ? exit_holds : exit_does_not_hold;

@@ -3,7 +3,6 @@
 #include <array>
 #include <cctype>
 #include <filesystem>
-#include <map>
 #include <string_view>
 #include <utility>
 
@@ -60,9 +59,14 @@ Result<bool> is_channel_file(const std::string& text) {
     const bool ends_as_one = std::any_of(file_endings.begin(), file_endings.end(), [&](std::string_view ending) {
         return text.size() > ending.size() && text.ends_with(ending);
     });
-    if (!ends_as_one) return false;
     std::error_code failed;
     const bool exists = std::filesystem::exists(text, failed);
+    if (!ends_as_one && std::filesystem::is_regular_file(text, failed) && text.find('=') == std::string::npos)
+        return error_at({text, 0, 0},
+                        "no format is known by this name; expected a file that ends in .toml, .rib, .usda, .usd or "
+                        ".ini, or NAME=EXPR",
+                        "'--channels " + text + " --format F' reads it as F: toml, rib, usda or ini");
+    if (!ends_as_one) return false;
     const std::size_t equals = text.find('=');
     const bool named = equals != std::string::npos && equals > 0 && text.find('/') > equals;
     if (named && exists)
@@ -95,26 +99,15 @@ Result<ChannelSet> read_channel_set(const ChannelArguments& arguments, lpe::Dial
         channel.source = {request->name, request->expression, request->dialect, request->location.file, 0, 0, {}};
         set->file.channels.push_back(std::move(channel));
     }
-    std::map<std::string, const lpe::ChannelSource*> known;
-    for (const lpe::FileChannel& channel : set->file.channels) {
-        const lpe::ChannelSource& source = channel.source;
-        const auto [place, fresh] = known.emplace(source.name, &source);
-        if (fresh) continue;
-        const std::string first = place->second->origin_line > 0
-                                      ? place->second->origin + ":" + std::to_string(place->second->origin_line)
-                                      : place->second->origin;
-        return error_at(
-            {source.origin_line > 0 ? source.origin : std::string(), source.origin_line, 0},
-            "the channel name '" + source.name + "' is used twice; expected every channel to have its own name",
-            source.origin_line > 0 ? "the first one is in " + first : std::string());
-    }
+    if (Status single = take_same_once(*set); !single) return single.error();
     return set;
 }
 
 Result<std::vector<lpe::ChannelSource>> resolved_channels(const ChannelSet& set, const ChannelArguments& arguments) {
     if (set.file.channels.empty()) {
         std::string others;
-        for (const std::string& each : set.file.other_channels) others += (others.empty() ? "" : ", ") + each;
+        for (const lpe::FileChannel& each : set.file.other_channels)
+            others += (others.empty() ? "" : ", ") + each.source.name;
         return error_at({arguments.files.empty() ? std::string() : arguments.files.front(), 0, 0},
                         "no channel with a light path expression is given; expected NAME=EXPR or a file of channels",
                         others.empty() ? "" : "channels without one: " + others);
@@ -166,6 +159,15 @@ Error about_channel_name(Error error, const std::string& text, const ChannelSet&
     return error;  // with a dot it may as well be an expression
 }
 
+CLI::Option* add_reader_option(CLI::App& command, ReaderOption& reader) {
+    return command
+        .add_option("--for", reader.name,
+                    "who reads the channels: renderman (default for RIB, rendermn.ini, and USD in the dialect "
+                    "renderman), for which what RenderMan does not read (V, B, G, ?, -, ...) is an error; or raylex")
+        ->option_text("renderman|raylex")
+        ->check(CLI::IsMember({"renderman", "raylex"}));
+}
+
 void add_channel_output(CLI::App& command, ChannelOutput& output, const std::string& description) {
     command.add_option("-o,--output", output.path, description)->option_text("FILE.{toml,rib,usda,ini}");
     command.add_option("--write-as", output.format, "format to write; default: by the end of the file's name")
@@ -173,9 +175,9 @@ void add_channel_output(CLI::App& command, ChannelOutput& output, const std::str
         ->check(CLI::IsMember(channel_format_names()));
 }
 
-Status write_channels(const ChannelSet& set, const ChannelOutput& output) {
+Status write_channels(const ChannelSet& set, const ChannelOutput& output, lpe::Reader reader) {
     std::vector<std::string> warnings;
-    auto text = channel_set_text(set, output.path, output.format, warnings);
+    auto text = channel_set_text(set, output.path, output.format, warnings, reader);
     if (!text) return text.error();
     if (Status written = write_channel_text(*text, output.path); !written) return written;
     for (const std::string& warning : warnings) print_warning(warning);

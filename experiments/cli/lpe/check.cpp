@@ -1,6 +1,7 @@
 // raylex lpe check: do channels partition the beauty? The proof, and where they do not, the whole picture.
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -22,6 +23,7 @@ struct CheckOptions {
     DialectOption dialect;
     ChannelArguments channels;
     ChannelOutput output;
+    ReaderOption reader;
     SceneOption scene;
     PathOptions paths;
     lpe::Words words;  // what scene and paths leave
@@ -43,18 +45,20 @@ const char* word_for(lpe::Verdict verdict) {
     return "";
 }
 
-/// Whether the channels are for RenderMan itself, which lacks our extensions.
-bool for_renderman(const CheckOptions& options, const ChannelSet& set) {
+/// Whether what is written is for RenderMan itself, which lacks our extensions.
+bool writes_for_renderman(const CheckOptions& options) {
     const auto written = [&](const char* format) {
         return options.output.format == format ||
                (options.output.format.empty() && options.output.path.ends_with(std::string(".") + format));
     };
-    return set.of_renderman || written("rib") || written("ini");
+    return options.reader.value() == lpe::Reader::renderman &&
+           (written("rib") || written("ini") || written("usda") || written("usd"));
 }
 
 /// What the layers leave, as an expression for the application that the channels are of, else for raylex.
 void find_rest(const CheckOptions& options, const ChannelSet& set, CheckPicture& picture) {
-    const bool renderman = for_renderman(options, set);
+    const bool renderman =
+        writes_for_renderman(options) || (set.of_renderman && options.reader.value() == lpe::Reader::renderman);
     const auto& layers = picture.layers;
     if (renderman) {
         auto rest = lpe::rest_expression(layers.sources, layers.whole, options.words, lpe::Reader::renderman);
@@ -264,6 +268,7 @@ Result<std::optional<lpe::ChannelSource>> find_whole(const CheckOptions& options
     return std::optional(std::move(expanded->front()));
 }
 
+/// The layers all together, or where TOML files declare partitions each of these.
 Result<std::vector<CheckPicture>> judge(const CheckOptions& options, const ChannelSet& set,
                                         std::vector<lpe::ChannelSource> sources, std::optional<lpe::ChannelSource> of) {
     const bool declared =
@@ -287,6 +292,65 @@ Result<std::vector<CheckPicture>> judge(const CheckOptions& options, const Chann
     if (!judged) return judged.error();
     if (options.what == "partition")
         if (Status sorted = sort_layers(options, set, picture); !sorted) return sorted.error();
+    return pictures;
+}
+
+/// The channels of one file with what else the set has. A set of several files is judged file by file, then together.
+ChannelSet part_of(const ChannelSet& set, const std::string& file) {
+    ChannelSet part = set;
+    std::erase_if(part.file.channels, [&](const lpe::FileChannel& each) {
+        const std::pair<std::string, std::string> here{each.source.name, file};
+        return each.source.origin != file &&
+               std::find(set.also_in.begin(), set.also_in.end(), here) == set.also_in.end();
+    });
+    std::erase_if(part.partitions, [&](const PartitionRequest& each) { return each.location.file != file; });
+    return part;
+}
+
+/// One picture for all, or where several files have channels first those of each file.
+Result<std::vector<CheckPicture>> judge_files(const CheckOptions& options, const ChannelSet& set,
+                                              const std::vector<lpe::ChannelSource>& sources,
+                                              const std::optional<lpe::ChannelSource>& of) {
+    std::vector<CheckPicture> pictures;
+    CheckPicture all;
+    std::size_t files = 0;
+    all.holds = options.channels.named.empty() && options.rest.empty();
+    for (const std::string& file : options.channels.files) {
+        const ChannelSet part = part_of(set, file);
+        if (part.file.channels.empty() || options.what != "partition") continue;
+        CheckOptions alone = options;
+        alone.channels.files = {file};
+        alone.rest.clear();
+        std::vector<lpe::ChannelSource> own;
+        for (const lpe::FileChannel& each : part.file.channels)
+            for (const lpe::ChannelSource& source : sources)
+                if (each.source.name == source.name) own.push_back(source);
+        auto judged = judge(alone, part, std::move(own), of);
+        if (!judged) return judged;
+        ++files;
+        for (CheckPicture& picture : *judged) {
+            all.holds = all.holds && picture.holds;
+            all.layers.sources.insert(all.layers.sources.end(), picture.layers.sources.begin(),
+                                      picture.layers.sources.end());
+            picture.alone = picture.partition.empty();
+            pictures.push_back(std::move(picture));
+        }
+    }
+    if (files < 2) return judge(options, set, sources, of);
+    std::vector<CheckPicture> together;
+    if (all.holds) {  // what several splits share, a layer of emission, is no overlap
+        all.verdict = "partitions";
+        all.files = options.channels.files;
+        all.channels = sources.size();
+        all.summary = "each of the " + std::to_string(files) + " files splits the beauty by itself";
+        together.push_back(std::move(all));
+    } else {
+        auto judged = judge(options, set, sources, of);
+        if (!judged) return judged;
+        together = std::move(*judged);
+        std::erase_if(together, [](const CheckPicture& each) { return !each.partition.empty(); });
+    }
+    std::move(together.begin(), together.end(), std::back_inserter(pictures));
     return pictures;
 }
 
@@ -315,14 +379,15 @@ int finish(const CheckOptions& options, ChannelSet& set, const std::vector<Check
     int code = exit_holds;
     for (const CheckPicture& picture : pictures) {
         if (!options.json) print_picture(picture);
-        code = picture.holds ? code : exit_does_not_hold;
+        code = picture.holds || picture.alone ? code : exit_does_not_hold;
     }
     if (options.json) print_line(pictures_as_json(pictures));
     if (options.output.path.empty()) return code;
-    const std::vector<lpe::ChannelSource>& layers = pictures.front().layers.sources;
+    const std::vector<lpe::ChannelSource>& layers = pictures.back().layers.sources;
     if (!options.rest.empty() && layers.back().name == options.rest)
         set.file.channels.emplace_back().source = layers.back();
-    if (Status written = write_channels(set, options.output); !written) return report_error(written.error());
+    if (Status written = write_channels(set, options.output, options.reader.value()); !written)
+        return report_error(written.error());
     return code;
 }
 
@@ -335,7 +400,8 @@ int run_check(CheckOptions options) {
     if (!set) return report_error(set.error());
     if (set->file.channels.empty()) return report_error(resolved_channels(*set, options.channels).error());
     std::vector<Error> errors;
-    const std::vector<lpe::ChannelSource> sources = read_all(*set, errors);
+    const std::vector<lpe::ChannelSource> sources =
+        read_all(*set, errors, options.reader.value(), writes_for_renderman(options));
     if (!errors.empty()) return report_all(errors, set->file.channels.size());
     for (const lpe::ChannelSource& source : sources)
         if (source.name == options.rest)
@@ -352,7 +418,7 @@ int run_check(CheckOptions options) {
     if (!words) return report_error(words.error());
     options.words = std::move(*words);
     if (Status warned = warn_about_labels(options, sources, *scene); !warned) return report_error(warned.error());
-    auto pictures = judge(options, *set, sources, std::move(*of));
+    auto pictures = judge_files(options, *set, sources, *of);
     if (!pictures) return report_error(pictures.error());
     return finish(options, *set, *pictures);
 }
@@ -387,6 +453,7 @@ void add_lpe_check_commands(CLI::App& lpe, CommandContext& context) {
     add_channel_output(*check, options->output,
                        "also writes the channels, in any format; any verdict. -: to standard output, and what is said "
                        "to standard error");
+    add_reader_option(*check, options->reader);
     add_scene_option(*check, options->scene);
     add_dialect_option(*check, options->dialect);
     check->footer(
@@ -394,7 +461,8 @@ void add_lpe_check_commands(CLI::App& lpe, CommandContext& context) {
         "Where a TOML file declares partitions, each of them is proved; otherwise all channels together. Of channels "
         "from files,\nthose with prefixes (noclamp;, ...), with statistics (mse, variance, even, odd) and the beauty "
         "itself are no layers.\nFiles may hold several splits of the same beauty (by lobe, by light group): it holds "
-        "where each layer is in one of them.\n"
+        "where each layer is in one of them.\nSeveral files are judged one by one, then together, and the verdict on "
+        "all together decides.\n"
         "The last line of a check that fails is the shortest path against it, as 'raylex lpe match' reads it.\n"
         "See also: lpe equal, contains and empty for single expressions.\n"
         "Exit codes: 0 proved, 1 a path is missed, counted twice or outside, 2 bad usage or input: every expression "

@@ -88,7 +88,14 @@ struct ChannelOutput {
 };
 void add_channel_output(CLI::App& command, ChannelOutput& output, const std::string& description);
 /// Writes the set; what had to be left out is printed as warnings.
-Status write_channels(const ChannelSet& set, const ChannelOutput& output);
+Status write_channels(const ChannelSet& set, const ChannelOutput& output, lpe::Reader reader);
+
+/// --for: whose language the channels of RenderMan's formats are held to.
+struct ReaderOption {
+    std::string name = "renderman";
+    [[nodiscard]] lpe::Reader value() const { return name == "raylex" ? lpe::Reader::raylex : lpe::Reader::renderman; }
+};
+CLI::Option* add_reader_option(CLI::App& command, ReaderOption& reader);
 
 /// An expression given by itself; `what` names it in errors ("expression", "--of").
 lpe::ChannelSource bare_expression(std::string_view text, lpe::Dialect dialect, std::string name, std::string what);

@@ -68,10 +68,20 @@ Result<lpe::Words> words_of(const PathOptions& options, const std::optional<Scen
     return words;
 }
 
-std::vector<lpe::ChannelSource> read_all(const ChannelSet& set, std::vector<Error>& errors) {
+std::vector<lpe::ChannelSource> read_all(const ChannelSet& set, std::vector<Error>& errors, lpe::Reader reader,
+                                         bool written) {
     std::vector<lpe::ChannelSource> sources;
     std::vector<std::string> warnings;
     std::set<std::string> known;  // a macro's error comes up in every channel that uses it
+    const auto refuse = [&](const Status& read) {
+        if (!read && known.insert(read.error().to_string()).second) errors.push_back(read.error());
+    };
+    const auto of_renderman = [&](const lpe::ChannelSource& source) {
+        const auto& files = set.renderman_files;
+        return reader == lpe::Reader::renderman && std::find(files.begin(), files.end(), source.origin) != files.end();
+    };
+    for (const lpe::ChannelSource& macro : set.file.macros)
+        if (of_renderman(macro)) refuse(lpe::renderman_reads(macro));
     ChannelSet one;
     one.file.macros = set.file.macros;
     for (const lpe::FileChannel& channel : set.file.channels) {
@@ -79,8 +89,12 @@ std::vector<lpe::ChannelSource> read_all(const ChannelSet& set, std::vector<Erro
         auto expanded = expanded_channels(one, warnings);
         const Result<std::vector<std::string>> prefixes =
             expanded ? lpe::expression_prefixes(expanded->front()) : Result<std::vector<std::string>>(expanded.error());
-        if (prefixes) sources.push_back(std::move(expanded->front()));
-        else if (known.insert(prefixes.error().to_string()).second) errors.push_back(prefixes.error());
+        if (!prefixes) {
+            refuse(prefixes.error());
+            continue;
+        }
+        if (written || of_renderman(channel.source)) refuse(lpe::renderman_reads(channel.source, written));
+        sources.push_back(std::move(expanded->front()));
     }
     for (const std::string& warning : warnings) print_warning(warning);
     return sources;

@@ -23,8 +23,10 @@ void add_path_options(CLI::App& command, PathOptions& options);
 Result<lpe::Words> words_of(const PathOptions& options, const std::optional<SceneWords>& scene, const ChannelSet& set,
                             std::span<const lpe::ChannelSource> channels);
 
-/// The channels as expressions; every one that cannot be read is an error of the list. Warnings are printed.
-std::vector<lpe::ChannelSource> read_all(const ChannelSet& set, std::vector<Error>& errors);
+/// The channels as expressions; every one that cannot be read is an error of the list, for a reader of RenderMan's
+/// also what its files, or all channels where they are `written` for it, have of ours. Warnings are printed.
+std::vector<lpe::ChannelSource> read_all(const ChannelSet& set, std::vector<Error>& errors, lpe::Reader reader,
+                                         bool written);
 
 struct Layers {
     std::vector<lpe::ChannelSource> sources;

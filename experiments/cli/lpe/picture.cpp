@@ -228,6 +228,7 @@ void print_picture(const CheckPicture& picture) {
     if (!picture.holds) print_line("");
     print_line((picture.partition.empty() ? "" : "partition '" + picture.partition + "': ") + picture.summary);
     if (!picture.holds) print_line(picture.witness.text);
+    if (picture.alone) print_line("");
 }
 
 std::string pictures_as_json(const std::vector<CheckPicture>& pictures) {
@@ -243,6 +244,7 @@ std::string pictures_as_json(const std::vector<CheckPicture>& pictures) {
         for (const auto& [name, why] : picture.layers.no_layers) others.push_back({{"name", name}, {"why", why}});
         Json one{{"verdict", picture.verdict}, {"holds", picture.holds}, {"summary", picture.summary}};
         if (!picture.partition.empty()) one["partition"] = picture.partition;
+        one["files"] = picture.files;
         if (!picture.holds) one["path"] = path_json(picture.witness);
         if (picture.layers.whole) one["of"] = picture.layers.whole->expression;
         one["volume"] = picture.words.volume;

@@ -17,6 +17,7 @@ struct CheckPicture {
     std::vector<std::string> files;  ///< they came from
     Layers layers;
     lpe::Words words;
+    bool alone = false;  ///< one file of several, whose verdict together decides
     bool holds = false;
     std::string verdict;  ///< "partition", "missed", "counted twice", "outside", "disjoint", "overlaps"
     std::string summary;

@@ -2,11 +2,14 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "experiments/cli/lpe/commands.h"
+#include "experiments/job/channels/named_labels.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
+#include "lpe/algebra/wording/event_words.h"
 #include "lpe/channels/split.h"
 
 namespace raylex::experiments {
@@ -18,6 +21,7 @@ struct SplitOptions {
     std::vector<std::string> by;
     lpe::SplitRequest request;
     ChannelOutput output;
+    ReaderOption reader;
     SceneOption scene;
     std::string of, partition = "split";
     bool no_volume = false, all_labelled = false;
@@ -46,6 +50,20 @@ ChannelSet as_set(const SplitOptions& options, const lpe::Split& split) {
     return set;
 }
 
+/// Errors: names of an option that the scene lacks, all of them with their near misses.
+Status require_known(const SplitOptions& options, const char* option, const std::string& what,
+                     const std::vector<std::string>& named, const std::vector<std::string>& known) {
+    std::set<std::string> there(known.begin(), known.end());
+    there.erase("");
+    std::string lacking;
+    for (const std::string& name : named)
+        if (!there.contains(name)) lacking += (lacking.empty() ? "'" : ", '") + name + "'" + did_you_mean(name, there);
+    if (lacking.empty()) return success();
+    const std::string list = there.empty() ? "none" : lpe::joined_by({there.begin(), there.end()}, ", ");
+    return error_at({option, 0, 0}, options.scene.path + " has no " + what + " " + lacking +
+                                        "; expected some of those it has: " + list);
+}
+
 int run_split(SplitOptions options) {
     const auto start = std::chrono::steady_clock::now();
     lpe::SplitRequest& request = options.request;
@@ -58,7 +76,16 @@ int run_split(SplitOptions options) {
     auto scene = options.scene.load();
     if (!scene) return report_error(scene.error());
     request.words = words_of(*scene);
-    if (*scene && request.groups.empty()) request.groups = (*scene)->alphabet.light_groups;
+    if (*scene) {
+        const auto& alphabet = (*scene)->alphabet;
+        if (Status there = require_known(options, "--groups", "light group", request.groups, alphabet.light_groups);
+            !there)
+            return report_error(there.error());
+        if (Status there = require_known(options, "--objects", "object label", request.objects, alphabet.object_labels);
+            !there)
+            return report_error(there.error());
+        if (request.groups.empty()) request.groups = alphabet.light_groups;
+    }
     std::erase(request.groups, "");
     request.words.volume = !options.no_volume;
     request.words.unlabelled_lights = !options.all_labelled;
@@ -69,7 +96,7 @@ int run_split(SplitOptions options) {
     }
     auto split = lpe::generate_split(request);
     if (!split) return report_error(split.error());
-    if (Status written = write_channels(as_set(options, *split), options.output); !written)
+    if (Status written = write_channels(as_set(options, *split), options.output, options.reader.value()); !written)
         return report_error(written.error());
     for (const std::string& note : split->notes) print_warning(note);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -115,6 +142,7 @@ void add_lpe_split_commands(CLI::App& lpe, CommandContext& context) {
                      "what is split: an expression, or the name of a channel of --channels; default: the beauty")
         ->option_text("BEAUTY");
     add_channel_output(*split, options->output, "file to write; default, and -: standard output, as TOML");
+    add_reader_option(*split, options->reader);
     split->add_option("--prefix", options->request.prefix, "begins every channel's name")->option_text("TEXT");
     split->add_option("--partition", options->partition, "the partition's name in TOML; default split")
         ->option_text("NAME");

@@ -28,8 +28,8 @@ Status AtlasOutput::prepare(Job& job, const SceneWords& scene) {
                         "an atlas keeps exact shares, and lobes are picked here; expected a render "
                         "without picked lobes");
     job.settings.words = request.rules;
-    // Where nothing is said, words are kept whole; of those beyond 16 scatterings next to none is met twice.
-    constexpr int longest_unless_asked = 16;
+    // Where nothing is said, words are kept whole; few paths go on beyond 64 scatterings.
+    constexpr int longest_unless_asked = 64;
     if (request.rules.length == 0)
         job.settings.words->length =
             std::clamp(static_cast<int>(scene.words.max_depth.value_or(longest_unless_asked)), 1, longest_unless_asked);

@@ -113,7 +113,7 @@ void add_file_options(const OptionGroup& group, OutputOptions& options) {
               "what the atlas's words are told apart by, beside their types; default label,lobe,group");
     group
         .add("--atlas-length", options.atlas_length, "N",
-             "scatterings of the longest words kept whole; default: as many as the render's paths have, at most 16")
+             "scatterings of the longest words kept whole; default: as many as the render's paths have, at most 64")
         ->check(CLI::Range(1, display::WordRules::most_length));
     group.add("--atlas-budget", options.atlas_budget, "SIZE",
               "memory that the atlas may take, such as 2GiB, the default: beyond it words with least light are merged");

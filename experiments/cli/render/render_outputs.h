@@ -59,7 +59,12 @@ class RenderOutputs {
     /// Of a render in buckets: how many, and how many rows one has at most; else 0.
     [[nodiscard]] std::size_t buckets() const { return buckets_; }
     [[nodiscard]] int bucket_rows() const { return bucket_rows_; }
-    [[nodiscard]] std::size_t layers() const { return channels_.size(); }
+    /// Of the file, cryptomattes among them.
+    [[nodiscard]] std::size_t layers() const {
+        const transport::RenderSettings& settings = job_->settings;
+        return channels_.size() +
+               settings.cryptomatte.size() * static_cast<std::size_t>(settings.cryptomatte_ranks) / 2;
+    }
     [[nodiscard]] const display::DeepBuffer* deep() const { return deep_.get(); }
 
   private:

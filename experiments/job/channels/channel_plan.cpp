@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "experiments/job/channels/channel_reasons.h"
+#include "experiments/job/channels/channel_set.h"
 #include "geoaovs/geoaovs.h"
 #include "lpe/algebra/proofs/check.h"
 #include "lpe/algebra/proofs/relations.h"
@@ -56,8 +57,10 @@ class Planner {
         Status usable = check_layer_name(channel.name, where);
         if (!usable) return usable;
         if (const auto [known, is_new] = index_.emplace(channel.name, plan_.channels.size()); !is_new)
-            return error_at(where, "the channel name '" + channel.name +
-                                       "' is used twice; expected every channel to have its own name");
+            return error_at(where,
+                            "the channel name '" + channel.name +
+                                "' is used twice with two meanings; expected every channel to have its own name",
+                            "--rename " + channel.name + "=NAME renames the channel of a --channels file");
         plan_.channels.push_back(std::move(channel));
         sources_.emplace_back();
         return success();
@@ -69,6 +72,9 @@ class Planner {
             {request.name, request.expression, request.dialect, where.file, where.line, where.column, {}, request.map},
             job_.macros);
         if (!expansion) return expansion.error();
+        if (const auto known = index_.find(request.name);
+            known != index_.end() && mean_the_same(sources_[known->second], expansion->source, job_.macros))
+            return success();
         ChannelDefinition channel;
         channel.name = request.name;
         channel.style = ChannelStyle::expression;
@@ -245,7 +251,8 @@ class Planner {
         if (!job_.settings.beauty) return success();
         std::vector<std::string> members;
         for (const ExpressionRequest& request : job_.expressions)
-            if (!no_part_.contains(request.name) && !in_partition_.contains(request.name) && !rule_of(request.name))
+            if (!no_part_.contains(request.name) && !in_partition_.contains(request.name) && !rule_of(request.name) &&
+                std::find(members.begin(), members.end(), request.name) == members.end())
                 members.push_back(request.name);
         if (members.empty()) return success();
         auto report = lpe::check_disjoint(sources_of(members), words_);
@@ -399,6 +406,10 @@ class Planner {
                 error.column = request.location.column;
                 return error;
             }
+            const auto known = index_.find(definition->name);
+            const bool there = known != index_.end() && plan_.channels[known->second].style == definition->style &&
+                               plan_.channels[known->second].expression == definition->expression;
+            if (there) continue;
             Status added = add_channel(std::move(*definition), request.location);
             if (!added) return added;
         }

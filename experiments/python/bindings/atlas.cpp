@@ -164,7 +164,7 @@ void add_answers(py::module_& module) {
         .def_property_readonly(
             "rgba", [](const BrightPixel& p) { return py::make_tuple(p.rgba[0], p.rgba[1], p.rgba[2], p.rgba[3]); },
             "of the render: scene-linear red, green, blue, and alpha")
-        .def_readonly("luminance", &BrightPixel::luminance, "(R + G + B) / 3")
+        .def_readonly("mean", &BrightPixel::mean, "(R + G + B) / 3")
         .def_readonly("error", &BrightPixel::error, "its standard error; inf when there is no telling")
         .def_readonly("samples", &BrightPixel::samples, "camera samples of the pixel")
         .def_readonly("more", &BrightPixel::more, "words beside these")
@@ -173,12 +173,12 @@ void add_answers(py::module_& module) {
         .def_readonly("number", &BrightWord::word, "in Atlas.words")
         .def_property_readonly(
             "rgb", [](const BrightWord& w) { return py::make_tuple(w.rgb[0], w.rgb[1], w.rgb[2]); }, "scene-linear")
-        .def_readonly("luminance", &BrightWord::luminance, "(R + G + B) / 3")
+        .def_readonly("mean", &BrightWord::mean, "(R + G + B) / 3")
         .def_readonly("error", &BrightWord::error, "its standard error; inf when there is no telling");
     py::class_<SuggestedLayer>(module, "SuggestedLayer", "A layer that isolates a kind of noise.")
         .def_readonly("name", &SuggestedLayer::name)
         .def_readonly("expression", &SuggestedLayer::expression, "renderman; '' of the rest")
-        .def_readonly("light", &SuggestedLayer::light, "share of the image's luminance, 0 to 1")
+        .def_readonly("light", &SuggestedLayer::light, "share of the image's light, 0 to 1")
         .def_readonly("noise", &SuggestedLayer::noise, "share of the image's variance, 0 to 1")
         .def("__repr__", [](const SuggestedLayer& layer) {
             return "SuggestedLayer(" + layer.name + ": " + (layer.expression.empty() ? "rest" : layer.expression) +

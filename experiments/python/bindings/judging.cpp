@@ -65,10 +65,7 @@ std::vector<Verdict> verify(const Image& image, const std::string& of, const std
         const display::ExrImage exr = image.as_exr();
         const bool given = tolerance != std::pair(0.0, 0.0);
         if (!preset.empty()) return verify_preset(exr, preset, of, allowance, given);
-        if (!sums.empty()) {
-            const std::string whole = of.empty() && exr.layer("") == nullptr ? display::likely_beauty(exr) : of;
-            return verdicts_of(exr, {take(display::check_split(exr, whole, sums, allowance))});
-        }
+        if (!sums.empty()) return verdicts_of(exr, {take(display::check_split(exr, of, sums, allowance))});
         if (exr.partitions.empty())
             fail(
                 "the image declares no partition; expected sums=['diffuse_*', ...] or preset='cycles'. Its layers "

@@ -19,7 +19,7 @@ def _ask(self, lpe=None, *, dialect="renderman", shipped=False, light_groups=Fal
     :param light_groups: a layer for each light group
     :param intervals: True: a layer that the atlas cannot tell exactly becomes two, NAME_least and NAME_most, between
         which it lies; by default it is refused
-    :param errors: True: NAME_error beside each layer, the standard error of its luminance (R + G + B) / 3
+    :param errors: True: NAME_error beside each layer, the standard error of its mean (R + G + B) / 3
     :raises RaylexError: an expression that does not parse, or would tell apart what the atlas keeps together
     """
     return self._ask(_channels(lpe or {}, dialect), shipped, light_groups, intervals, errors)
@@ -76,17 +76,17 @@ class WordsAt:
         return iter(zip(self.texts, self._pixel.words))
 
     def __repr__(self):
-        head = f"pixel ({self.x}, {self.y}): luminance {self.luminance:.4g} +- {self.error:.2g}"
-        rows = [f"  {word.luminance:10.4g} +- {word.error:<8.2g} {text}" for text, word in self]
+        head = f"pixel ({self.x}, {self.y}): mean {self.mean:.4g} +- {self.error:.2g}"
+        rows = [f"  {word.mean:10.4g} +- {word.error:<8.2g} {text}" for text, word in self]
         return "\n".join([head, *rows, *([f"  and {self.more} more"] if self.more else [])])
 
     def _repr_html_(self):
-        rows = "".join(f"<tr><td>{100 * word.luminance / self.luminance if self.luminance else 0:.1f} %</td>"
-                       f"<td>{word.luminance:.3g} &plusmn; {word.error:.2g}</td>"
+        rows = "".join(f"<tr><td>{100 * word.mean / self.mean if self.mean else 0:.1f} %</td>"
+                       f"<td>{word.mean:.3g} &plusmn; {word.error:.2g}</td>"
                        f"<td style='text-align:left'><code>{html.escape(text)}</code></td></tr>" for text, word in self)
         more = f"<div>and {self.more} more</div>" if self.more else ""
-        return (f"<div>pixel ({self.x}, {self.y}): luminance {self.luminance:.4g} &plusmn; {self.error:.2g}, "
-                f"{self.samples:.0f} samples</div><table><tr><th>share</th><th>luminance</th><th>path</th></tr>{rows}"
+        return (f"<div>pixel ({self.x}, {self.y}): mean {self.mean:.4g} &plusmn; {self.error:.2g}, "
+                f"{self.samples:.0f} samples</div><table><tr><th>share</th><th>mean</th><th>path</th></tr>{rows}"
                 f"</table>{more}")
 
 

@@ -60,7 +60,7 @@ const raylexWords = (section, page) => {
     const where = info.block > 1
       ? `${info.block} x ${info.block} pixels from (${u * info.block}, ${v * info.block})` : `(${x}, ${y})`;
     title.textContent = `${entries.length} ${entries.length === 1 ? 'word' : 'words'} at ${where}`
-      + (entries.length > shown ? `, the brightest ${shown}` : '') + ': share, luminance, its standard error, path';
+      + (entries.length > shown ? `, the brightest ${shown}` : '') + ': share, mean of R G B, its standard error, path';
     list.replaceChildren();
     entries.slice(0, shown).forEach(entry => rowOf(atlas, entry, whole));
     section.dataset.words = String(entries.length);

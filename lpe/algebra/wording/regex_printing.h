@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 
+#include "lpe/language/extensions.h"
 #include "lpe/program.h"
 #include "lpe/result.h"
 #include "lpe/words.h"
@@ -15,9 +15,6 @@ namespace raylex::lpe {
 
 /// Longer texts are no help to anybody and are not shown.
 inline constexpr std::size_t longest_printed_expression = 160;
-
-/// Whose parser a text is for: ours, or RenderMan's own, which has no V, B, G, '?', '-', '&', '!' and no globs.
-enum class Reader : std::uint8_t { raylex, renderman };
 
 /// An expression for what the channels leave of `beauty` (of W when absent): every word of it that none of them
 /// accepts. Nothing when no short one was found, or when they leave nothing. What is returned was read again and

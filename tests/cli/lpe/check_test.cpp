@@ -50,11 +50,11 @@ TEST_CASE("a show's RIB file gets the verdict that it deserves by one command") 
     const Outcome volume = run_raylex(folder, "lpe check show.rib --volume");
     CHECK(volume.code == 1);
     CHECK(contains(volume.out, "C,- V,- L,-"));
-    // The file's own V speaks for media, and --no-volume against them.
+    // The file's own V speaks for media, and --no-volume against them; RenderMan itself does not read it.
     folder.write("fog.rib", basic_set() + channel("fog", "CV.*"));
-    CHECK(run_raylex(folder, "lpe check fog.rib").code == 1);
-    CHECK(run_raylex(folder, "lpe check fog.rib --no-volume").code == 0);
-    CHECK(run_raylex(folder, "lpe check fog.rib --no-volume --volume").code == 2);
+    CHECK(run_raylex(folder, "lpe check fog.rib --for raylex").code == 1);
+    CHECK(run_raylex(folder, "lpe check fog.rib --for raylex --no-volume").code == 0);
+    CHECK(run_raylex(folder, "lpe check fog.rib --for raylex --no-volume --volume").code == 2);
     // A job of raylex itself has media.
     CHECK(run_raylex(folder, "lpe check show.rib -o show.toml").code == 0);
     CHECK(contains(folder.read("show.toml"), "subsurface"));
@@ -128,6 +128,111 @@ TEST_CASE("lpe check names every expression that cannot be read") {
     CHECK(contains(macro.err, "m.ini:1:25: found 'X'"));
 }
 
+TEST_CASE("what RenderMan does not read is an error in files that are for it", "[law7]") {
+    const Folder folder;
+    folder.write("show.rib", channel("seen", "C[<L.>O]") + channel("glossy", "C<RG>.*") +
+                                 channel("mirror", "C(<RS>-<RG>).*") + channel("fog", "CV.*") +
+                                 channel("beauty_Village", "beauty_Village") + channel("sampled", "s1t3;C.*"));
+    check_refused(folder, "lpe check show.rib",
+                  {"show.rib:2:", "'glossy' has 'G', which raylex reads and RenderMan does not", "S is every specular",
+                   "show.rib:3:", "'mirror' has '-', 'G'", "show.rib:4:", "'fog' has 'V'", "show.rib:6:", "s1t3;",
+                   "4 errors in 6 channels", "--for raylex"});
+    CHECK_FALSE(contains(run_raylex(folder, "lpe check show.rib").err, "Village"));
+    CHECK(run_raylex(folder, "lpe check show.rib --for raylex").code == 1);
+    folder.write("rendermn.ini", "/prman/lpe/macro/glossy C<RG>.*\n");
+    folder.write("uses.rib", channel("a", "glossy"));
+    check_refused(folder, "lpe check uses.rib rendermn.ini", {"rendermn.ini:1:", "'G'"});
+    folder.write("a.usda",
+                 "#usda 1.0\ndef RenderVar \"a\"\n{\n    uniform string sourceName = \"C<RG>.*\"\n"
+                 "    uniform token sourceType = \"lpe\"\n}\n");
+    check_refused(folder, "lpe check a.usda", {"a.usda:4:", "'G'"});
+    CHECK(run_raylex(folder, "lpe check a.usda --dialect osl").code == 1);
+    // What is written for RenderMan is held to the same; its text has neither blanks nor comments.
+    folder.write("mine.toml",
+                 "[[channel]]\nname = \"glossy\"\nlpe = \"C<RG>.*\"\n[[channel]]\nname = \"others\"\n"
+                 "lpe = \"C.*-C<RG>.*\"\n");
+    CHECK(run_raylex(folder, "lpe check mine.toml").code == 0);
+    for (const char* format : {"rib", "ini", "usda"}) {
+        CAPTURE(format);
+        check_refused(folder, std::string("lpe check mine.toml -o x.") + format, {"mine.toml:3:", "'G'"});
+        CHECK(run_raylex(folder, std::string("lpe check mine.toml --for raylex -o y.") + format).code == 0);
+    }
+    folder.write("plain.toml", "[[channel]]\nname = \"all\"\nlpe = \"C [DS]*  # bounces\\n [<L.'a b'>O]\"\n");
+    CHECK(run_raylex(folder, "lpe check plain.toml --no-volume -o plain.rib").code == 1);
+    CHECK(contains(folder.read("plain.rib"), "lpe:C[DS]*[<L.'a b'>O]\""));
+}
+
+TEST_CASE("several files are reported one by one, then together") {
+    const Folder folder;
+    const std::string beauty = channel("Ci", "C.*[<L.>O]");
+    folder.write("lobes.rib", beauty + channel("diffuse", "C(D[DS]*[LO])|[LO]") + channel("specular", "CS[DS]*[LO]"));
+    folder.write("lights.rib", beauty + channel("key", "C[DS]*<L.'key'>") + channel("glow", "C[DS]*[<L.[^'key']>O]"));
+    const Outcome both = run_raylex(folder, "lpe check lobes.rib lights.rib");
+    INFO(both.out << both.err);
+    CHECK(both.code == 0);
+    const std::size_t first = both.out.find("lobes.rib: 3 channels with expressions, 2 of them layers"),
+                      second = both.out.find("lights.rib: 3 channels with expressions, 2 of them layers"),
+                      all = both.out.find("lobes.rib, lights.rib: 5 channels with expressions, 4 of them layers");
+    CHECK(first < second);
+    CHECK(second < all);
+    CHECK(all != std::string::npos);
+    CHECK(contains(both.out, "each of the 2 files splits the beauty by itself"));
+    CHECK(raylex::experiments::parse_json(run_raylex(folder, "lpe check lobes.rib lights.rib --json").out).size() == 3);
+    // What both have in common is no overlap; one of them that does not hold alone is named.
+    const std::string emission = channel("seen", "C[<L.>O]");
+    folder.write("a.rib", emission + channel("d", "CD[DS]*[LO]") + channel("s", "CS[DS]*[LO]"));
+    folder.write("b.rib", emission + channel("k", "C[DS]+<L.'key'>") + channel("g", "C[DS]+[<L.[^'key']>O]"));
+    CHECK(run_raylex(folder, "lpe check a.rib b.rib").code == 0);
+    folder.write("b.rib", emission + channel("k", "C[DS]+<L.'key'>"));
+    const Outcome less = run_raylex(folder, "lpe check a.rib b.rib");
+    INFO(less.out);
+    CHECK(less.code == 1);
+    CHECK(contains(less.out, "3 channels are a partition of the beauty"));
+    // Files that are one split together hold together.
+    folder.write("c.rib", channel("d", "CD[DS]*[LO]"));
+    folder.write("e.rib", channel("s", "CS[DS]*[LO]") + emission);
+    CHECK(run_raylex(folder, "lpe check c.rib e.rib").code == 0);
+    folder.write("f.rib", channel("d", "CS[DS]*[LO]"));
+    check_refused(folder, "lpe check c.rib f.rib", {"f.rib:1", "'d' is used twice with two meanings", "c.rib:1"});
+}
+
+TEST_CASE("conversions keep statistics and AOVs, and name what has no place") {
+    const Folder folder;
+    const std::string mse = " \"string statistics\" [\"mse\"]";
+    folder.write("show.rib",
+                 "DisplayChannel \"normal Nn\"\nDisplayChannel \"float depth\" \"string source\" [\"z\"]\n"
+                 "DisplayChannel \"color odd\" \"string source\" [\"mine\"]\n" +
+                     channel("diffuse", "C(D[DS]*[LO])|[LO]") + channel("diffuse_mse", "C(D[DS]*[LO])|[LO]", mse) +
+                     channel("spec", "CS[DS]*[LO]") + channel("caustics_mse", "CDS+L", mse));
+    const Outcome toml = run_raylex(folder, "lpe check show.rib -o show.toml");
+    INFO(toml.out << toml.err << folder.read("show.toml"));
+    CHECK(toml.code == 0);
+    CHECK(
+        contains(folder.read("show.toml"), "name = \"diffuse\"\nlpe = \"C(D[DS]*[LO])|[LO]\"\nstatistics = [\"mse\"]"));
+    CHECK(contains(folder.read("show.toml"), "[channels]\naovs = [\"Nn\", \"z\"]"));
+    CHECK(contains(toml.err, "filter ('diffuse', 'diffuse_mse', 'spec', 'caustics_mse'), filterwidth ("));
+    CHECK(
+        contains(toml.err, "channel 'caustics_mse' of show.rib holds statistics (mse) of an expression that no other"));
+    CHECK(contains(toml.err, "left out: 'odd'"));
+    CHECK(run_raylex(folder, "lpe check show.toml --no-volume").code == 0);
+    // And back, and to the others.
+    CHECK(run_raylex(folder, "lpe check show.toml --no-volume -o again.rib").code == 0);
+    CHECK(contains(folder.read("again.rib"), "DisplayChannel \"color diffuse_mse\""));
+    CHECK(contains(folder.read("again.rib"), "DisplayChannel \"float z\""));
+    CHECK(contains(run_raylex(folder, "lpe check again.rib").out, "no layers (statistics mse): 'diffuse_mse'"));
+    const Outcome usd = run_raylex(folder, "lpe check show.rib -o show.usda");
+    CHECK(contains(usd.err, "USD has no place for parameters of channels, which are left out: filter ("));
+    CHECK(contains(usd.err, "channels without one are left out: 'Nn', 'depth', 'odd'"));
+    CHECK(contains(run_raylex(folder, "lpe check show.usda --no-volume").out,
+                   "(statistics mse): 'diffuse_mse', 'caustics_mse'"));
+    const Outcome ini = run_raylex(folder, "lpe check show.rib -o show.ini");
+    CHECK(contains(ini.err,
+                   "rendermn.ini has no statistics; channels of them are left out: 'diffuse_mse', 'caustics_mse'"));
+    CHECK(run_raylex(folder, "lpe check show.ini").code == 0);
+    CHECK(run_raylex(folder, "lpe check show.rib -o same.rib").code == 0);
+    CHECK(contains(folder.read("same.rib"), "DisplayChannel \"float depth\" \"string source\" [\"z\"]"));
+}
+
 TEST_CASE("what is offered as a rest is readable by the application of the file") {
     const Folder folder;
     folder.write("show.rib",
@@ -185,6 +290,9 @@ TEST_CASE("a bare file of channels is taken as one") {
     const Outcome missing = run_raylex(folder, "lpe check shwo.rib");
     CHECK(missing.code == 2);
     CHECK(contains(missing.err, "shwo.rib: there is no such file of channels"));
+    folder.write("arnold.txt", "RGBA C.*\n");
+    check_refused(folder, "lpe check arnold.txt", {"arnold.txt: ", ".toml, .rib, .usda, .usd or .ini", "--format"});
+    check_refused(folder, "lpe check arnold", {"'arnold' is no named expression", ".toml, .rib, .usda, .usd or .ini"});
     const Outcome one = run_raylex(folder, "lpe explain show.rib directDiffuse");
     CHECK(one.code == 0);
     CHECK(contains(one.out, "From the camera, one diffuse reflection"));

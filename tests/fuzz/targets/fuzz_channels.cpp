@@ -26,11 +26,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         return 0;
     }
     std::vector<std::string> warnings;
-    const auto text = write_channel_file(*file, format, warnings);
+    const auto text = write_channel_file(*file, format, warnings, Reader::raylex);
     if (!text) return 0;  // names or expressions that the format cannot hold
     const auto again = parse_channel_file(*text, "written", format);
     fuzz::require(again.ok(), "what is written can be read:\n" + *text);
     fuzz::require(again->channels.size() == file->channels.size(), "no channel is lost:\n" + *text);
+    if (format == ChannelFormat::rib)
+        fuzz::require(again->other_channels.size() == file->other_channels.size(),
+                      "no other channel is lost:\n" + *text);
     for (std::size_t k = 0; k < again->channels.size(); ++k) {
         // Formats that hold one line leave comments and line ends out, which changes the text but not the language.
         if (file->channels[k].source.expression.find_first_of("#\n\r") != std::string::npos) continue;
