@@ -99,14 +99,13 @@ std::string best_sentence(const Study& study, const Comparison& comparison) {
     const Interval& ratio = comparison.ratio;
     const std::string range =
         std::isfinite(ratio.low) ? " [" + plain_number(ratio.low) + ", " + plain_number(ratio.high) + "]" : "";
-    if (comparison.measured == 1) return "only " + best + " finds " + comparison.channel;
+    if (comparison.measured == 1) return "only " + best + " was measured for " + comparison.channel;
     if (!std::isfinite(ratio.value))
         return "no method is ahead for " + comparison.channel + ": the interval of " + second + " over " + best +
                " spans more than a factor of 100";
-    if (!ratio.valid() || ratio.low <= 1)
-        return "no method is surely ahead for " + comparison.channel + ": " + best + " by " +
-               plain_number(ratio.value) + " x" + range + " before " + second +
-               (ratio.note.empty() ? "" : ", " + ratio.note);
+    const std::string before = ": " + plain_number(ratio.value) + " times" + range + " before " + second;
+    if (!ratio.valid()) return best + " seems best for " + comparison.channel + before + ", but " + ratio.note;
+    if (ratio.low <= 1) return "no method is surely ahead for " + comparison.channel + ": " + best + before.substr(1);
     return best + " for " + comparison.channel + ": " + plain_number(ratio.value) +
            " times less squared error in the same time than " + second + range;
 }
@@ -136,6 +135,7 @@ std::string block_text(const Study& study, const BiasEntry& entry) {
 }
 
 std::string verdict_of(const Study& study, const BiasEntry& entry) {
+    const double detectable = entry.verdict.detectable_whole;
     switch (entry.judgement()) {
         case BiasJudgement::not_tested:
             return "not tested: " + entry.verdict.note;
@@ -150,9 +150,10 @@ std::string verdict_of(const Study& study, const BiasEntry& entry) {
         case BiasJudgement::cannot_tell:
             break;
     }
-    if (!entry.doubt.empty()) return "cannot tell: " + entry.doubt;
-    if (!std::isfinite(entry.verdict.detectable_whole)) return "cannot tell: the mean of the image could not be tested";
-    return "cannot tell: a bias below " + percent_text(entry.verdict.detectable_whole) + " of the mean would be missed";
+    return "cannot tell: " + (!entry.doubt.empty() ? entry.doubt
+                              : !std::isfinite(detectable)
+                                  ? "the mean of the image could not be tested"
+                                  : "a bias below " + percent_text(detectable) + " of the mean would be missed");
 }
 
 bool Study::unbiased(const std::string& variant) const {

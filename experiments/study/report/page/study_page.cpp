@@ -143,7 +143,7 @@ std::string reference_summary(const Study& study) {
                 }
         if (std::sqrt(worst) > finest)
             add_finding(coarse, scene.name, percent_text(std::sqrt(worst)) + " in " + channel);
-        if (worst == 0 && !scene.reference.empty()) add_finding(unknown, scene.name, "");
+        if (scene.reference_relative_error < 0 && !scene.reference.empty()) add_finding(unknown, scene.name, "");
     }
     const std::string lines = finding_line("warn",
                                            "Coarse references, whose own error exceeds " + percent_text(finest) +
