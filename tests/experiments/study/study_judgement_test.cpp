@@ -44,7 +44,8 @@ bool has(const std::string& text, const std::string& part) {
 
 TEST_CASE("a verdict on bias has sign, size, interval and place", "[study]") {
     const Folder folder;
-    const Study study = judged(write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 3, 0.4}));
+    const Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 3, 0.4});
+    const Study study = judged(experiment);
     const BiasEntry &skewed = entry_of(study, "skewed", "bounce2"), &clamped = entry_of(study, "clamped", "beauty");
     for (const auto& [entry, truth] : {std::pair(&skewed, 0.05), std::pair(&clamped, -0.1)}) {
         const Interval& mean = entry->verdict.mean_difference;
