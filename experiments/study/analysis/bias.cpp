@@ -79,6 +79,15 @@ double relative(double difference, double reference) {
                              : std::copysign(INFINITY, difference);
 }
 
+Interval interval_of(const Test& test, const Family& family) {
+    const double half = family.critical * test.standard_error;
+    return {relative(test.difference, test.reference),
+            relative(test.difference - half, test.reference),
+            relative(test.difference + half, test.reference),
+            {},
+            {}};
+}
+
 std::vector<Test> make_tests(const BiasSide& method, const BiasSide& reference, const BiasOptions& options) {
     std::vector<Test> tests;
     for (std::size_t block = 0; block < method.replicates.front().size(); ++block) {
@@ -145,14 +154,21 @@ BiasVerdict test_bias(const BiasSide& method, const BiasSide& reference, const B
     }
     if (reference.replicates.size() < 2 && reference.variance.empty())
         verdict.note = "the reference's variance is not known: taken as exact";
+    const std::size_t whole = method.replicates.front().size() - 1;
     std::vector<Test> tests = make_tests(method, reference, options);
+    const BlockMoments mean = mean_of_side(method, whole), truth = mean_of_side(reference, whole);
+    const bool finite = std::isfinite(mean.mean + truth.mean + mean.variance + truth.variance);
+    if (!finite) verdict.detectable_whole = std::numeric_limits<double>::infinity();
+    if (tests.empty() && !finite) {
+        verdict.note = "a mean or its variance is not finite";
+        return verdict;
+    }
     if (tests.empty()) {
         verdict.note = "both are the same everywhere, without noise";
         verdict.tested = true;
         return verdict;
     }
     verdict.tested = true;
-    const std::size_t whole = method.replicates.front().size() - 1;
     const auto has_whole = static_cast<std::size_t>(tests.back().block == whole);
     const double blocks = static_cast<double>(tests.size() - has_whole);
     verdict.tests = static_cast<double>(tests.size()) * options.channels;
@@ -173,7 +189,7 @@ BiasVerdict test_bias(const BiasSide& method, const BiasSide& reference, const B
             continue;
         }
         if (test.standard_error > 0) verdict.detectable_whole = detectable(test);
-        verdict.mean_difference = relative(test.difference, test.reference);
+        verdict.mean_difference = interval_of(test, of_whole);
     }
     verdict.worst_p =
         std::isinf(worst->excess) ? 0 : student_t_two_sided(worst->difference / worst->standard_error, degrees);
@@ -181,7 +197,7 @@ BiasVerdict test_bias(const BiasSide& method, const BiasSide& reference, const B
     verdict.differs = worst->excess > 1;
     verdict.worst = worst->block;
     verdict.worst_is_whole = worst->block == whole;
-    verdict.worst_difference = relative(worst->difference, worst->reference);
+    verdict.worst_difference = interval_of(*worst, family_of(*worst));
     if (!in_blocks.empty()) {
         const auto middle = in_blocks.begin() + static_cast<std::ptrdiff_t>(in_blocks.size() / 2);
         std::nth_element(in_blocks.begin(), middle, in_blocks.end(), [](const Test* a, const Test* b) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "experiments/study/analysis/intervals.h"
 #include "experiments/study/results.h"
 #include "lpe/program.h"
 #include "lpe/words.h"
@@ -16,6 +17,8 @@
 namespace raylex::experiments {
 
 inline constexpr std::size_t bias_block = 16;  ///< pixels on a side
+/// Of the mean: where a larger bias would be missed, not finding any is no result.
+inline constexpr double largest_hidden_bias = 0.1;
 
 /// Block means of an image over its three components, row by row, the mean of the whole image last: what a bias test
 /// looks at.
@@ -53,10 +56,13 @@ struct BiasVerdict {
     double adjusted_p = 1;  ///< the same, corrected for all tests
     std::size_t worst = 0;  ///< its index as in block_means
     bool worst_is_whole = false;
-    double worst_difference = 0;  ///< relative to the block's own reference, signed
-    double mean_difference = 0;   ///< of the whole image, relative, signed
-    double tests = 0;             ///< that were made, times the channels
-    double detectable_whole = 0;  ///< smallest relative bias of the image's mean that is found with the stated power
+    /// Relative to the block's own reference, signed; the interval is at the level of the test, so it leaves out 0
+    /// where the test rejects.
+    Interval worst_difference, mean_difference;  ///< of the most significant test; of the whole image
+    double tests = 0;                            ///< that were made, times the channels
+    /// Smallest relative bias of the image's mean that is found with the stated power; infinite where it was not
+    /// tested.
+    double detectable_whole = 0;
     double detectable_block = 0;  ///< the same for the median block
     std::string note;             ///< why nothing was tested, or what the variance of the reference rests on
 };

@@ -15,7 +15,9 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 // much.
 constexpr double slope_margin = 0.02;
 constexpr std::size_t fewest_judged_budgets = 3;  // two lie on a line whatever the error does between and beyond
-constexpr double farthest_octaves = 10;           // an extrapolation beyond is a guess
+constexpr double late_octaves = 2;
+constexpr std::size_t fewest_replicates = 3;  // of each budget: their scatter is the only noise that is known
+constexpr double farthest_octaves = 10;       // an extrapolation beyond is a guess
 
 struct Point {
     double x = 0, y = 0;  // logs
@@ -37,23 +39,29 @@ double mean_abscissa(const BudgetGroup& group, Against against) {
     return against == Against::samples ? mean_of(group.samples) : mean_of(group.seconds) - group.setup_seconds;
 }
 
+/// A point for each replicate with an error above 0. The mean of logs lies below the log of the mean, by half the
+/// variance: the points are lifted onto the mean error.
+std::vector<Point> points_of(const BudgetGroup& group, Against against) {
+    std::vector<Point> points;
+    double sum = 0, sum_of_logs = 0;
+    for (std::size_t i = 0; i < group.errors.size(); ++i) {
+        const double x = abscissa(group, i, against), y = group.errors[i];
+        if (!(x > 0 && y > 0 && std::isfinite(y))) continue;
+        points.push_back({std::log(x), std::log(y)});
+        sum += y;
+        sum_of_logs += points.back().y;
+    }
+    const auto count = static_cast<double>(points.size());
+    for (Point& point : points) point.y += std::log(sum / count) - sum_of_logs / count;
+    return points;
+}
+
 std::optional<Line> least_squares(const std::vector<const BudgetGroup*>& groups, Against against, double confidence,
                                   std::optional<double> fixed_slope = std::nullopt) {
     std::vector<Point> points;
     for (const BudgetGroup* group : groups) {
-        const std::size_t first = points.size();
-        double sum = 0, sum_of_logs = 0;
-        for (std::size_t i = 0; i < group->errors.size(); ++i) {
-            const double x = abscissa(*group, i, against), y = group->errors[i];
-            if (!(x > 0 && y > 0 && std::isfinite(y))) continue;
-            points.push_back({std::log(x), std::log(y)});
-            sum += y;
-            sum_of_logs += points.back().y;
-        }
-        // The mean of logs lies below the log of the mean, by half the variance: the group is lifted onto its mean
-        // error.
-        const auto count = static_cast<double>(points.size() - first);
-        for (std::size_t i = first; i < points.size(); ++i) points[i].y += std::log(sum / count) - sum_of_logs / count;
+        const std::vector<Point> more = points_of(*group, against);
+        points.insert(points.end(), more.begin(), more.end());
     }
     if (points.size() < 2) return std::nullopt;
     Line line;
@@ -169,32 +177,91 @@ std::optional<Line> fit_line(std::span<const BudgetGroup> groups, Against agains
     return least_squares(used, against, confidence);
 }
 
+namespace {
+
+/// The last two octaves (three budgets at least), and all before them, with which they share a budget.
+struct Trend {
+    Line early, late;
+    bool persists = false, nears = false;  ///< the late slope stays away from -1; comes nearer to it
+};
+
+/// Nothing when there are too few budgets or replicates to tell a start-up from a bias.
+std::optional<Trend> trend_of(const std::vector<const BudgetGroup*>& groups, Against against) {
+    const std::size_t late = std::max(fewest_judged_budgets, last_octaves(groups, against, late_octaves).size());
+    if (groups.size() <= late) return std::nullopt;
+    const auto shared = groups.end() - static_cast<std::ptrdiff_t>(late);
+    const std::optional<Line> before = least_squares({groups.begin(), shared + 1}, against, 0.95),
+                              after = least_squares({shared, groups.end()}, against, 0.95);
+    if (!before || !after) return std::nullopt;
+    // Both slopes are sums of errors' logs, and so is the difference of their distances from -1; replicates are the
+    // noise.
+    double squares = 0, degrees = 0, late_late = 0, late_early = 0, early_early = 0;
+    for (auto group = groups.begin(); group != groups.end(); ++group) {
+        const std::vector<Point> points = points_of(**group, against);
+        if (points.size() < fewest_replicates) return std::nullopt;
+        double mean = 0;
+        for (const Point& point : points) mean += point.y / static_cast<double>(points.size());
+        for (const Point& point : points) {
+            const double in_late = group >= shared ? (point.x - after->mean_x) / after->sxx : 0,
+                         in_early = group <= shared ? (point.x - before->mean_x) / before->sxx : 0;
+            late_late += in_late * in_late;
+            late_early += in_late * in_early;
+            early_early += in_early * in_early;
+            squares += (point.y - mean) * (point.y - mean);
+        }
+        degrees += static_cast<double>(points.size() - 1);
+    }
+    // In standard errors: the late distance less a share of the early one.
+    const auto excess = [&](double share) {
+        const double variance = late_late - 2 * share * late_early + share * share * early_early;
+        return (after->slope + 1 - share * (before->slope + 1)) / std::sqrt(variance * squares / degrees);
+    };
+    const double share = before->slope > -1 ? 0.5 : 0;  // a slope below -1 is no start-up
+    const bool nears = excess(1) < -1;
+    return Trend{*before, *after, !nears && excess(share) > student_t_quantile(0.975, degrees), nears};
+}
+
+std::string slope_text(double slope) {
+    const std::string text = std::to_string(std::round(slope * 100) / 100);
+    return text.substr(0, text.find('.') + 3);
+}
+
+}  // namespace
+
 SlopeVerdict judge_slope(std::span<const BudgetGroup> groups, bool declared_unbiased) {
     SlopeVerdict verdict;
     verdict.seconds = fit_line(groups, Against::seconds);
     verdict.samples = fit_line(groups, Against::samples);
     const Against against = verdict.samples ? Against::samples : Against::seconds;
-    const std::optional<Line>& line = verdict.samples ? verdict.samples : verdict.seconds;
+    const std::optional<Line>& line = verdict.judged();
     if (!line) {
         verdict.text = "not known: needs two budgets, three replicates in all";
         return verdict;
     }
-    if (last_octaves(usable_groups(groups, against), against, slope_octaves).size() < fewest_judged_budgets) {
+    const std::vector<const BudgetGroup*> usable = usable_groups(groups, against);
+    if (last_octaves(usable, against, slope_octaves).size() < fewest_judged_budgets) {
         verdict.text = "not judged: two budgets show no slope but that between them, three are needed";
         return verdict;
     }
     const bool shallow = line->slope_low > -1 + slope_margin;
-    verdict.too_shallow = declared_unbiased && shallow;
-    if (verdict.too_shallow) verdict.text = "too shallow for a method declared unbiased";
-    else if (shallow) verdict.text = "shallower than -1; declared biased";
-    else if (line->slope_high < -1) verdict.text = "steeper than -1";
-    else verdict.text = "-1 is in the interval";
-    for (const BudgetGroup& group : groups)
-        if (group.heavy_tail) {
-            verdict.text += "; heavy tail, interval not valid";
-            verdict.too_shallow = false;
-            break;
-        }
+    const std::optional<Trend> trend = shallow ? trend_of(usable, against) : std::nullopt;
+    const std::string change =
+        trend ? ": from " + slope_text(trend->early.slope) + " to " + slope_text(trend->late.slope) : "";
+    const bool heavy = std::any_of(groups.begin(), groups.end(), [](const BudgetGroup& g) { return g.heavy_tail; });
+    if (!shallow) verdict.text = line->slope_high < -1 ? "steeper than -1" : "-1 is in the interval";
+    else if (!declared_unbiased) verdict.text = "shallower than -1; declared biased";
+    else if (!trend)
+        verdict.text =
+            "shallower than -1; not judged: four budgets over more than two octaves, with three replicates "
+            "each, tell a start-up from a bias";
+    else if (trend->persists && trend->late.slope_low > -1 + slope_margin) {
+        verdict.too_shallow = !heavy;
+        verdict.text = "too shallow for a method declared unbiased" + change;
+    } else {
+        verdict.start_up = !heavy && trend->nears;
+        verdict.text = (trend->nears ? "start-up" : "shallower than -1, too noisy to judge") + change;
+    }
+    if (heavy) verdict.text += std::string("; ") + heavy_tail_note;
     return verdict;
 }
 
@@ -277,6 +344,10 @@ TimeToError time_to_error(std::span<const BudgetGroup> groups, double relative_e
         student_t_quantile(1 - (1 - confidence) / 2, line->degrees) * std::hypot(error, cost.standard_error);
     result.seconds.low = std::exp(log_seconds - half) + setup;
     result.seconds.high = std::exp(log_seconds + half) + setup;
+    if (result.seconds.high > widest_ratio * result.seconds.low) {
+        result.seconds = {nan, nan, nan, wide_note, {}};
+        return result;
+    }
     result.seconds.how = fixed ? "slope -1" : "fitted slope";
     for (const BudgetGroup* group : usable)
         if (group->heavy_tail) result.seconds.note = heavy_tail_note;

@@ -44,11 +44,18 @@ std::optional<Line> fit_line(std::span<const BudgetGroup> groups, Against agains
 
 struct SlopeVerdict {
     std::optional<Line> seconds, samples;
-    bool too_shallow = false;  ///< declared unbiased, and the interval lies wholly above -0.98
-    std::string text;          ///< a sentence for the table: "falls as an unbiased method's", "too shallow: ..."
+    bool too_shallow =
+        false;  ///< declared unbiased, and shallower than -1 at the last octaves, with no sign of a start-up
+    bool start_up = false;  ///< shallower than -1, and on its way there
+    std::string text;       ///< a phrase for the table: "-1 is in the interval", "too shallow: ..."
+    /// The line that is judged: against samples where they are known, since the load of a machine is no evidence.
+    [[nodiscard]] const std::optional<Line>& judged() const { return samples ? samples : seconds; }
 };
-/// Judged against samples where they are known, since a busy machine must not accuse a method; against seconds
-/// otherwise.
+/// A method that starts up (chains that warm up, guides that learn) falls slower at first, and its slope comes nearer
+/// to -1 with every octave; the slope of a biased one does the opposite. A method is too shallow when its slope over
+/// the last four octaves and that over the last two lie above -0.98 and the latter is farther from -1 than half of what
+/// the slope before was, all at 95 %, and no nearer than it by a standard error. That takes four budgets over more than
+/// two octaves, with three replicates each.
 SlopeVerdict judge_slope(std::span<const BudgetGroup> groups, bool declared_unbiased);
 
 /// The seconds at which the relative error (root of the squared one) is `relative_error`.
@@ -61,7 +68,8 @@ struct TimeToError {
 /// Inside the measured budgets from a line through those within an octave of the target's bracket; outside, from the
 /// last (or first) four octaves with the slope fixed at -1 unless the fitted 99 % interval excludes it. x is samples
 /// per pixel, where they are known, priced at the nearest large budget; else the time less the setup. The setup is
-/// added again. Intervals by the delta method; times beyond 2^10 of the measured ones are not given.
+/// added again. Intervals by the delta method; times beyond 2^10 of the measured ones, and those whose interval is
+/// wider than widest_ratio, are not given.
 TimeToError time_to_error(std::span<const BudgetGroup> groups, double relative_error, double confidence = 0.95);
 
 /// What the budgets before the last say about the last: the time to the error that the last one had.

@@ -178,7 +178,9 @@ Interval efficiency_interval(std::span<const double> squared_errors, std::span<c
 Interval speed_up_interval(const Measured& a, const Measured& b, const IntervalOptions& options) {
     const std::array<std::vector<Factor>, 2> groups{
         {{{a.squared_errors, -1}, {a.seconds, -1}}, {{b.squared_errors, 1}, {b.seconds, 1}}}};
-    return product_interval(groups, options);
+    Interval ratio = product_interval(groups, options);
+    if (ratio.high > widest_ratio * ratio.low) ratio = {undefined, undefined, undefined, wide_note, {}};
+    return ratio;
 }
 
 void TailMonitor::add(std::span<const double> terms) {

@@ -23,6 +23,11 @@ struct Interval {
     [[nodiscard]] bool valid() const { return note.empty(); }
 };
 
+inline constexpr const char* heavy_tail_note = "heavy tail, interval not valid";
+/// A ratio or a time whose interval spans more than this factor is no result.
+inline constexpr double widest_ratio = 100;
+inline constexpr const char* wide_note = "no result: its interval spans more than a factor of 100";
+
 /// One measured quantity of a group of replicates and the power with which its mean enters.
 struct Factor {
     std::span<const double> values;
@@ -52,7 +57,7 @@ Interval error_interval(std::span<const double> measured, double excess, const I
 Interval efficiency_interval(std::span<const double> squared_errors, std::span<const double> seconds,
                              const IntervalOptions& options = {});
 
-/// How much more efficient `a` is than `b`.
+/// How much more efficient `a` is than `b`; no value where the interval is wider than widest_ratio.
 struct Measured {
     std::span<const double> squared_errors, seconds;
 };
@@ -86,7 +91,5 @@ class TailMonitor {
     std::vector<double> largest_;
     double count_ = 0;
 };
-
-inline constexpr const char* heavy_tail_note = "heavy tail, interval not valid";
 
 }  // namespace raylex::experiments

@@ -2,7 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
-#include <limits>
+#include <map>
 
 #include "display/output/atomic_file.h"
 #include "experiments/job/text/json.h"
@@ -48,42 +48,34 @@ Status write_paper(const std::string& directory, const Study& study, std::size_t
     return success();
 }
 
-/// The verdict on bias of a variant in a scene in a line; empty when nothing of it was tested.
+/// The verdicts on bias of a variant in a scene in a line; empty when nothing of it was tested.
 std::string bias_line(const Study& study, const std::string& scene, const MethodVariant& variant) {
-    bool tested = false, convicted = false, doubtful = false;
-    std::string omitted, without;  // expression; channels
-    double detectable = std::numeric_limits<double>::quiet_NaN();
-    for (const BiasEntry& entry : study.bias) {
-        if (entry.scene != scene || entry.variant != variant.name || !entry.verdict.tested) continue;
-        if (!entry.omitted.empty()) {
-            omitted = entry.omitted;
-            without += (without.empty() ? "" : ", ") + entry.channel;
-            continue;
-        }
-        if (!tested) detectable = entry.verdict.detectable_whole;  // of the first channel, the beauty
-        tested = true;
-        convicted = convicted || entry.convicts();
-        doubtful = doubtful || entry.verdict.differs;
+    std::map<BiasJudgement, std::vector<const BiasEntry*>> found;  // channels in their order, the beauty first
+    for (const BiasEntry& entry : study.bias)
+        if (entry.scene == scene && entry.variant == variant.name) found[entry.judgement()].push_back(&entry);
+    std::string text;
+    const auto add = [&](const std::string& part) {
+        text += (text.empty() ? variant.name + " on " + scene + ": " : "; ") + part;
+    };
+    if (const auto& wrong = found[BiasJudgement::differs]; !wrong.empty()) {
+        add((variant.unbiased ? "BIASED: it differs from the reference" : "differs from the reference, as declared") +
+            std::string(" in ") + wrong.front()->channel + ", by " + finding_of(study, *wrong.front()));
+        for (const WordsEntry& words : study.words)
+            if (words.scene == scene && words.variant == variant.name && !words.first.words.empty())
+                add("first wrong path " + words.first.words.front().text + ", channel " +
+                    words.first.words.front().channel);
+    } else if (const auto& clean = found[BiasJudgement::none_found]; !clean.empty()) {
+        const BiasEntry& first = *clean.front();
+        add("no bias found; one of " + percent_text(first.verdict.detectable_whole) +
+            " of the mean would be, with 90 %" +
+            (first.against.empty() ? "" : " (compared with " + first.against + ")"));
     }
-    std::string text = variant.name + " on " + scene + ": ";
-    const std::string not_judged =
-        omitted.empty()
-            ? ""
-            : "not judged by " + without + ", which have paths that it says it does not find (" + omitted + ")";
-    if (!tested) return omitted.empty() ? std::string() : text + not_judged;
-    const std::string elsewhere = omitted.empty() ? "" : "; " + not_judged;
-    if (!convicted && doubtful) return text + "no verdict on bias, since a few rare samples decide" + elsewhere;
-    if (!convicted)
-        return text + "no bias found" +
-               (std::isfinite(detectable) ? "; one of " + percent_text(detectable) + " of the mean would be, with 90 %"
-                                          : "") +
-               elsewhere;
-    text += variant.unbiased ? "BIASED: it differs from the reference" : "differs from the reference, as declared";
-    for (const WordsEntry& words : study.words)
-        if (words.scene == scene && words.variant == variant.name && !words.first.words.empty())
-            text += "; first wrong path " + words.first.words.front().text + ", channel " +
-                    words.first.words.front().channel;
-    return text + elsewhere;
+    for (const BiasJudgement other : {BiasJudgement::cannot_tell, BiasJudgement::rare, BiasJudgement::not_judged}) {
+        std::string channels;
+        for (const BiasEntry* entry : found[other]) channels += (channels.empty() ? "" : ", ") + entry->channel;
+        if (!channels.empty()) add(verdict_of(study, *found[other].front()) + " (" + channels + ")");
+    }
+    return text;
 }
 
 /// All verdicts of a small study; of a large one those against methods that are declared unbiased, and how many others.
@@ -107,9 +99,11 @@ void print_effects(const Study& study) {
     if (study.effects.size() > most_lines) return;
     for (const SettingEffect& each : study.effects) {
         const Interval& ratio = each.speed_up;
+        const std::string change =
+            each.channel + " on " + each.scene + ", " + each.key + " " + each.from + " to " + each.to + ": ";
+        if (ratio.note == wide_note) print_line(change + ratio.note);
         if (!std::isfinite(ratio.value)) continue;
-        print_line(each.channel + " on " + each.scene + ", " + each.key + " " + each.from + " to " + each.to + ": " +
-                   plain_number(ratio.value) + " times as efficient" +
+        print_line(change + plain_number(ratio.value) + " times as efficient" +
                    (ratio.valid() ? " [" + plain_number(ratio.low) + ", " + plain_number(ratio.high) + "]" : "") +
                    ", by medians " + plain_number(each.by_medians) + (ratio.note.empty() ? "" : "; " + ratio.note));
     }
@@ -171,6 +165,8 @@ int write_study_report(const Experiment& as_read, const StudyReportOptions& opti
     print_line(directory + "/report.html: " + size_text(static_cast<double>(page.size())) +
                "; results.csv, results.jsonl, " + std::to_string(plots.size()) + " plots and " +
                std::to_string(paper_files) + " tables and insets beside it");
+    if (constexpr std::size_t most_lines = 12; study->comparisons.size() <= most_lines && study->variants.size() > 1)
+        for (const Comparison& each : study->comparisons) print_line(each.scene + ": " + best_sentence(*study, each));
     print_effects(*study);
     print_verdicts(*study);
     return damaged > 0 ? exit_bad_input : exit_holds;

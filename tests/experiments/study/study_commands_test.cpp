@@ -191,8 +191,7 @@ lpe = "C<RS>.*L"
     INFO(run.out << run.err);
     REQUIRE(run.code == 0);
     CHECK(run.out.find("BIASED") == std::string::npos);
-    CHECK(run.out.find(
-              "not judged by beauty, mirrored, rest, which have paths that it says it does not find (C<.S>.*)") !=
+    CHECK(run.out.find("not judged: it declares that it does not find C<.S>.* (beauty, mirrored, rest)") !=
           std::string::npos);
     CHECK(run.out.find("warning: ") != std::string::npos);  // of the cell, on the terminal
     std::istringstream lines(folder.read("out/results.jsonl"));
@@ -208,7 +207,7 @@ lpe = "C<RS>.*L"
     CHECK(left_out >= 2);
 
     std::vector<BudgetGroup> groups;
-    for (const double budget : {64.0, 256.0, 1024.0}) {
+    for (const double budget : {64.0, 256.0, 1024.0, 4096.0}) {
         BudgetGroup group;
         group.budget = budget;
         for (int i = 0; i < 6; ++i) {
@@ -218,7 +217,7 @@ lpe = "C<RS>.*L"
         }
         groups.push_back(group);
         const SlopeVerdict verdict = judge_slope(groups, true);
-        CHECK(verdict.too_shallow == (groups.size() == 3));
+        CHECK(verdict.too_shallow == (groups.size() == 4));
         if (groups.size() == 2) CHECK(verdict.text.find("three are needed") != std::string::npos);
     }
 }

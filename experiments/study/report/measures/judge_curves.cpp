@@ -123,9 +123,9 @@ void find_words(Study& study, const SceneInfo& scene, const MethodVariant& varia
     std::vector<JudgedChannel> channels;
     bool any = false;
     for (const BiasEntry& entry : study.bias) {
-        // What the method says it does not find makes a channel neither wrong nor right.
-        if (entry.scene != scene.name || entry.variant != variant.name || !entry.verdict.tested ||
-            !entry.omitted.empty())
+        // A channel of which nothing certain is known is neither wrong nor right.
+        if (entry.scene != scene.name || entry.variant != variant.name ||
+            (!entry.convicts() && entry.judgement() != BiasJudgement::none_found))
             continue;
         any = any || entry.convicts();
         for (const ChannelInfo& channel : scene.channels)
@@ -146,22 +146,24 @@ void find_words(Study& study, const SceneInfo& scene, const MethodVariant& varia
 
 void judge_curves(Study& study) {
     for (BiasEntry& entry : study.bias)
-        if (const Curve* curve = study.curve(entry.scene, entry.variant, entry.channel))
-            for (const BudgetPoint& point : curve->points)
-                if (point.budget == entry.budget) entry.heavy_tail = entry.heavy_tail || point.group.heavy_tail;
+        for (const std::string& side : {entry.variant, entry.against})
+            if (const Curve* curve = study.curve(entry.scene, side, entry.channel))
+                for (const BudgetPoint& point : curve->points)
+                    if (point.budget == entry.budget) entry.heavy_tail = entry.heavy_tail || point.group.heavy_tail;
     for (Curve& curve : study.curves) {
         std::stable_sort(curve.points.begin(), curve.points.end(),
                          [](const BudgetPoint& a, const BudgetPoint& b) { return a.seconds < b.seconds; });
         const std::vector<BudgetGroup> groups = groups_of(curve);
-        bool unbiased = true;
-        for (const MethodVariant& variant : study.variants)
-            if (variant.name == curve.variant) unbiased = variant.unbiased;
-        curve.slope = judge_slope(groups, unbiased);
+        curve.slope = judge_slope(groups, study.unbiased(curve.variant));
         for (const BiasEntry& entry : study.bias)
-            if (entry.scene == curve.scene && entry.variant == curve.variant && entry.channel == curve.channel &&
-                !entry.omitted.empty()) {
-                curve.slope.too_shallow = false;
-                curve.slope.text = "not judged: it says that it does not find " + entry.omitted;
+            if (entry.scene == curve.scene && entry.variant == curve.variant && entry.channel == curve.channel) {
+                if (!entry.omitted.empty()) {
+                    curve.slope.too_shallow = curve.slope.start_up = false;
+                    curve.slope.text = "not judged: it declares that it does not find " + entry.omitted;
+                } else if (curve.slope.too_shallow && entry.convicts()) {
+                    curve.slope.too_shallow = false;  // one finding, which stands among those of bias
+                    curve.slope.text = "shallower than -1, as the bias that was found here makes it";
+                }
             }
         for (const double target : target_errors)
             curve.times.push_back(time_to_error(groups, target, study.options.confidence));

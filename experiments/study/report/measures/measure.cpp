@@ -156,9 +156,7 @@ class Measurer {
             for (int place = 0; place < rare_places; ++place) common = without_rarest(common, same->second.mean);
             even = {{block_means(common)}, truth.variance};
         }
-        for (const MethodVariant& variant : study_.variants)
-            if (const auto found = candidates.find(variant.name); found != candidates.end())
-                test_channel(scene, channel, variant, found->second, truth, even);
+        judge_bias(scene, channel, candidates, truth, even);
     }
 
     /// A method without beauty renders neither it nor what only fills up its sum, the layer `rest`.
@@ -338,16 +336,64 @@ class Measurer {
         return reference;
     }
 
-    void test_channel(const SceneInfo& scene, const ChannelInfo& channel, const MethodVariant& variant,
-                      const BiasCandidate& candidate, const BiasSide& truth, const BiasSide& even) {
+    /// All variants against the reference; that by which the reference was made, against another method where there is
+    /// one: a mistake of its own is in both. The most precise of those that agree with the reference is taken.
+    void judge_bias(const SceneInfo& scene, const ChannelInfo& channel,
+                    const std::map<std::string, BiasCandidate>& candidates, const BiasSide& truth,
+                    const BiasSide& even) {
+        const std::string& own = scene.reference_method;
+        const BiasCandidate* judge = nullptr;
+        std::string judge_name, others;
+        for (const MethodVariant& variant : study_.variants) {
+            const auto found = candidates.find(variant.name);
+            if (found == candidates.end()) continue;
+            test_channel(scene, channel, variant, found->second, truth, even);
+            const BiasEntry& entry = study_.bias.back();
+            if (variant.name == own || !variant.unbiased || !entry.omitted.empty() || !entry.verdict.tested) continue;
+            others = variant.name;
+            const auto noise = [](const BiasCandidate& each) {
+                const std::size_t whole = each.side.replicates.front().size() - 1;
+                return block_moments(each.side.replicates, whole).variance /
+                       static_cast<double>(each.side.replicates.size());
+            };
+            if (entry.verdict.differs || (judge != nullptr && noise(*judge) <= noise(found->second))) continue;
+            judge = &found->second;
+            judge_name = variant.name;
+        }
+        const auto entry = std::find_if(study_.bias.rbegin(), study_.bias.rend(), [&](const BiasEntry& each) {
+            return each.scene == scene.name && each.channel == channel.name && each.variant == own;
+        });
+        if (entry == study_.bias.rend()) return;
+        if (judge != nullptr) {
+            entry->verdict = test_bias(candidates.at(own).side, judge->side, bias_options(scene));
+            entry->heavy_tail = false;
+            entry->against = judge_name;
+        } else if (!others.empty()) entry->doubt = "the reference is its own, and no other method agrees with it";
+        else entry->verdict.note = "the reference is by this method, too: a mistake that is in both is not found";
+    }
+
+    [[nodiscard]] BiasOptions bias_options(const SceneInfo& scene) const {
         BiasOptions options;
         options.level = study_.options.bias_level;
         options.channels = static_cast<double>(scene.channels.size());
+        return options;
+    }
+
+    void test_channel(const SceneInfo& scene, const ChannelInfo& channel, const MethodVariant& variant,
+                      const BiasCandidate& candidate, const BiasSide& truth, const BiasSide& even) {
+        const BiasOptions options = bias_options(scene);
         const BiasVerdict verdict = test_bias(candidate.side, truth, options);
         const bool rare = verdict.differs && !test_bias(candidate.side, even, options).differs;
-        study_.bias.push_back({scene.name, variant.name, channel.name, candidate.budget,
-                               candidate.side.replicates.size(), verdict, rare,
-                               omitted_in(experiment_, scene.name, variant.name, channel)});
+        study_.bias.push_back({scene.name,
+                               variant.name,
+                               channel.name,
+                               candidate.budget,
+                               candidate.side.replicates.size(),
+                               verdict,
+                               rare,
+                               omitted_in(experiment_, scene.name, variant.name, channel),
+                               {},
+                               {}});
     }
 
     const Experiment& experiment_;
@@ -439,15 +485,8 @@ Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& o
     if (!measured) return std::move(measured).error();
     measure_as_seen(study);
     judge_curves(study);
+    compare_variants(study);
     return study;
-}
-
-const Curve* Study::curve(const std::string& scene, const std::string& variant, const std::string& channel,
-                          const std::string& region) const {
-    for (const Curve& each : curves)
-        if (each.scene == scene && each.variant == variant && each.channel == channel && each.region == region)
-            return &each;
-    return nullptr;
 }
 
 }  // namespace raylex::experiments

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -65,16 +66,28 @@ struct Curve {
     bool first = false;  ///< is that one
 };
 
+enum class BiasJudgement : std::uint8_t {
+    not_tested,
+    not_judged,   ///< the method declares that it does not find some of the channel's paths
+    rare,         ///< the images differ, but a few rare samples decide
+    differs,      ///< from what it is compared with, beyond noise
+    cannot_tell,  ///< no difference, which says too little
+    none_found
+};
+
 struct BiasEntry {
     std::string scene, variant, channel;
     double budget = 0;
     std::size_t replicates = 0;
     BiasVerdict verdict;
     /// A few rare samples decide, of the cells or of a reference whose own variance is not known: what the test assumes
-    /// does not hold, and it convicts nobody.
+    /// does not hold, and no method is found biased by it.
     bool heavy_tail = false;
     std::string omitted;  ///< paths of this channel that the method says it does not find: then it is not judged by it
-    [[nodiscard]] bool convicts() const { return verdict.differs && !heavy_tail && omitted.empty(); }
+    std::string against;  ///< the method whose replicates it is compared with; empty: the scene's reference
+    std::string doubt;    ///< why agreement with the reference says nothing
+    [[nodiscard]] BiasJudgement judgement() const;
+    [[nodiscard]] bool convicts() const { return judgement() == BiasJudgement::differs; }
 };
 
 struct WordsEntry {
@@ -99,6 +112,22 @@ struct Omission {
     std::string what, reason;
 };
 
+/// What a variant has reached of a scene's channel in a time.
+struct Standing {
+    const Curve* curve = nullptr;
+    Interval squared;           ///< relmse-mean
+    bool extrapolated = false;  ///< no budgets on both sides of that time: error times time goes on as it is
+};
+
+/// A scene's channel, variant by variant, at the largest time that all of them reached.
+struct Comparison {
+    std::string scene, channel;
+    double seconds = 0;
+    std::vector<Standing> standings;                 ///< as Study::variants; no curve: not measured
+    std::size_t best = 0, second = 0, measured = 0;  ///< of squared errors; valid with that many measured
+    Interval ratio;                                  ///< of the second's to the best's
+};
+
 struct Study {
     const Experiment* experiment = nullptr;
     StudyReportOptions options;
@@ -108,8 +137,11 @@ struct Study {
     std::vector<BiasEntry> bias;
     std::vector<WordsEntry> words;
     std::vector<SettingEffect> effects;
+    std::vector<Comparison> comparisons;
     std::vector<Omission> omissions;
 
+    /// Whether the config claims it of a variant.
+    [[nodiscard]] bool unbiased(const std::string& variant) const;
     [[nodiscard]] const Curve* curve(const std::string& scene, const std::string& variant, const std::string& channel,
                                      const std::string& region = {}) const;
 };
@@ -124,6 +156,16 @@ Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& o
 
 /// The second half: curves and verdicts from what was measured.
 void judge_curves(Study& study);
+/// The first table of the page, for every channel on the whole image.
+void compare_variants(Study& study);
+/// Sign, size, interval and place of a difference: "-54 % [-56, -52] of the mean".
+std::string finding_of(const Study& study, const BiasEntry& entry);
+/// "whole image", "block at (16, 32)": of its most significant difference.
+std::string block_text(const Study& study, const BiasEntry& entry);
+/// A verdict with its reason: "cannot tell: a bias below 158 % of the mean would be missed".
+std::string verdict_of(const Study& study, const BiasEntry& entry);
+/// Which method a channel is best rendered by, in a sentence.
+std::string best_sentence(const Study& study, const Comparison& comparison);
 /// Sets CellErrors::seen, on all cores.
 void measure_as_seen(Study& study);
 

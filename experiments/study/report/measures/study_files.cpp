@@ -81,6 +81,7 @@ void add_curve(Lines& lines, const Curve& curve) {
     if (curve.slope.samples) slope["against_samples"] = json_of(*curve.slope.samples);
     if (curve.slope.seconds) slope["against_seconds"] = json_of(*curve.slope.seconds);
     slope["too_shallow"] = curve.slope.too_shallow;
+    slope["start_up"] = curve.slope.start_up;
     slope["verdict"] = curve.slope.text;
     slope["speed_up"] = json_of(curve.speed_up);
     lines.add(slope);
@@ -208,7 +209,7 @@ void add_errors(Lines& lines, const CellErrors& row) {
     lines.add(json);
 }
 
-void add_bias(Lines& lines, const BiasEntry& entry) {
+void add_bias(Lines& lines, const Study& study, const BiasEntry& entry) {
     const BiasVerdict& v = entry.verdict;
     lines.add(Json{{"kind", "bias"},
                    {"scene", entry.scene},
@@ -221,12 +222,18 @@ void add_bias(Lines& lines, const BiasEntry& entry) {
                    {"heavy_tail", entry.heavy_tail},
                    {"omitted", entry.omitted},
                    {"convicts", entry.convicts()},
+                   {"verdict", verdict_of(study, entry)},
+                   {"against", entry.against},
                    {"adjusted_p", number(v.adjusted_p)},
                    {"tests", v.tests},
-                   {"mean_difference", number(v.mean_difference)},
+                   {"mean_difference", number(v.mean_difference.value)},
+                   {"mean_low", number(v.mean_difference.low)},
+                   {"mean_high", number(v.mean_difference.high)},
                    {"worst_block", v.worst},
                    {"worst_is_whole_image", v.worst_is_whole},
-                   {"worst_difference", number(v.worst_difference)},
+                   {"worst_difference", number(v.worst_difference.value)},
+                   {"worst_low", number(v.worst_difference.low)},
+                   {"worst_high", number(v.worst_difference.high)},
                    {"detectable_whole", number(v.detectable_whole)},
                    {"detectable_block", number(v.detectable_block)},
                    {"note", v.note}});
@@ -280,7 +287,15 @@ std::string results_jsonl(const Study& study) {
     for (const Cell& cell : study.experiment->cells) add_run(lines, cell);
     for (const CellErrors& row : study.cells) add_errors(lines, row);
     for (const Curve& curve : study.curves) add_curve(lines, curve);
-    for (const BiasEntry& entry : study.bias) add_bias(lines, entry);
+    for (const BiasEntry& entry : study.bias) add_bias(lines, study, entry);
+    for (const Comparison& each : study.comparisons)
+        lines.add(Json{{"kind", "best"},
+                       {"scene", each.scene},
+                       {"channel", each.channel},
+                       {"seconds", number(each.seconds)},
+                       {"variant", study.variants[each.best].name},
+                       {"ratio", json_of(each.ratio)},
+                       {"sentence", best_sentence(study, each)}});
     for (const WordsEntry& entry : study.words)
         for (const FirstWords::Word& word : entry.first.words)
             lines.add(Json{{"kind", "first_words"},

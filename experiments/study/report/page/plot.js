@@ -78,9 +78,16 @@ function raylexPlot(d3, spec) {
       }
     return list;
   }
+  // At the budgets that ran, where the axis is theirs; every second, every third ... where their labels have no room.
+  function budgetTicks(scale) {
+    function crowded(value, i, list) { return i > 0 && scale(value) - scale(list[i - 1]) < 34; }
+    var budgets = spec.ticks || [], list = budgets, every = 2;
+    for (; list.some(crowded); ++every) list = budgets.filter(function (value, i) { return (budgets.length - 1 - i) % every === 0; });
+    return list.length > 1 ? list : ticks(scale);
+  }
   function label(value) {
     if (value >= 1e6 || value < 1e-4) return d3.format('.0e')(value).replace('e+', 'e');
-    return String(+value.toPrecision(2));
+    return String(+value.toPrecision(value < 1 ? 2 : 4));
   }
 
   out.push('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ' + width + ' ' + height +
@@ -90,7 +97,7 @@ function raylexPlot(d3, spec) {
   out.push('<text x="' + margin.left + '" y="18" font-size="14" font-weight="600" fill="currentColor">' + text(spec.title) + '</text>');
   if (spec.subtitle)
     out.push('<text x="' + margin.left + '" y="33" font-size="11.5" fill="currentColor" fill-opacity="0.65">' + text(spec.subtitle) + '</text>');
-  ticks(x).forEach(function (value) {
+  budgetTicks(x).forEach(function (value) {
     out.push('<path d="M' + at(x(value)) + ',' + margin.top + 'V' + bottom + '" stroke="currentColor" stroke-opacity="0.1"/>' +
         '<text x="' + at(x(value)) + '" y="' + (bottom + 17) + '" text-anchor="middle" fill="currentColor" fill-opacity="0.75">' + label(value) + '</text>');
   });

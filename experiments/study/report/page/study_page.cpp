@@ -1,6 +1,8 @@
 #include "experiments/study/report/page/study_page.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 
 #include "experiments/job/text/json.h"
 #include "experiments/program/console.h"
@@ -17,16 +19,10 @@ std::string mark(bool good, const std::string& text) {
     return "<li><span class=\"" + std::string(good ? "holds" : "fails") + "\">" + text + "</span> ";
 }
 
-/// The verdicts in a few lines, before any table.
 std::string escaped_list(const std::vector<std::string>& names) {
     std::string text;
     for (const std::string& name : names) text += (text.empty() ? "" : ", ") + escape_html(name);
     return text;
-}
-
-bool declared_unbiased(const Study& study, const std::string& variant) {
-    return std::any_of(study.variants.begin(), study.variants.end(),
-                       [&](const MethodVariant& each) { return each.name == variant && each.unbiased; });
 }
 
 std::string extent_summary(const Study& study) {
@@ -59,53 +55,109 @@ std::string split_summary(const Experiment& experiment) {
            counted(splits, "verdict", "verdicts") + " over all cells.</li>\n";
 }
 
-std::string bias_summary(const Study& study) {
-    std::vector<std::string> wrong, doubtful;
-    std::size_t tested = 0;
-    for (const BiasEntry& entry : study.bias) {
-        tested += entry.verdict.tested ? 1 : 0;
-        if (!entry.verdict.differs || !declared_unbiased(study, entry.variant)) continue;
-        const std::string name = entry.variant + " on " + entry.scene;
-        std::vector<std::string>& list = entry.convicts() ? wrong : doubtful;
-        if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
-    }
-    std::erase_if(doubtful,
-                  [&](const std::string& name) { return std::find(wrong.begin(), wrong.end(), name) != wrong.end(); });
+/// Names in the order in which they were met, each with what is said of it.
+using Findings = std::vector<std::pair<std::string, std::string>>;
+
+void add_finding(Findings& findings, const std::string& name, const std::string& text) {
+    const auto known =
+        std::find_if(findings.begin(), findings.end(), [&](const auto& each) { return each.first == name; });
+    if (known == findings.end()) findings.emplace_back(name, text);
+    else if (known->second != text) known->second += ", " + text;
+}
+
+/// "<head> a (text); b (text).", or nothing where there are no findings; a page of many variants names the first.
+std::string finding_line(const std::string& type, const std::string& head, const Findings& findings,
+                         const std::string& end = ".") {
+    constexpr std::size_t most = 8;
+    if (findings.empty()) return {};
     std::string text;
-    if (!wrong.empty())
-        text += mark(false, "Declared unbiased but differs from the reference:") + escaped_list(wrong) + ".</li>\n";
-    else if (tested > 0)
-        text += mark(true, "No method declared unbiased") + "was found to differ from its reference, in " +
-                counted(tested, "test", "tests") + " of channels.</li>\n";
-    if (!doubtful.empty())
-        text += "<li><span class=\"warn\">No verdict on bias:</span> a few rare samples decide for " +
-                escaped_list(doubtful) + ".</li>\n";
-    return text;
+    for (std::size_t i = 0; i < std::min(most, findings.size()); ++i) {
+        const auto& [name, what] = findings[i];
+        text += (text.empty() ? "" : "; ") + escape_html(name + (what.empty() ? "" : " (" + what + ")"));
+    }
+    if (findings.size() > most) text += "; and " + std::to_string(findings.size() - most) + " more, in the tables";
+    return "<li><span class=\"" + type + "\">" + head + "</span> " + text + end + "</li>\n";
+}
+
+std::string bias_summary(const Study& study) {
+    std::map<BiasJudgement, Findings> found;
+    std::size_t clean = 0;
+    double largest = 0;
+    for (const BiasEntry& entry : study.bias) {
+        if (!study.unbiased(entry.variant)) continue;
+        const BiasJudgement judgement = entry.judgement();
+        add_finding(found[judgement], entry.variant + " on " + entry.scene,
+                    judgement == BiasJudgement::differs      ? entry.channel + ": " + finding_of(study, entry)
+                    : judgement == BiasJudgement::not_judged ? entry.omitted
+                                                             : entry.channel);
+        if (judgement != BiasJudgement::none_found) continue;
+        ++clean;
+        largest = std::max(largest, entry.verdict.detectable_whole);
+    }
+    std::string text =
+        finding_line("fails", "Declared unbiased but differs from the reference:", found[BiasJudgement::differs]);
+    if (clean > 0)
+        text += mark(true, "No bias found") + "in " + counted(clean, "test", "tests") + " of channels; any above " +
+                percent_text(largest) + " of the mean would be, with 90 %.</li>\n";
+    return text +
+           finding_line("warn", "Cannot tell about bias:", found[BiasJudgement::cannot_tell],
+                        ". A bias of " + percent_text(largest_hidden_bias) +
+                            " of the mean would be missed, or only its own reference speaks for a method.") +
+           finding_line("warn", "No verdict on bias, since a few rare samples decide:", found[BiasJudgement::rare]) +
+           finding_line("note", "Not judged, since the method declares that it does not find such paths:",
+                        found[BiasJudgement::not_judged]);
 }
 
 std::string curve_summary(const Study& study) {
-    std::vector<std::string> shallow;
+    Findings shallow, starting;
     std::size_t heavy = 0, judged = 0;
     for (const Curve& curve : study.curves) {
-        judged += curve.slope.samples && declared_unbiased(study, curve.variant) ? 1 : 0;
-        if (curve.slope.too_shallow)
-            shallow.push_back(curve.variant + " on " + curve.scene + " (" + curve.channel + ")");
+        judged += curve.slope.samples && study.unbiased(curve.variant) ? 1 : 0;
+        const std::string name = curve.variant + " on " + curve.scene;
+        if (curve.slope.too_shallow) add_finding(shallow, name, curve.channel);
+        if (curve.slope.start_up) add_finding(starting, name, curve.channel);
         heavy += std::any_of(curve.points.begin(), curve.points.end(),
                              [](const BudgetPoint& p) { return p.group.heavy_tail; });
     }
-    std::string text;
-    if (!shallow.empty())
-        text += mark(false, "Falls slower than an unbiased method:") + escaped_list(shallow) + ". Of " +
-                counted(judged, "curve", "curves") + " judged at 95 %, one in 40 does so by chance.</li>\n";
-    if (heavy > 0)
-        text += "<li><span class=\"warn\">Heavy tail, interval not valid:</span> on " +
-                counted(heavy, "curve", "curves") + " a few rare samples decide the error.</li>\n";
-    return text;
+    const std::string text =
+        finding_line("fails", "Falls slower than an unbiased method at the last octaves:", shallow,
+                     ". Of " + counted(judged, "curve", "curves") + " judged at 95 %, one in 40 does so by chance.") +
+        finding_line("warn", "Start-up, the error does not fall as 1 / samples yet:", starting);
+    if (heavy == 0) return text;
+    return text + "<li><span class=\"warn\">Heavy tail, interval not valid:</span> on " +
+           counted(heavy, "curve", "curves") + " a few rare samples decide the error.</li>\n";
 }
 
+/// References that are too coarse for the errors that the tables speak of.
+std::string reference_summary(const Study& study) {
+    const double finest = target_errors.back() / 2;
+    Findings coarse, unknown;
+    for (const SceneInfo& scene : study.experiment->scenes) {
+        double worst = 0;
+        std::string channel;
+        for (const Curve& curve : study.curves)
+            for (const BudgetPoint& point : curve.points)
+                if (curve.scene == scene.name && curve.region.empty() && point.excess > worst) {
+                    worst = point.excess;
+                    channel = curve.channel;
+                }
+        if (std::sqrt(worst) > finest)
+            add_finding(coarse, scene.name, percent_text(std::sqrt(worst)) + " in " + channel);
+        if (scene.reference_relative_error < 0 && !scene.reference.empty()) add_finding(unknown, scene.name, "");
+    }
+    const std::string lines = finding_line("warn",
+                                           "Coarse references, whose own error exceeds " + percent_text(finest) +
+                                               ", half of the smallest error that a time is given to:",
+                                           coarse) +
+                              finding_line("warn", "References whose own error is not known:", unknown);
+    return lines.empty() ? lines : "<ul class=\"summary\">\n" + lines + "</ul>\n";
+}
+
+/// What the study found, before all that it measured.
 std::string summary(const Study& study) {
-    std::string text = extent_summary(study) + "<ul class=\"summary\">\n" + split_summary(*study.experiment) +
-                       bias_summary(study) + curve_summary(study);
+    std::string text = extent_summary(study) + reference_summary(study) + comparison_table(study) +
+                       "<ul class=\"summary\">\n" + split_summary(*study.experiment) + bias_summary(study) +
+                       curve_summary(study);
     std::vector<std::string> without;
     for (const SceneInfo& scene : study.experiment->scenes)
         if (scene.reference.empty()) without.push_back(scene.name);

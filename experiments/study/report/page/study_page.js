@@ -11,19 +11,17 @@
   const legendOf = group => {
     const legend = part(group, '.plot-legend'), notes = new Map();
     const plots = [...group.querySelectorAll('.plot')].map(each => study.plots[each.dataset.plot]);
-    plots.forEach((plot, i) => plot.series.forEach(series => {
-      const known = notes.get(series.slot) || { series, texts: [] };
-      if (series.note) known.texts.push(series.note + (plots.length > 1 ? i ? ' against samples' : ' against time' : ''));
-      if (series.points.length) notes.set(series.slot, known);
+    plots.forEach(plot => plot.series.forEach(series => {
+      if (series.points.length) notes.set(series.slot, series);
     }));
-    legend.replaceChildren(...[...notes.values()].map(({ series, texts }) => {
+    legend.replaceChildren(...[...notes.values()].map(series => {
       const entry = document.createElement('div');
       entry.className = 'entry';
       entry.dataset.slot = series.slot;
       entry.innerHTML = raylexPlot(d3, { markOf: series });
       const name = document.createElement('span'), note = document.createElement('small');
       name.textContent = series.name;
-      note.textContent = texts.join('; ');
+      note.textContent = series.note;
       entry.append(name, note);
       return entry;
     }));

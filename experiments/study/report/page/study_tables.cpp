@@ -86,20 +86,48 @@ std::string time_text(double seconds) {
     return seconds < 60 ? number_text(seconds) + " s" : duration_text(seconds);
 }
 
-std::string seconds_cell(const TimeToError& time, Footnotes& notes) {
+std::string seconds_html(const TimeToError& time, Footnotes& notes) {
     const Interval& s = time.seconds;
-    if (!std::isfinite(s.value)) return cell("&ndash;" + notes.sign(s.note));
+    if (!std::isfinite(s.value)) return "&ndash;" + notes.sign(s.note);
     std::string html = time_text(s.value) + (time.extrapolated ? " &dagger;" : "") + notes.sign(s.note);
     if (std::isfinite(s.low) && std::isfinite(s.high))
         html += " <span class=\"range\">[" + (s.high < 60 ? number_text(s.low) : time_text(s.low)) + ", " +
                 (s.high < 60 ? number_text(s.high) : time_text(s.high)) + "]</span>";
-    return cell(html, time.extrapolated ? "number extrapolated" : "number");
+    return html;
 }
 
-std::string slope_cell(const std::optional<Line>& line) {
+const TimeToError* time_to_one_percent(const Standing& standing) {
+    if (standing.curve == nullptr) return nullptr;
+    const std::vector<TimeToError>& times = standing.curve->times;
+    const auto found =
+        std::find_if(times.begin(), times.end(), [](const auto& time) { return time.relative_error == 0.01; });
+    return found == times.end() ? nullptr : &*found;
+}
+
+/// Its error, and below it the time to 1 %, or how far it got.
+std::string standing_cell(const Standing& standing, bool best, double least_time, Footnotes& notes) {
+    const TimeToError* time = time_to_one_percent(standing);
+    if (time == nullptr || !std::isfinite(standing.squared.value)) return cell("&ndash;");
+    const auto marked = [](const std::string& html, bool bold) { return bold ? "<b>" + html + "</b>" : html; };
+    Interval error = standing.squared;
+    for (double* each : {&error.value, &error.low, &error.high})
+        if (!std::isnan(*each)) *each = relative_error(*each);
+    const BudgetPoint& last = standing.curve->points.back();
+    std::string html =
+        marked(interval_cell(error, notes, 100, " %" + std::string(standing.extrapolated ? " &dagger;" : "")), best);
+    if (std::isfinite(time->seconds.value))
+        html += "1 % in " + marked(seconds_html(*time, notes), time->seconds.value == least_time);
+    else
+        html += "1 % not reached" + notes.sign(time->seconds.note) + ", " + percent_text(last.relative.value) +
+                " after " + time_text(last.seconds);
+    return cell(html);
+}
+
+std::string slope_cell(const SlopeVerdict& slope, Footnotes& notes) {
+    const std::optional<Line>& line = slope.judged();
     if (!line) return cell("&ndash;");
-    return cell(figure(line->slope) + " <span class=\"range\">[" + figure(line->slope_low) + ", " +
-                figure(line->slope_high) + "]</span>");
+    return cell(figure(line->slope) + notes.sign(slope.samples ? "" : "against seconds less setup") +
+                " <span class=\"range\">[" + figure(line->slope_low) + ", " + figure(line->slope_high) + "]</span>");
 }
 
 std::string speed_up_cell(const Curve& curve, Footnotes& notes) {
@@ -108,6 +136,32 @@ std::string speed_up_cell(const Curve& curve, Footnotes& notes) {
 }
 
 }  // namespace
+
+std::string comparison_table(const Study& study) {
+    if (study.comparisons.empty()) return {};
+    Footnotes notes;
+    std::string head = "<th>Channel</th><th>Time</th>", rows, scene;
+    for (const MethodVariant& variant : study.variants) head += "<th>" + escape_html(variant.name) + "</th>";
+    for (const Comparison& each : study.comparisons) {
+        if (each.scene != scene && study.experiment->scenes.size() > 1)
+            rows += row("<th colspan=\"" + std::to_string(study.variants.size() + 3) + "\">" + escape_html(each.scene) +
+                        "</th>");
+        scene = each.scene;
+        double least = std::numeric_limits<double>::infinity();
+        for (const Standing& standing : each.standings)
+            if (const TimeToError* time = time_to_one_percent(standing); time != nullptr && time->seconds.value < least)
+                least = time->seconds.value;
+        std::string cells = text_cell(each.channel) + cell(time_text(each.seconds));
+        for (std::size_t i = 0; i < each.standings.size(); ++i)
+            cells += standing_cell(each.standings[i], each.measured > 1 && i == each.best,
+                                   each.measured > 1 ? least : 0, notes);
+        rows += row(cells + text_cell(best_sentence(study, each)));
+    }
+    return "<div class=\"first\">" + table(head + "<th>Best</th>", rows) + "</div>\n" +
+           notes.legend(
+               "Relative error at the largest time that all methods of a row reached, and the time to 1 %. Bold: "
+               "the least. &dagger; extrapolated beyond the measured times.");
+}
 
 std::string times_table(const Study& study, const std::string& scene, const std::string& channel,
                         const std::string& region) {
@@ -121,7 +175,7 @@ std::string times_table(const Study& study, const std::string& scene, const std:
         if (!shown(curve, scene, channel, region)) continue;
         std::string cells = text_cell(curve.variant);
         for (const TimeToError& time : curve.times) {
-            cells += seconds_cell(time, notes);
+            cells += cell(seconds_html(time, notes), time.extrapolated ? "number extrapolated" : "number");
             extrapolated = extrapolated || time.extrapolated;
         }
         rows += row(cells + speed_up_cell(curve, notes));
@@ -173,13 +227,12 @@ std::string slopes_table(const Study& study, const std::string& scene, const std
         std::string text = curve.slope.text;
         const bool tail = text.ends_with(heavy);
         if (tail) text.resize(text.size() - heavy.size());
-        rows += row(text_cell(curve.variant) + slope_cell(curve.slope.samples) + slope_cell(curve.slope.seconds) +
-                    "<td class=\"" + (curve.slope.too_shallow ? "fails" : "note") + "\">" + escape_html(text) +
+        rows += row(text_cell(curve.variant) + slope_cell(curve.slope, notes) + "<td class=\"" +
+                    (curve.slope.too_shallow ? "fails" : "note") + "\">" + escape_html(text) +
                     notes.sign(tail ? heavy_tail_note : "") + "</td>");
     }
-    return table("<th>Slope over the last 4 octaves</th>" +
-                     formula_header("against samples", "d log relmse-mean / d log samples") +
-                     formula_header("against seconds", "d log relmse-mean / d log (seconds - setup)") +
+    return table("<th>Variant</th>" +
+                     formula_header("Slope over the last 4 octaves", "d log relmse-mean / d log samples") +
                      "<th>Verdict</th>",
                  rows) +
            notes.legend();
@@ -293,13 +346,10 @@ std::string bias_budget(const Study& study, const BiasEntry& entry) {
 
 std::string bias_table(const Study& study, const SceneInfo& scene) {
     std::string rows;
-    const std::size_t across = (static_cast<std::size_t>(scene.width) + bias_block - 1) / bias_block;
+    Footnotes notes;
     for (const BiasEntry& entry : study.bias) {
         if (entry.scene != scene.name) continue;
         const BiasVerdict& v = entry.verdict;
-        bool unbiased = true;
-        for (const MethodVariant& variant : study.variants)
-            if (variant.name == entry.variant) unbiased = variant.unbiased;
         std::string cells = text_cell(entry.variant) + text_cell(entry.channel) +
                             cell(std::to_string(entry.replicates)) + cell(bias_budget(study, entry));
         if (!v.tested) {
@@ -307,21 +357,18 @@ std::string bias_table(const Study& study, const SceneInfo& scene) {
                         text_cell(v.note));
             continue;
         }
-        cells += !entry.omitted.empty() ? "<td class=\"note\">not judged: it says that it does not find <code>" +
-                                              escape_html(entry.omitted) + "</code></td>"
-                 : entry.convicts()
-                     ? std::string("<td class=\"fails\">differs") + (unbiased ? "" : ", as declared") + "</td>"
-                 : v.differs ? "<td class=\"warn\">differs, but a few rare samples decide</td>"
-                             : "<td class=\"holds\">no bias found</td>";
-        cells += cell(figure(v.adjusted_p, 2)) +
-                 cell(std::isfinite(v.mean_difference) ? percent_text(v.mean_difference) : "&ndash;");
-        std::string where = v.worst_is_whole ? "whole image"
-                                             : "block at (" + std::to_string(v.worst % across * bias_block) + ", " +
-                                                   std::to_string(v.worst / across * bias_block) + ")";
-        cells += cell(where + ", " +
-                      (std::isfinite(v.worst_difference) ? percent_text(v.worst_difference) : "from nothing"));
+        const BiasJudgement judgement = entry.judgement();
+        const char* type = judgement == BiasJudgement::differs      ? "fails"
+                           : judgement == BiasJudgement::none_found ? "holds"
+                           : judgement == BiasJudgement::not_judged ? "note"
+                                                                    : "warn";
+        cells += "<td class=\"" + std::string(type) + "\">" + escape_html(verdict_of(study, entry)) + "</td>";
+        cells += cell(figure(v.adjusted_p, 2)) + cell(interval_cell(v.mean_difference, notes, 100, " %"));
+        cells += cell(block_text(study, entry) + ", " + interval_cell(v.worst_difference, notes, 100, " %"));
         cells += cell(percent_text(v.detectable_whole)) + cell(percent_text(v.detectable_block));
-        rows += row(cells + text_cell(v.note));
+        const std::string against =
+            entry.against.empty() ? "" : "compared with " + entry.against + ", since the reference is its own. ";
+        rows += row(cells + text_cell(against + v.note));
     }
     if (rows.empty()) return "<p class=\"faint\">Nothing could be tested.</p>\n";
     return table("<th>Variant</th><th>Channel</th><th>Replicates</th><th>Budget of each</th><th>Verdict</th>" +
@@ -329,7 +376,11 @@ std::string bias_table(const Study& study, const SceneInfo& scene) {
                      formula_header("Difference of the mean", "mean(a) / mean(b) - 1") + "<th>Most significant</th>" +
                      formula_header("Found with 90 %, whole", "(t_(a'/2) + t_90%) s / sqrt(n) / mean(b)") +
                      formula_header("in a median block", "the same for blocks of 16 x 16 pixels") + "<th></th>",
-                 rows);
+                 rows) +
+           "<p class=\"note\">Intervals are at the level of their test. Cannot tell: a bias of " +
+           percent_text(largest_hidden_bias) +
+           " of the mean would be missed, or nothing but the reference speaks for " + "the method that made it.</p>\n" +
+           notes.legend();
 }
 
 }  // namespace raylex::experiments

@@ -11,6 +11,9 @@ namespace raylex::experiments {
 [[nodiscard]] std::string text_cell(const std::string& text);
 [[nodiscard]] std::string table(const std::string& head, const std::string& rows);
 
+/// What the page begins with: a row per channel, a column per variant.
+std::string comparison_table(const Study& study);
+
 /// Rows are the variants, one panel per channel and region of a scene.
 std::string times_table(const Study& study, const std::string& scene, const std::string& channel,
                         const std::string& region);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "experiments/job/text/json.h"
 #include "experiments/program/console.h"
@@ -33,12 +34,12 @@ std::size_t slot_of(const Study& study, const std::string& variant) {
 
 enum class Abscissa { seconds, samples };
 
-/// The slope of the relative error, half of that of its square.
-std::string slope_note(const Curve& curve, Abscissa against) {
-    const std::optional<Line>& line = against == Abscissa::seconds ? curve.slope.seconds : curve.slope.samples;
+/// Of the squared error, as in the page's table.
+std::string slope_note(const Curve& curve) {
+    const std::optional<Line>& line = curve.slope.judged();
     if (!line) return {};
-    return "slope " + number_text(line->slope / 2, 3) + " [" + number_text(line->slope_low / 2, 3) + ", " +
-           number_text(line->slope_high / 2, 3) + "]" + (curve.slope.too_shallow ? ", shallow" : "");
+    return "error\u00b2 falls with slope " + number_text(line->slope, 3) + " [" + number_text(line->slope_low, 3) +
+           ", " + number_text(line->slope_high, 3) + "]";
 }
 
 Json series_of(const Study& study, const Curve& curve, Abscissa against = Abscissa::seconds) {
@@ -58,7 +59,7 @@ Json series_of(const Study& study, const Curve& curve, Abscissa against = Abscis
                               {"label", budget_label(curve, point)}});
     return Json{{"name", curve.variant},
                 {"slot", slot_of(study, curve.variant)},
-                {"note", slope_note(curve, against)},
+                {"note", slope_note(curve)},
                 {"points", std::move(points)}};
 }
 
@@ -81,8 +82,11 @@ Plot error_plot(const Study& study, std::size_t scene, const std::string& channe
     plot.file += time ? ".svg" : ".samples.svg";
     Json series = Json::array();
     double floor = 0;
+    std::set<double> budgets;  // where the axis is that of the budgets
     for (const Curve& curve : study.curves) {
         if (curve.scene != name || curve.channel != channel || curve.region != region) continue;
+        if (curve.budget_kind == (time ? BudgetKind::seconds : BudgetKind::samples))
+            for (const BudgetPoint& point : curve.points) budgets.insert(point.budget);
         series.push_back(series_of(study, curve, against));
         for (const BudgetPoint& point : curve.points)
             floor = std::max(floor, std::sqrt(std::max(0.0, point.excess)) * 100);
@@ -97,6 +101,7 @@ Plot error_plot(const Study& study, std::size_t scene, const std::string& channe
                     {"xLabel", time ? time_label(study) : "samples per pixel"},
                     {"yLabel", "relative error"},
                     {"guide", true},
+                    {"ticks", budgets},
                     {"floor", floor},
                     {"series", std::move(series)}});
     return plot;

@@ -1,0 +1,200 @@
+// What a study concludes: verdicts on bias with their reasons, which method is best, and how the page begins.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "experiments/job/text/json.h"
+#include "experiments/study/report/measures/study.h"
+#include "experiments/study/report/measures/study_files.h"
+#include "experiments/study/report/page/assets.h"
+#include "experiments/study/report/study_report.h"
+#include "support/skip.h"
+#include "tests/experiments/study_support.h"
+
+using namespace raylex::test;
+using namespace raylex::experiments;
+
+namespace {
+
+constexpr SyntheticStudy small{32, 24, 1, 4, 5, 3, 2, 0.4};
+
+Study judged(const Experiment& experiment) {
+    auto study = study_of(experiment, {});
+    REQUIRE(study);
+    return *std::move(study);
+}
+
+const BiasEntry& entry_of(const Study& study, const std::string& variant, const std::string& channel) {
+    for (const BiasEntry& each : study.bias)
+        if (each.variant == variant && each.channel == channel) return each;
+    FAIL("no verdict on " << variant << ", " << channel);
+    return study.bias.front();
+}
+
+std::string page_of(const Folder& folder, const Experiment& experiment) {
+    REQUIRE(write_study_report(experiment) == 0);
+    return folder.read("study/report.html");
+}
+
+bool has(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("a verdict on bias has sign, size, interval and place", "[study]") {
+    const Folder folder;
+    const Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 3, 0.4});
+    const Study study = judged(experiment);
+    const BiasEntry &skewed = entry_of(study, "skewed", "bounce2"), &clamped = entry_of(study, "clamped", "beauty");
+    for (const auto& [entry, truth] : {std::pair(&skewed, 0.05), std::pair(&clamped, -0.1)}) {
+        const Interval& mean = entry->verdict.mean_difference;
+        CHECK(entry->judgement() == BiasJudgement::differs);
+        CHECK(mean.low < truth);
+        CHECK(mean.high > truth);
+        CHECK(mean.low * mean.high > 0);  // the interval is at the level of the test that rejects
+    }
+    CHECK(matches(finding_of(study, skewed), "\\+(4\\.9|5|5\\.0)[0-9]* % \\[[0-9.]+, [0-9.]+\\] of the mean"));
+    CHECK(matches(finding_of(study, clamped), "-(9\\.9|10|10\\.0)[0-9]* % \\[-[0-9.]+, -[0-9.]+\\] of the mean"));
+    // A block of its own reads otherwise.
+    BiasEntry block = skewed;
+    block.verdict.worst_is_whole = false;
+    block.verdict.worst = 5;  // of four across
+    block.verdict.worst_difference = {0.009, 0.004, 0.014, {}, {}};
+    block.verdict.mean_difference = {0.0006, -0.0001, 0.0013, {}, {}};
+    CHECK(finding_of(study, block) == "+0.9 % [0.4, 1.4] in the block at (16, 16), +0.06 % [-0.01, 0.13] of the mean");
+}
+
+TEST_CASE("a method that declares what it omits is not judged for that reason, and for no other", "[study][report]") {
+    if (!read_d3()) RAYLEX_SKIP("needs the package libjs-d3");
+    const Folder folder;
+    Experiment experiment = write_synthetic_study(folder, small);
+    for (Cell& cell : experiment.cells)
+        if (cell.method == "skewed") cell.omits = {{"C[DSV][DSV].*", "renderman"}};
+    const Study study = judged(experiment);
+    CHECK(entry_of(study, "skewed", "bounce2").verdict.differs);
+    CHECK(entry_of(study, "skewed", "bounce2").judgement() == BiasJudgement::not_judged);
+    CHECK(entry_of(study, "skewed", "bounce1").judgement() == BiasJudgement::none_found);
+    const std::string page = page_of(folder, experiment);
+    CHECK(has(page,
+              "Not judged, since the method declares that it does not find such paths:</span> skewed on ramp "
+              "(C[DSV][DSV].*)"));
+    CHECK_FALSE(has(page, "No verdict on bias, since a few rare samples decide"));
+}
+
+TEST_CASE("where a bias above a tenth would be missed, nothing is passed", "[study][report]") {
+    if (!read_d3()) RAYLEX_SKIP("needs the package libjs-d3");
+    const Folder folder;
+    // One degree of freedom: critical values of hundreds of standard errors.
+    const Experiment experiment = write_synthetic_study(folder, {32, 24, 1, 1, 2, 3, 1, 2});
+    const Study study = judged(experiment);
+    const BiasEntry& entry = entry_of(study, "path max_depth=4", "beauty");
+    REQUIRE(entry.verdict.tested);
+    CHECK(entry.verdict.detectable_whole > largest_hidden_bias);
+    CHECK(entry.judgement() == BiasJudgement::cannot_tell);
+    CHECK(has(verdict_of(study, entry), " of the mean would be missed"));
+    const std::string page = page_of(folder, experiment);
+    CHECK(has(page, "Cannot tell about bias:</span> path max_depth=4 on ramp (beauty, bounce1, bounce2)"));
+    CHECK_FALSE(has(page, "o bias found</"));
+    CHECK(has(folder.read("study/results.jsonl"), "\"verdict\":\"cannot tell: a bias below "));
+}
+
+TEST_CASE("values that are not finite are no agreement", "[study]") {
+    const double nan = std::nan("");
+    const BiasSide broken{{{1, nan}, {1.1, nan}}, {}}, all{{{nan, nan}, {nan, nan}}, {}},
+        reference{{{1, 1}}, {0.01, 0.01}};
+    CHECK(std::isinf(test_bias(broken, reference).detectable_whole));
+    CHECK_FALSE(test_bias(all, reference).tested);
+}
+
+TEST_CASE("the method that made the reference is judged by another one", "[study]") {
+    const Folder folder;
+    Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 2, 5, 3, 2, 0.4});
+    experiment.scenes[0].reference_method = "skewed";  // the path agrees with the reference, so it can judge
+    Study study = judged(experiment);
+    CHECK(entry_of(study, "skewed", "bounce2").against == "path max_depth=4");
+    CHECK(entry_of(study, "skewed", "bounce2").convicts());
+    CHECK(entry_of(study, "path max_depth=4", "bounce2").against.empty());
+    // Two that disagree: one is wrong, and a reference by the other does not tell which.
+    experiment.scenes[0].reference_method = "path max_depth=4";
+    study = judged(experiment);
+    CHECK(entry_of(study, "path max_depth=4", "bounce2").judgement() == BiasJudgement::cannot_tell);
+    CHECK(has(entry_of(study, "path max_depth=4", "bounce2").doubt, "no other method agrees with it"));
+    CHECK(entry_of(study, "path max_depth=4", "bounce1").against == "skewed");
+    // No second method: judged by its own, and the table says so.
+    const Folder alone;
+    experiment = write_synthetic_study(alone, {64, 48, 1, 2, 5, 3, 1, 0.4});
+    experiment.scenes[0].reference_method = "path max_depth=4";
+    study = judged(experiment);
+    CHECK(entry_of(study, "path max_depth=4", "beauty").judgement() == BiasJudgement::none_found);
+    CHECK(has(entry_of(study, "path max_depth=4", "beauty").verdict.note, "a mistake that is in both is not found"));
+}
+
+TEST_CASE("the page begins with every channel by every method, and what is best", "[study][report]") {
+    if (!read_d3()) RAYLEX_SKIP("needs the package libjs-d3");
+    const Folder folder;
+    Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 6, 5, 3, 2, 0.4});
+    for (Cell& cell : experiment.cells)  // four times as slow
+        if (cell.method == "skewed") cell.wall_seconds *= 4;
+    const Study study = judged(experiment);
+    REQUIRE(study.comparisons.size() == 3);
+    const Comparison& bounce1 = study.comparisons[1];
+    CHECK(bounce1.channel == "bounce1");
+    // The path's largest budget: 512 samples at 0.01 s and 0.06 s of preparation.
+    CHECK(bounce1.seconds == Approx(5.18));
+    CHECK(bounce1.best == 0);
+    // In that time the other takes a quarter of the samples that it takes alone, at 0.011 s each after 0.06 s:
+    // error goes as 1 / samples, so the ratio is that of the samples.
+    const double samples = (5.18 / 4 - 0.06) / 0.011;
+    CHECK(bounce1.ratio.value == Approx(512 / samples).epsilon(0.03));  // straight lines in logs bend by the setup
+    CHECK(bounce1.ratio.low > 1);
+    CHECK(matches(best_sentence(study, bounce1),
+                  "path max_depth=4 for bounce1: [0-9.]+ times less squared error in the same time than skewed "
+                  "\\[[0-9.]+, [0-9.]+\\]"));
+    const std::string page = page_of(folder, experiment);
+    const std::size_t table = page.find("<div class=\"first\">"), verdicts = page.find("Every split sums");
+    REQUIRE(table != std::string::npos);
+    CHECK(table < verdicts);
+    CHECK(page.find("<table") > table);
+    CHECK(has(page, "1 % not reached"));  // skewed in its wrong channel: it got as far as its bias
+    CHECK(has(page.substr(table, verdicts - table), "<b>"));
+    CHECK_FALSE(has(page, "against seconds</th>"));
+    CHECK(count_matches(page, "Slope over the last 4 octaves") == 3);  // one column, in the panel of each channel
+    // The axis of samples has the budgets that ran.
+    const std::string plot = folder.read("study/plots/ramp.beauty.samples.svg");
+    for (const char* budget : {">16</text>", ">32</text>", ">64</text>", ">128</text>", ">512</text>"})
+        CHECK(has(plot, budget));
+    CHECK_FALSE(has(plot, ">100</text>"));
+    CHECK(has(plot, "falls with slope -"));
+}
+
+TEST_CASE("errors at a time between budgets, and outside of them", "[study]") {
+    const Folder folder;
+    Experiment experiment = write_synthetic_study(folder, {32, 24, 1, 1, 5, 3, 2, 0.4});  // one budget each
+    const Comparison one = judged(experiment).comparisons[1];
+    CHECK_FALSE(one.standings[0].extrapolated);
+    CHECK(one.standings[1].extrapolated);  // it took longer than the path's only budget
+    CHECK(one.standings[1].squared.value > one.standings[0].squared.value);
+}
+
+TEST_CASE("a ratio or a time of which nothing is known to a factor of 100 is no result", "[study]") {
+    const std::vector<double> wild{1, 1e-3}, same{1, 1.01}, seconds{1, 1};
+    const Interval none = speed_up_interval({wild, seconds}, {same, seconds});
+    CHECK(std::isnan(none.value));
+    CHECK(none.note == wide_note);
+    CHECK(speed_up_interval({same, seconds}, {same, seconds}).valid());
+    const std::vector<BudgetGroup> two{{1, {1, 0.01}, seconds, {}, 0, false, false}};
+    CHECK(time_to_error(two, 0.1).seconds.note == wide_note);
+}
+
+TEST_CASE("a reference that is too coarse for the page's errors is named at its top", "[study][report]") {
+    if (!read_d3()) RAYLEX_SKIP("needs the package libjs-d3");
+    const Folder folder;
+    // 0.8 / sqrt(65536) = 0.31 %, above half of 0.5 %; `small` has half of that.
+    const std::string coarse = page_of(folder, write_synthetic_study(folder, {32, 24, 1, 1, 2, 3, 1, 0.8}));
+    const std::size_t at = coarse.find("Coarse references, whose own error exceeds 0.25 %");
+    REQUIRE(at != std::string::npos);
+    CHECK(at < coarse.find("<div class=\"first\">"));
+    const Folder fine;
+    CHECK_FALSE(has(page_of(fine, write_synthetic_study(fine, small)), "Coarse references"));
+}
