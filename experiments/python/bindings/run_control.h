@@ -18,7 +18,7 @@ namespace raylex::python {
 
 class RunControl {
   public:
-    [[nodiscard]] const std::atomic<bool>& stop_flag() const { return stop_; }
+    [[nodiscard]] std::atomic<bool>& stop_flag() { return stop_; }
     void stop() { stop_.store(true); }
     /// Keeps the exception being handled, if it is the first, and stops. Call it in a catch block.
     void fail_with_current() noexcept {
@@ -61,6 +61,7 @@ auto watched(const std::shared_ptr<RunControl>& control, Work work) {
         const RunControl::Scope scope(control);
         return work();
     });
+    const Call call(&control->stop_flag());
     const auto done = [&] {
         const py::gil_scoped_release released;
         return result.wait_for(std::chrono::milliseconds(50)) == std::future_status::ready;

@@ -1,0 +1,56 @@
+#include "experiments/python/bindings/calls.h"
+
+#include <unistd.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <thread>
+
+namespace raylex::python {
+namespace {
+
+struct Calls {
+    std::mutex mutex;
+    std::condition_variable over;
+    std::multiset<std::atomic<bool>*> stops;  // of the calls that go on; null for those that watch nothing
+    std::optional<std::thread::id> ender;     // the thread that ends the interpreter
+};
+
+/// Never destroyed: threads may outlive the end of main().
+Calls& calls() {
+    static auto* const all = new Calls;
+    return *all;
+}
+
+}  // namespace
+
+Call::Call(std::atomic<bool>* stop) : stop_(stop) {
+    const std::lock_guard lock(calls().mutex);
+    calls().stops.insert(stop_);
+}
+
+Call::~Call() {
+    Calls& all = calls();
+    {
+        const std::lock_guard lock(all.mutex);
+        all.stops.erase(all.stops.find(stop_));
+        all.over.notify_all();
+        if (!all.ender || *all.ender == std::this_thread::get_id()) return;
+    }
+    PyEval_SaveThread();
+    for (;;) pause();
+}
+
+void Call::end_all() {
+    const pybind11::gil_scoped_release released;
+    Calls& all = calls();
+    std::unique_lock lock(all.mutex);
+    all.ender = std::this_thread::get_id();
+    for (std::atomic<bool>* stop : all.stops)
+        if (stop != nullptr) stop->store(true);
+    all.over.wait(lock, [&] { return all.stops.empty(); });
+}
+
+}  // namespace raylex::python
