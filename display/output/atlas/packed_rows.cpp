@@ -80,6 +80,8 @@ class PackedRows::File {
 
 struct PackedRows::Impl {
     Status find_channels();
+    /// Where a row stands, which is all in the file; what is read of it later is not looked at.
+    [[nodiscard]] Status find(int y, exr_chunk_info_t& chunk) const;
     [[nodiscard]] Status check(const exr_chunk_info_t& chunk) const;
     void place_planes(Row& row) const;
 
@@ -87,6 +89,7 @@ struct PackedRows::Impl {
     int part = 0;
     bool deep = false, packed = false;
     std::size_t width = 0;
+    int first = 0, last = 0;  // rows
     std::vector<Channel> channels;
 };
 
@@ -113,6 +116,8 @@ Status PackedRows::Impl::find_channels() {
     if (deep && !packed)
         return row_error(path, "its deep rows are not packed; expected rle, as raylex writes them, or zips");
     width = static_cast<std::size_t>(std::int64_t{window.max.x} - window.min.x + 1);
+    first = window.min.y;
+    last = window.max.y;
     for (int i = 0; i < list->num_channels; ++i) {
         const exr_attr_chlist_entry_t& entry = list->entries[i];
         if (entry.x_sampling != 1 || entry.y_sampling != 1) return damaged(path, "a channel skips pixels");
@@ -154,6 +159,10 @@ Result<std::unique_ptr<PackedRows>> PackedRows::open(std::shared_ptr<const File>
     impl->file = std::move(file);
     impl->part = part;
     if (Status found = impl->find_channels(); !found) return found.error();
+    // All rows, whichever a question reads: an answer from a file that is cut would be one without a word about it.
+    exr_chunk_info_t chunk{};
+    for (int y = impl->first; y <= impl->last; ++y)
+        if (Status found = impl->find(y, chunk); !found) return found.error();
     return std::unique_ptr<PackedRows>(new PackedRows(std::move(impl)));
 }
 
@@ -178,14 +187,18 @@ Status PackedRows::Impl::check(const exr_chunk_info_t& chunk) const {
     return success();
 }
 
+Status PackedRows::Impl::find(int y, exr_chunk_info_t& chunk) const {
+    if (const exr_result_t result = exr_read_scanline_chunk_info(file->context, part, y, &chunk);
+        result != EXR_ERR_SUCCESS)
+        return damaged(file->path, exr_get_default_error_message(result));
+    return check(chunk);
+}
+
 Status PackedRows::read(int y, Row& row) const {
     const Impl& impl = *impl_;
     const std::string& path = impl.file->path;
     exr_chunk_info_t chunk{};
-    if (const exr_result_t result = exr_read_scanline_chunk_info(impl.file->context, impl.part, y, &chunk);
-        result != EXR_ERR_SUCCESS)
-        return damaged(path, exr_get_default_error_message(result));
-    if (Status good = impl.check(chunk); !good) return good;
+    if (Status good = impl.find(y, chunk); !good) return good;
     Decoder decoder(impl.file->context, impl.part, chunk);
     if (const exr_result_t result = decoder.run(); result != EXR_ERR_SUCCESS)
         return damaged(path, exr_get_default_error_message(result));
