@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <mutex>
 #include <numeric>
 #include <utility>
@@ -75,6 +76,7 @@ class PackedRows::File {
     ~File() { exr_finish(&context); }
 
     std::string path;
+    std::uint64_t size = 0;
     exr_context_t context = nullptr;
 };
 
@@ -144,6 +146,8 @@ PackedRows::~PackedRows() = default;
 Result<std::shared_ptr<const PackedRows::File>> PackedRows::open_file(const std::string& path) {
     auto file = std::make_shared<File>();
     file->path = path;
+    std::error_code failed;
+    file->size = std::filesystem::file_size(path, failed);
     exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
     how.error_handler_fn = say_nothing;
     how.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
@@ -178,6 +182,8 @@ int PackedRows::plane(const std::string& name, Type type) const {
 
 /// What OpenEXR 3.1.5's core takes from a row's leader without a look, and then leaves memory as it was.
 Status PackedRows::Impl::check(const exr_chunk_info_t& chunk) const {
+    if (chunk.data_offset > file->size || chunk.packed_size > file->size - chunk.data_offset)
+        return damaged(file->path, "a row ends behind it");
     if (chunk.unpacked_size > std::min(most_row_bytes, most_packing * chunk.packed_size))
         return damaged(file->path, "a row claims more than any has");
     if (!packed && chunk.packed_size != chunk.unpacked_size)

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <thread>
+#include <utility>
 
 namespace raylex::python {
 namespace {
@@ -24,23 +25,27 @@ Calls& calls() {
     return *all;
 }
 
+/// Where the interpreter is ending, keeps every thread but the one that ends it, without Python's lock.
+void stay_if_ending(std::unique_lock<std::mutex> lock) {
+    if (!calls().ender || *calls().ender == std::this_thread::get_id()) return;
+    lock.unlock();
+    PyEval_SaveThread();
+    for (;;) pause();
+}
+
 }  // namespace
 
 Call::Call(std::atomic<bool>* stop) : stop_(stop) {
+    stay_if_ending(std::unique_lock(calls().mutex));
     const std::lock_guard lock(calls().mutex);
     calls().stops.insert(stop_);
 }
 
 Call::~Call() {
-    Calls& all = calls();
-    {
-        const std::lock_guard lock(all.mutex);
-        all.stops.erase(all.stops.find(stop_));
-        all.over.notify_all();
-        if (!all.ender || *all.ender == std::this_thread::get_id()) return;
-    }
-    PyEval_SaveThread();
-    for (;;) pause();
+    std::unique_lock lock(calls().mutex);
+    calls().stops.erase(calls().stops.find(stop_));
+    calls().over.notify_all();
+    stay_if_ending(std::move(lock));
 }
 
 void Call::end_all() {

@@ -57,11 +57,11 @@ class RunControl {
 /// Does `work` on a thread of its own while this one, which holds Python's lock, lets others have it and hears Ctrl-C.
 template <class Work>
 auto watched(const std::shared_ptr<RunControl>& control, Work work) {
+    const Call call(&control->stop_flag());
     auto result = std::async(std::launch::async, [&] {
         const RunControl::Scope scope(control);
         return work();
     });
-    const Call call(&control->stop_flag());
     const auto done = [&] {
         const py::gil_scoped_release released;
         return result.wait_for(std::chrono::milliseconds(50)) == std::future_status::ready;

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <memory>
+#include <new>
 #include <thread>
 
 #include "display/services/thread_or_none.h"
@@ -89,6 +91,8 @@ Status TaskRunner::run(const Schedule& schedule, std::uint64_t end, double inter
         if (meanwhile()) pause_.store(true, std::memory_order_relaxed);
     };
     {
+        // Where stacks use address space up to its limit, some must be left to render in.
+        std::unique_ptr<char[]> reserve(new (std::nothrow) char[std::size_t{256} << 20]);
         std::unique_lock lock(mutex);  // those that are done already wait until all are counted
         for (auto& worker : state_.workers) {
             std::thread thread = display::thread_or_none([&, w = worker.get()] {
@@ -101,6 +105,7 @@ Status TaskRunner::run(const Schedule& schedule, std::uint64_t end, double inter
             threads.push_back(std::move(thread));
             ++running;
         }
+        reserve.reset();
         while (!done.wait_for(lock, std::chrono::duration<double>(interval), [&] { return running == 0; })) {
             lock.unlock();
             look();
