@@ -7,7 +7,6 @@
 #include <optional>
 #include <set>
 #include <thread>
-#include <utility>
 
 namespace raylex::python {
 namespace {
@@ -26,7 +25,7 @@ Calls& calls() {
 }
 
 /// Where the interpreter is ending, keeps every thread but the one that ends it, without Python's lock.
-void stay_if_ending(std::unique_lock<std::mutex> lock) {
+void stay_if_ending(std::unique_lock<std::mutex>& lock) {
     if (!calls().ender || *calls().ender == std::this_thread::get_id()) return;
     lock.unlock();
     PyEval_SaveThread();
@@ -36,8 +35,8 @@ void stay_if_ending(std::unique_lock<std::mutex> lock) {
 }  // namespace
 
 Call::Call(std::atomic<bool>* stop) : stop_(stop) {
-    stay_if_ending(std::unique_lock(calls().mutex));
-    const std::lock_guard lock(calls().mutex);
+    std::unique_lock lock(calls().mutex);
+    stay_if_ending(lock);
     calls().stops.insert(stop_);
 }
 
@@ -45,7 +44,7 @@ Call::~Call() {
     std::unique_lock lock(calls().mutex);
     calls().stops.erase(calls().stops.find(stop_));
     calls().over.notify_all();
-    stay_if_ending(std::move(lock));
+    stay_if_ending(lock);
 }
 
 void Call::end_all() {
