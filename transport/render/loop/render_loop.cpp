@@ -96,8 +96,8 @@ Result<FinishedLoop> RenderLoop::run(const std::function<void(const RenderProgre
     if (const std::size_t threads = runner.fewest_threads(); threads < state_.workers.size())
         finished.warnings.push_back(error_at(
             {},
-            "the system started " + std::to_string(threads) + " of " + std::to_string(state_.workers.size()) +
-                " threads: fewer rendered the image, to the same bits",
+            std::to_string(threads) + " of " + std::to_string(state_.workers.size()) +
+                " threads rendered the image, to the same bits: the system starts no more",
             "its limit of processes or of address space is reached: expected --threads " + std::to_string(threads)));
     report();
     return finished;
