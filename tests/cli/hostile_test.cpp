@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <atomic>
+#include <chrono>
 #include <thread>
 
 #include "experiments/program/work_lock.h"
@@ -197,11 +198,12 @@ TEST_CASE("a lock has one holder, though each removes its file", "[cli]") {
     // Open files are told apart, not threads: these are like processes.
     for (int i = 0; i < 4; ++i)
         threads.emplace_back([&] {
-            for (int k = 0; k < 4000; ++k) {
+            for (int k = 0; k < 1500; ++k) {
                 const auto lock = experiments::WorkLock::take(file, "works");
                 if (!lock) continue;
                 const int now = ++holders;
                 if (now > most) most = now;
+                std::this_thread::sleep_for(std::chrono::microseconds(20));
                 --holders;
             }
         });
