@@ -35,7 +35,7 @@ constexpr BudgetRow table[] = {
     {"toml_bytes", 4 * mega, any, "a TOML file: job, study, channels"},
     {"toml_depth", 100, 1'000, "tables and arrays of a TOML file inside one another"},
     {"record_bytes", 64 * mega, any, "a record of JSON: of a cell, a reference, a study, a render"},
-    {"tessellated_triangles", 16 * mega, 512 * mega, "triangles that subdivision or displacement makes of one mesh"},
+    {"tessellated_triangles", 4 * mega, 512 * mega, "triangles that subdivision or displacement makes of one mesh"},
     {"volume_cells", 16 * mega, 1024 * mega, "cells of 8 x 8 x 8 voxels in the box around one grid of a medium"},
 };
 

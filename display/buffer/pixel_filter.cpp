@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "display/services/elementary.h"
+#include "display/services/short_number.h"
 
 namespace raylex::display {
 namespace {
@@ -53,7 +54,7 @@ Result<double> positive(const ParameterSet& parameters, std::string_view name, d
     if (!value) return value;
     if (!(*value > 0) || !(*value <= 64))
         return error_at(parameters.location, "pixel filter parameter '" + std::string(name) + "' is " +
-                                                 std::to_string(*value) + "; expected a value in (0, 64]");
+                                                 short_number(*value, 6) + "; expected a value in (0, 64]");
     return value;
 }
 

@@ -18,6 +18,8 @@
 #include <system_error>
 #include <thread>
 
+#include "display/services/thread_or_none.h"
+
 namespace raylex::display {
 
 namespace {
@@ -167,7 +169,9 @@ PacketSender::PacketSender(const std::string& host, int port, std::size_t capaci
     state_->host = host;
     state_->port = port;
     state_->capacity = capacity;
-    std::thread([state = state_] { state->run(); }).detach();
+    std::thread thread = thread_or_none([state = state_] { state->run(); });
+    if (thread.joinable()) thread.detach();
+    else state_->fail("the system starts no more threads");
 }
 
 PacketSender::~PacketSender() {

@@ -5,10 +5,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <mutex>
@@ -79,6 +81,21 @@ bool fails(FileCall call, const std::string& path) {
     return error_number != 0;
 }
 
+/// Names of temporary files for a signal's handler, which may touch only lock-free atomics. Whoever takes a name out of
+/// its place has it alone; a handler's stay in memory.
+std::array<std::atomic<char*>, 64> unfinished{};
+static_assert(std::atomic<char*>::is_always_lock_free);
+
+std::atomic<char*>* keep_unfinished(const std::string& path) {
+    char* const name = strdup(path.c_str());
+    for (std::atomic<char*>& place : unfinished) {
+        char* none = nullptr;
+        if (name != nullptr && place.compare_exchange_strong(none, name)) return &place;
+    }
+    std::free(name);  // more files at once than there are places: a second interrupt leaves this one
+    return nullptr;
+}
+
 void sync_folder_of(const std::string& path) {
     if (fails(FileCall::sync_folder, path)) return;
     const int folder = open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -116,7 +133,10 @@ Result<AtomicFile> AtomicFile::create(const std::string& path, FileSync sync) {
         file.temporary_ = file.target_ + "." + std::to_string(getpid()) + "-" + std::to_string(counter++) + ".partial";
         if (fails(FileCall::open, file.target_)) break;
         file.descriptor_ = open(file.temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (file.descriptor_ >= 0) return file;
+        if (file.descriptor_ >= 0) {
+            file.unfinished_ = keep_unfinished(file.temporary_);
+            return file;
+        }
         if (errno != EEXIST) break;
     }
     return write_error(path, errno);
@@ -136,6 +156,7 @@ AtomicFile& AtomicFile::operator=(AtomicFile&& other) noexcept {
         descriptor_ = std::exchange(other.descriptor_, -1);
         error_number_ = other.error_number_;
         sync_ = other.sync_;
+        unfinished_ = std::exchange(other.unfinished_, nullptr);
     }
     return *this;
 }
@@ -144,7 +165,18 @@ AtomicFile::~AtomicFile() {
     discard();
 }
 
+void AtomicFile::forget() noexcept {
+    if (unfinished_ != nullptr) std::free(unfinished_->exchange(nullptr));
+    unfinished_ = nullptr;
+}
+
+void remove_unfinished() noexcept {
+    for (std::atomic<char*>& place : unfinished)
+        if (const char* const name = place.exchange(nullptr); name != nullptr) unlink(name);
+}
+
 void AtomicFile::discard() noexcept {
+    forget();
     if (descriptor_ < 0) return;
     close(descriptor_);
     unlink(temporary_.c_str());
@@ -209,6 +241,7 @@ Status AtomicFile::commit() {
         discard();
         return failure();
     }
+    forget();
     if (fails(FileCall::rename, target_) || rename(temporary_.c_str(), target_.c_str()) != 0) {
         error_number_ = errno;
         unlink(temporary_.c_str());

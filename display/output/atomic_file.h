@@ -1,6 +1,7 @@
 // A file that appears whole or not at all (Law 7): written under a temporary name beside its target, synced, renamed.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -41,6 +42,7 @@ class AtomicFile {
   private:
     AtomicFile() = default;
     void discard() noexcept;
+    void forget() noexcept;
     bool flush();
     bool write_through(const char* bytes, std::size_t left);
 
@@ -50,7 +52,12 @@ class AtomicFile {
     int descriptor_ = -1;
     int error_number_ = 0;
     FileSync sync_ = FileSync::now;
+    std::atomic<char*>* unfinished_ = nullptr;  // where remove_unfinished() finds the temporary file's name
 };
+
+/// Removes the temporary files that are being written, whose writing then fails. A signal's handler may call it that
+/// ends the process.
+void remove_unfinished() noexcept;
 
 /// Makes every file in the folder safe on disk, then the folder itself; not what is in folders of it.
 Status sync_files_in(const std::string& folder);

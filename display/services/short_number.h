@@ -7,10 +7,10 @@
 
 namespace raylex {
 
-/// Three digits of it.
-inline std::string short_number(double value) {
+/// The first digits of it.
+inline std::string short_number(double value, int digits = 3) {
     std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.3g", value);
+    std::snprintf(text.data(), text.size(), "%.*g", digits, value);
     return text.data();
 }
 

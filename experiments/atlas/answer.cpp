@@ -36,6 +36,9 @@ Result<AtlasAnswer> answer_question(display::AtlasFile& atlas, const Job& job, c
     answer.notes = plan->notes;
     answer.refuted = plan->refuted;
     if (!answer.refuted.empty()) return answer;
+    if (!plan->channels.empty())
+        if (Status fits = display::check_exr_layout(plan->channels, display::invalid_channel, {}); !fits)
+            return fits.error();
     auto layers = AskedLayers::make(atlas, *plan, settings);
     if (!layers) return layers.error();
     answer.layers = *std::move(layers);

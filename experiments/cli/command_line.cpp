@@ -110,7 +110,11 @@ int run_command_line(int argc, const char* const* argv) {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) { return finish_parse(app, error); } catch (const std::bad_alloc&) {
         return report_error("out of memory; a smaller --resolution or fewer channels need less");
-    } catch (const std::exception& error) { return report_error(std::string("unexpected failure: ") + error.what()); }
+    } catch (const std::exception& error) {
+        return report_error(std::string("unexpected failure: ") + error.what());
+    } catch (...) {
+        return report_error("unexpected failure: something was thrown that is no std::exception, as by a plugin");
+    }
     if (output_is_lost()) return report_error("cannot write to standard output");
     // What was being read when somebody interrupted is no bad input.
     if (context.exit_code == exit_bad_input && reading_stopped()) return exit_interrupted;

@@ -1,8 +1,10 @@
 #include "experiments/cli/judge.h"
 
 #include <filesystem>
+#include <string_view>
 
 #include "display/output/atomic_file.h"
+#include "display/output/splits/stored_precision.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/tint.h"
@@ -65,6 +67,11 @@ fs::path residual_map_beside(const display::SplitVerdict& verdict, const display
            (source.stem().string() + "." + (verdict.partition.empty() ? "sum" : verdict.partition) + ".residual.png");
 }
 
+std::string clamped_text(const display::SplitVerdict& verdict) {
+    return counted(verdict.clamped, "pixel") +
+           " with values at the largest number of half or float: there the file does not show whether the split holds";
+}
+
 }  // namespace
 
 std::string verdict_text(const display::SplitVerdict& verdict, const std::string& title) {
@@ -91,6 +98,7 @@ std::string verdict_text(const display::SplitVerdict& verdict, const std::string
                 (verdict.non_finite == 1 ? " pixel holds" : " pixels hold") +
                 " values that are not finite, the first " + pixel_text(verdict.non_finite_x, verdict.non_finite_y) +
                 (verdict.non_finite_layer.empty() ? std::string() : " in " + verdict.non_finite_layer);
+    if (verdict.clamped > 0) text += "\n  " + clamped_text(verdict);
     if (!verdict.holds)
         for (const std::string& lossy : verdict.unexplained)
             text +=
@@ -105,7 +113,21 @@ std::string verdict_line(const display::SplitVerdict& verdict) {
            (verdict.answer == display::SplitAnswer::holds_as_allowed ? " within what is allowed for " + reasons(verdict)
                                                                      : std::string()) +
            " (largest relative error " + number_text(verdict.largest_relative) + ", bound " +
-           number_text(verdict.bound) + ")";
+           number_text(verdict.bound) + ")" + (verdict.clamped > 0 ? "; " + clamped_text(verdict) : std::string());
+}
+
+std::string repaired_text(const display::ExrImage& image) {
+    constexpr std::string_view prefix = "repaired/";
+    constexpr std::size_t most = 4;
+    std::string text;
+    std::size_t count = 0;
+    for (const auto& [name, what] : image.attributes)
+        if (name.starts_with(prefix) && ++count <= most)
+            text += (text.empty() ? "" : "; ") + name.substr(prefix.size()) + ": " + what;
+    if (count == 0) return {};
+    return "the file cannot hold all values of " + counted(count, "layer") + ": " + text +
+           (count > most ? "; ..." : "") +
+           (text.find("beyond half") == std::string::npos ? "" : ". --exr 'all=float zip' has the larger range");
 }
 
 std::string write_residual_map(const display::SplitVerdict& verdict, const display::ExrImage& image) {
@@ -145,7 +167,7 @@ std::string atlas_line(const display::AtlasVerdict& verdict, std::uint64_t pixel
 
 int judge_atlas(display::AtlasFile& file) {
     file.read_parts(false);
-    auto verdict = display::check_atlas(file);
+    auto verdict = display::check_atlas(file, display::light_magnitude_of(file.description().attributes));
     if (!verdict) return report_error(verdict.error());
     const auto pixels = static_cast<std::uint64_t>(file.width()) * static_cast<std::uint64_t>(file.height());
     print_verdict(file.path() + ": " + atlas_line(*verdict, pixels), verdict->holds);

@@ -18,6 +18,10 @@ std::string verdict_text(const display::SplitVerdict& verdict, const std::string
 /// bound 1.2e-07)".
 std::string verdict_line(const display::SplitVerdict& verdict);
 
+/// The layers of which the writer changed values that their type cannot hold, and how many; empty where it changed
+/// none.
+std::string repaired_text(const display::ExrImage& image);
+
 /// "atlas: 214 words, 18.3 a pixel, sum to the beauty (...)".
 std::string atlas_line(const display::AtlasVerdict& verdict, std::uint64_t pixels);
 /// Prints that of a file; the exit code.

@@ -3,11 +3,13 @@
 #include <chrono>
 #include <cstdio>
 
+#include "display/services/thread_or_none.h"
 #include "experiments/program/console.h"
 
 namespace raylex::experiments {
 
-LoadingLine::LoadingLine() : terminal_(error_stream_is_terminal()), thread_([this] { watch(); }) {}
+LoadingLine::LoadingLine()
+    : terminal_(error_stream_is_terminal()), thread_(display::thread_or_none([this] { watch(); })) {}
 
 std::string LoadingLine::describe(const transport::LoadingProgress& progress, double seconds) {
     const std::uint64_t total = progress.total();

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <kainjow/mustache.hpp>
 #include <string_view>
+#include <unordered_map>
 
 #include "display/services/parameters.h"
 #include "experiments/job/rendering/provenance.h"
@@ -76,6 +77,32 @@ std::function<std::string(const std::string&)> escape_of(const std::string& exte
     return [](const std::string& text) { return text; };
 }
 
+/// Whether text stays in its line, whatever reads the file: no control characters, nor what YAML takes for line ends
+/// and XML for no characters. A line break would end a comment or an option, and what is behind it would be run.
+bool stays_in_line(const std::string& text) {
+    constexpr std::array<std::string_view, 5> refused{"\xC2\x85", "\xE2\x80\xA8", "\xE2\x80\xA9", "\xEF\xBF\xBE",
+                                                      "\xEF\xBF\xBF"};
+    return std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }) &&
+           std::none_of(refused.begin(), refused.end(),
+                        [&](std::string_view each) { return text.find(each) != std::string::npos; });
+}
+
+/// In quotes, with codes in place of all but visible ASCII.
+std::string visible(const std::string& text) {
+    return Json(text).dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+std::string note_text(const std::string& note) {
+    return stays_in_line(note) ? note : visible(note);
+}
+
+bool is_utf8(const std::string& text) {
+    try {
+        static_cast<void>(Json(text).dump());
+        return true;
+    } catch (const Json::exception&) { return false; }
+}
+
 /// Letters, digits and '_', not beginning with a digit.
 std::string rule_name(const std::string& name) {
     std::string rule = name;
@@ -106,7 +133,7 @@ std::string needs_text(const PlannedCommand& command) {
 std::string shell_text(const CommandPlan& plan) {
     std::string text = "# " + plan.name + ": " + counted(plan.commands.size(), "command") + ", made by raylex " +
                        raylex_version() + " (" + raylex_revision() + ")\n";
-    for (const std::string& note : plan.notes) text += "# " + note + "\n";
+    for (const std::string& note : plan.notes) text += "# " + note_text(note) + "\n";
     for (const PlannedCommand& each : plan.commands)
         text += shell_command(each.arguments) + "  # " + each.name + ": " + needs_text(each) + "\n";
     return text;
@@ -150,16 +177,35 @@ std::string object_name(const std::string& plan, const std::string& command) {
     return name.substr(name.find_first_not_of('-'));
 }
 
-/// 1 for what needs nothing, else one more than what it needs.
-std::size_t step_of(const CommandPlan& plan, const PlannedCommand& command) {
-    std::size_t step = 1;
-    for (const PlannedCommand& other : plan.commands)
-        if (std::find(command.needs.begin(), command.needs.end(), other.name) != command.needs.end())
-            step = std::max(step, 1 + step_of(plan, other));
-    return step;
-}
+/// Where commands stand by their names; each stands behind what it needs.
+class PlanIndex {
+  public:
+    explicit PlanIndex(const CommandPlan& plan) : plan_(plan), needed_(plan.commands.size()) {
+        for (std::size_t i = 0; i < plan.commands.size(); ++i) {
+            std::size_t step = 1;
+            for (const std::string& need : plan.commands[i].needs) {
+                const std::size_t other = at_.at(need);
+                needed_[other] = true;
+                step = std::max(step, 1 + steps_[other]);
+            }
+            at_[plan.commands[i].name] = i;
+            steps_.push_back(step);
+        }
+    }
+    [[nodiscard]] const PlannedCommand& command(const std::string& name) const { return plan_.commands[at_.at(name)]; }
+    /// 1 for what needs nothing, else one more than what it needs.
+    [[nodiscard]] std::size_t step(const std::string& name) const { return steps_[at_.at(name)]; }
+    [[nodiscard]] bool is_needed(const std::string& name) const { return needed_[at_.at(name)]; }
 
-mustache::data command_data(const CommandPlan& plan, const PlannedCommand& command, bool with_needs) {
+  private:
+    const CommandPlan& plan_;
+    std::unordered_map<std::string, std::size_t> at_;
+    std::vector<std::size_t> steps_;
+    std::vector<bool> needed_;
+};
+
+mustache::data command_data(const CommandPlan& plan, const PlanIndex& index, const PlannedCommand& command,
+                            bool with_needs) {
     mustache::data data;
     const bool plain = is_plain_file(command.target);
     data.set("command_name", command.name);
@@ -175,28 +221,25 @@ mustache::data command_data(const CommandPlan& plan, const PlannedCommand& comma
     data.set("memory_known", command.memory_bytes > 0);
     data.set("memory_mb", number_text(megabytes(command.memory_bytes), 12));
     data.set("cpu_seconds", number_text(std::max(0.0, command.cpu_seconds)));
-    const bool last = std::none_of(plan.commands.begin(), plan.commands.end(), [&](const PlannedCommand& other) {
-        return std::find(other.needs.begin(), other.needs.end(), command.name) != other.needs.end();
-    });
-    data.set("last", last);
+    data.set("last", !index.is_needed(command.name));
     data.set("job", object_name(plan.name, command.name));
-    data.set("step", std::to_string(step_of(plan, command)));
+    data.set("step", std::to_string(index.step(command.name)));
     if (!with_needs) return data;
     mustache::data needs(mustache::data::type::list);
-    for (const PlannedCommand& other : plan.commands)
-        if (std::find(command.needs.begin(), command.needs.end(), other.name) != command.needs.end()) {
-            mustache::data needed = command_data(plan, other, false);
-            needed.set("dependent", rule_name(command.name));
-            needs.push_back(needed);
-        }
+    for (const std::string& need : command.needs) {
+        mustache::data needed = command_data(plan, index, index.command(need), false);
+        needed.set("dependent", rule_name(command.name));
+        needs.push_back(needed);
+    }
     data.set("needs", needs);
     return data;
 }
 
 mustache::data plan_data(const CommandPlan& plan) {
     mustache::data data, commands(mustache::data::type::list), notes(mustache::data::type::list);
-    for (const PlannedCommand& each : plan.commands) commands.push_back(command_data(plan, each, true));
-    for (const std::string& each : plan.notes) notes.push_back(mustache::data(each));
+    const PlanIndex index(plan);
+    for (const PlannedCommand& each : plan.commands) commands.push_back(command_data(plan, index, each, true));
+    for (const std::string& each : plan.notes) notes.push_back(mustache::data(note_text(each)));
     data.set("name", plan.name);
     data.set("version", raylex_version() + " (" + raylex_revision() + ")");
     data.set("notes", notes);
@@ -279,7 +322,25 @@ std::vector<std::string> command_formats() {
     return formats;
 }
 
+Status check_job_texts(const std::vector<std::string>& texts, const std::string& format, const SourceLocation& place) {
+    const std::string ending = fs::path(format).extension().string();
+    const bool takes_bytes = format.empty() || format == "shell" || format == "make" || ending == ".mk" ||
+                             format == "slurm" || ending == ".sh";
+    for (const std::string& each : texts) {
+        if (format != "json" && !stays_in_line(each))
+            return error_at(place, visible(each) + " holds a control character, which no job file can hold",
+                            "expected names and values of one line; --commands=json writes any");
+        if (!takes_bytes && !is_utf8(each))
+            return error_at(place, visible(each) + " is no UTF-8, as files of this format have to be",
+                            "expected other names; --commands writes lines for a shell, which takes any");
+    }
+    return success();
+}
+
 Result<std::string> plan_text(const CommandPlan& plan, const std::string& format) {
+    for (const PlannedCommand& each : plan.commands)
+        for (const auto& texts : {each.arguments, {each.target}})
+            if (Status fits = check_job_texts(texts, format, {"--commands", 0, 0}); !fits) return fits.error();
     if (format.empty() || format == "shell") return shell_text(plan);
     if (format == "json") return json_lines(plan);
     return rendered_template(format, plan_data(plan), plan_names());

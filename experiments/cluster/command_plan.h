@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "display/services/parameters.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {
@@ -24,9 +25,9 @@ struct PlannedCommand {
 };
 
 struct CommandPlan {
-    std::string name;                ///< of the job: letters, digits, '-', '_' and '.'
-    std::vector<std::string> notes;  ///< for whoever reads the file
-    std::vector<PlannedCommand> commands;
+    std::string name;                      ///< of the job: letters, digits, '-', '_' and '.'
+    std::vector<std::string> notes;        ///< for whoever reads the file
+    std::vector<PlannedCommand> commands;  ///< each behind those that it needs
 };
 
 /// The text with what queues do not take in a name as '_'.
@@ -38,6 +39,10 @@ std::string program_path();
 /// What --commands can be: "shell" (a command a line, its needs behind '#'), "json" (an object a line), or the name of
 /// a template that comes with raylex.
 std::vector<std::string> command_formats();
+
+/// Whether texts can stand in a job file: control characters and line ends would end a comment or an option there, and
+/// only files for a shell or Make hold bytes that are no UTF-8. The Error is at `place`.
+Status check_job_texts(const std::vector<std::string>& texts, const std::string& format, const SourceLocation& place);
 
 /// The plan as a file. `format` is one of command_formats(), or the path of a template of somebody's own
 /// (experiments/docs/clusters.md says what stands in one). Errors: no such format with the near miss; a template that

@@ -54,10 +54,15 @@ std::string ranges_text(const std::vector<unsigned>& numbers) {
     return text;
 }
 
-/// A file's name as sbatch takes it, to which % is the start of a place.
+/// A file's name as sbatch takes it in quotes, to which % is the start of a place and \ takes the next character as it
+/// is.
 std::string log_name(const std::string& folder, const std::string& name) {
     std::string text;
-    for (const char c : folder) text += c == '%' ? std::string("%%") : std::string(1, c);
+    for (const char c : folder) {
+        if (c == '%' || c == '\\') text += c;
+        else if (c == '"') text += '\\';
+        text += c;
+    }
     return text + "/" + name;
 }
 
@@ -152,6 +157,9 @@ Status write_submission(const std::string& directory, const Submission& submissi
 
 Status write_slurm_files(const SlurmRequest& request, const CommandPlan& plan, const std::vector<unsigned>& wanted) {
     const std::string folder = slurm_folder(request.directory);
+    if (Status fits = check_job_texts(request.options, request.form, {"--option", 0, 0}); !fits) return fits;
+    for (const PlannedCommand& each : plan.commands)
+        if (Status fits = check_job_texts(each.arguments, request.form, {folder, 0, 0}); !fits) return fits;
     std::error_code failed;
     fs::create_directories(folder, failed);
     if (failed) return error_at({folder, 0, 0}, "cannot make this directory: " + failed.message());

@@ -1,4 +1,5 @@
 #include "experiments/program/interrupt.h"
+#include "display/output/atomic_file.h"
 #include "experiments/program/exit_codes.h"
 
 #include <unistd.h>
@@ -16,12 +17,13 @@ static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_alw
               "a signal handler may touch only lock-free atomics");
 
 [[noreturn]] void end_at_once(const char* words) {
+    display::remove_unfinished();
     [[maybe_unused]] const auto written = write(STDERR_FILENO, words, std::strlen(words));
     _exit(exit_interrupted);
 }
 
 extern "C" void on_interrupt(int) {
-    if (interrupted.exchange(true)) _exit(exit_interrupted);
+    if (interrupted.exchange(true)) end_at_once("");
     if (const char* words = words_at_once.load(); words != nullptr) end_at_once(words);
     if (waiting.load() == 0) end_at_once("raylex: interrupted\n");
 }

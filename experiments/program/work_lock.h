@@ -10,13 +10,17 @@
 
 namespace raylex::experiments {
 
+/// Takes the lock of an open file, which ends with its last descriptor; false when somebody else has it. True, without
+/// a lock, where the file system knows none.
+[[nodiscard]] bool lock_file(int descriptor);
+
 /// Held while a process does a piece of work, so that no second one does the same. The system lets go of it when the
 /// process ends, however it does; where a file system knows no locks, nobody has any.
 class WorkLock {
   public:
     /// `file` is made, and removed with the lock. An Error when another process has it; `what` it is doing then.
     static Result<WorkLock> take(const std::string& file, const std::string& what);
-    /// Whether a process has the lock on that file.
+    /// Whether a process has the lock on that file; takes nothing, so that nobody who begins then is turned away.
     static bool is_held(const std::string& file);
 
     WorkLock(WorkLock&& other) noexcept;

@@ -6,6 +6,8 @@
 
 #include "display/checkpoint/banded_record.h"
 #include "display/filters/display_filter.h"
+#include "display/output/splits/stored_precision.h"
+#include "experiments/program/console.h"
 
 namespace raylex::experiments {
 namespace {
@@ -188,9 +190,14 @@ Result<MergedRender> merge_shards(const std::vector<std::string>& records) {
     merged.shards = shards.size();
     merged.image = shards.front().image;
     std::string hosts;
-    for (const auto& [first, each] : attributes) add_hosts(each, hosts);
+    double magnitude = 0;
+    for (const auto& [first, each] : attributes) {
+        add_hosts(each, hosts);
+        magnitude = std::max(magnitude, display::light_magnitude_of(each));
+    }
     merged.image.description.attributes = attributes.begin()->second;
     describe(merged, hosts, light_paths);
+    if (magnitude > 0) merged.image.description.attributes[display::light_magnitude] = number_text(magnitude);
     std::vector<display::BandedRecord> sums;
     for (OpenRecord& shard : shards) sums.push_back(std::move(shard.sums));
     const display::BandedRecord& first = sums.front();

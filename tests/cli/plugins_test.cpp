@@ -80,6 +80,20 @@ TEST_CASE("a plugin's integrator renders a scene that asks for it by name", "[cl
     CHECK(run_raylex(folder, "lpe check --scene job.toml all='C.*'").code == 0);
 }
 
+TEST_CASE("a plugin's factory that makes nothing, or throws anything, ends a render with a message", "[cli][plugins]") {
+    const SceneFolder folder;
+    const std::string render = "\"$RAYLEX\" render room.pbrt --spp 1 -o out.exr --driver halfway:a=1 --plugin " +
+                               quoted(plugin_path("misbehaving"));
+    for (const auto& [how, what] : {std::pair<std::string, std::string>{
+                                        "null-driver", "the plugin's display driver 'halfway' came as a null pointer"},
+                                    {"number-driver", "it threw something that is no std::exception"}}) {
+        const Outcome outcome = run_shell(folder, "MISBEHAVIOUR=" + how + " " + render);
+        INFO(outcome.err);
+        CHECK(outcome.code == 2);
+        CHECK(contains(outcome.err, what));
+    }
+}
+
 TEST_CASE("a job's plugin that is not there is an error with file, line and column", "[cli][plugins][law7]") {
     const Folder folder;
     folder.write("scene.pbrt", small_scene());

@@ -92,6 +92,13 @@ class Judging(Case):
         self.assertRaylexError("declares no partition", raylex.render(white_furnace(), spp=1).verify)
         self.assertRaylexError("tolerance", image.verify, tolerance=(-1, 0))
 
+    def test_images_without_pixels_have_no_metric(self):
+        for shape in ((0, 0, 3), (0, 4, 3), (4, 0, 3), (0, 0)):
+            empty = np.zeros(shape, np.float32)
+            for metric in raylex.metrics():
+                self.assertRaylexError("no pixels", raylex.compare, empty, empty, metric)
+            self.assertRaylexError("no pixels", raylex.error_image, empty, empty, "mse")
+
     def test_metrics_are_the_programs(self):
         files = [self.folder / name for name in ("a.exr", "b.exr")]
         images = [raylex.render(CORNELL, spp=4, seed=seed, resolution=(16, 16), output=file)

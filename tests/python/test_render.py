@@ -2,6 +2,8 @@
 
 import _thread
 import signal
+import subprocess
+import sys
 import threading
 import time
 import unittest
@@ -10,6 +12,25 @@ import numpy as np
 
 import raylex
 from support import CORNELL, SCENES, Case, run_program, white_furnace
+
+
+DAEMON = """
+import sys, threading, time
+import raylex
+def forever():
+    while True:
+        raylex.render(sys.argv[1], spp=100000, resolution=(64, 64), progress=lambda progress: True)
+threading.Thread(target=forever, daemon=True).start()
+time.sleep(1)
+"""
+
+
+class Endings(Case):
+    def test_a_render_in_a_daemon_thread_ends_with_the_interpreter(self):
+        # Without a stop and a wait for it, the thread was ended amid C++ code: "terminate called", signal 6.
+        done = subprocess.run([sys.executable, "-c", DAEMON, CORNELL], capture_output=True, text=True, check=False,
+                              timeout=60)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
 
 
 class SameAsTheProgram(Case):

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "display/services/elementary.h"
+#include "display/services/short_number.h"
 #include "transport/cameras/camera_motion.h"
 #include "transport/cameras/perspective.h"
 #include "transport/geometry/matrix34.h"
@@ -123,8 +124,8 @@ Result<std::unique_ptr<Camera>> make_camera(const SceneEntity& entity, const Cam
     const Vec3 eye = camera_to_world.point({0, 0, 0});
     if (!(std::max({std::abs(eye.x), std::abs(eye.y), std::abs(eye.z)}) <= largest_coordinate))
         return error_at(entity.location,
-                        "the camera stands at (" + std::to_string(eye.x) + ", " + std::to_string(eye.y) + ", " +
-                            std::to_string(eye.z) + "); expected no coordinate beyond 1e18",
+                        "the camera stands at (" + short_number(eye.x, 6) + ", " + short_number(eye.y, 6) + ", " +
+                            short_number(eye.z, 6) + "); expected no coordinate beyond 1e18",
                         "another unit of length brings it into range");
     auto camera = (*entry)->factory(entity, placement);
     if (!camera) return camera.error();

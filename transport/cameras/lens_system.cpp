@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "display/services/short_number.h"
 #include "lpe/read_input.h"
 
 namespace raylex::transport {
@@ -89,9 +90,9 @@ Result<LensSystem> LensSystem::read(const std::string& path, double stop_diamete
         if (row[0] == 0 && stop_diameter > 0) {
             if (stop_diameter / 2 > element.radius)
                 warnings.push_back(error_at(named_at, "'aperturediameter' is " +
-                                                          std::to_string(stop_diameter / millimetre) +
+                                                          short_number(stop_diameter / millimetre, 6) +
                                                           " mm, more than the lens file's stop of " +
-                                                          std::to_string(row[3]) + " mm, which it is taken for"));
+                                                          short_number(row[3], 6) + " mm, which it is taken for"));
             element.radius = std::min(element.radius, stop_diameter / 2);
         }
         lens.elements_.push_back(element);
@@ -127,7 +128,7 @@ Status LensSystem::focus(double distance, const SourceLocation& where) {
         t = std::min(first, second) > 0 ? std::min(first, second) : std::max(first, second);
     }
     if (!(t > 0) || !(s - t > 0))
-        return error_at(where, "this lens cannot be focused at 'focusdistance' " + std::to_string(distance) +
+        return error_at(where, "this lens cannot be focused at 'focusdistance' " + short_number(distance, 6) +
                                    " m; expected a distance farther from the film");
     elements_.back().thickness = t;
     return success();

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "display/services/elementary.h"
+#include "display/services/short_number.h"
 #include "transport/cameras/screen_window.h"
 #include "transport/math/sampling.h"
 
@@ -37,7 +38,7 @@ Result<std::unique_ptr<Camera>> PerspectiveCamera::build(const SceneEntity& enti
     auto fov = entity.parameters.real_or("fov", 90);
     if (!fov) return fov.error();
     if (!(*fov > 0 && *fov < 180))
-        return error_at(entity.location, "'fov' is " + std::to_string(*fov) + "; expected degrees between 0 and 180");
+        return error_at(entity.location, "'fov' is " + short_number(*fov, 6) + "; expected degrees between 0 and 180");
     const auto lens = read_thin_lens(entity);
     if (!lens) return lens.error();
     const auto window = read_screen_window(entity, placement);

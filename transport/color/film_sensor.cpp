@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "display/services/parameters.h"
+#include "display/services/short_number.h"
 #include "transport/color/camera_sensors.h"
 #include "transport/color/spectral_data.h"
 
@@ -46,7 +47,7 @@ Result<double> exposure_time(const SceneEntity& film, const SceneEntity& camera,
     }
     auto time = film.parameters.real_or("exposuretime", span);
     if (time && !(*time > 0))
-        return error_at(film.location, "'exposuretime' is " + std::to_string(*time) + "; expected seconds above 0");
+        return error_at(film.location, "'exposuretime' is " + short_number(*time, 6) + "; expected seconds above 0");
     return time;
 }
 
@@ -61,7 +62,8 @@ Result<FilmSensor> read_sensor(const SceneEntity& film, const SceneEntity& camer
     if (!kelvin) return kelvin.error();
     if (!time) return time.error();
     if (!sensor) return sensor.error();
-    if (!(*iso > 0)) return error_at(film.location, "'iso' is " + std::to_string(*iso) + "; expected a number above 0");
+    if (!(*iso > 0))
+        return error_at(film.location, "'iso' is " + short_number(*iso, 6) + "; expected a number above 0");
     const bool named = *sensor != "cie1931";
     const std::vector<std::string>& known = camera_sensors();
     if (named && std::find(known.begin(), known.end(), *sensor) == known.end()) {
@@ -71,7 +73,7 @@ Result<FilmSensor> read_sensor(const SceneEntity& film, const SceneEntity& camer
     }
     if (named && *kelvin == 0) *kelvin = 6500;
     if (*kelvin != 0 && !(*kelvin >= 1000 && *kelvin <= 25000))
-        return error_at(film.location, "'whitebalance' is " + std::to_string(*kelvin) +
+        return error_at(film.location, "'whitebalance' is " + short_number(*kelvin, 6) +
                                            "; expected a temperature between 1000 and 25000 K, or 0 for none");
     Matrix3 matrix = unit;
     if (named) {

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <sstream>
 
 #include "lpe/read_input.h"
@@ -100,6 +101,9 @@ Result<SampledSpectrum> from_pairs(const std::vector<double>& numbers, const Sou
     for (std::size_t i = 0; i < numbers.size(); i += 2) {
         if (!std::isfinite(numbers[i]) || !std::isfinite(numbers[i + 1]))
             return error_at(where, what + ": pair " + std::to_string(i / 2) + " is not finite");
+        if (std::max(std::abs(numbers[i]), std::abs(numbers[i + 1])) > double{std::numeric_limits<float>::max()})
+            return error_at(where, what + ": pair " + std::to_string(i / 2) +
+                                       " is beyond the range of float; expected less than 3.4e38");
         if (i > 0 && !(numbers[i] > numbers[i - 2])) {
             std::ostringstream text;
             text << what << ": wavelength " << numbers[i] << " follows " << numbers[i - 2]

@@ -79,6 +79,7 @@ Result<std::map<std::string, Tensor>> read_tensor_file(const std::string& path) 
         return damaged("it claims " + std::to_string(fields) + " fields; expected at most " +
                        std::to_string(most_fields));
     std::map<std::string, Tensor> result;
+    std::uint64_t total = 0;
     for (std::uint64_t f = 0; f < fields; ++f) {
         const std::string name = bytes.text(bytes.number(2));
         const std::uint64_t dimensions = bytes.number(2);
@@ -101,6 +102,9 @@ Result<std::map<std::string, Tensor>> read_tensor_file(const std::string& path) 
         if (bytes.failed()) return damaged("it ends within the shape of field '" + name + "'");
         if (size_of(type) == 0) continue;
         if (!bytes.has(begin, count * size_of(type))) return damaged("field '" + name + "' reaches beyond its end");
+        // Fields that share their bytes would take any memory from a small file.
+        total += count * size_of(type);
+        if (total > content->size()) return damaged("its fields overlap: together they are larger than the file");
         tensor.values.resize(count);
         for (std::uint64_t i = 0; i < count; ++i) tensor.values[i] = value_at(bytes, begin + i * size_of(type), type);
         result[name] = std::move(tensor);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "display/services/short_number.h"
 #include "transport/color/color_space.h"
 #include "transport/color/spectrum.h"
 #include "transport/import/images/image.h"
@@ -212,7 +213,7 @@ Result<Light> make_projection(const SceneLight& source, LightContext& context) {
     for (const auto* each : {&scale, &power, &fov})
         if (!*each) return each->error();
     if (!(*fov > 0 && *fov < 180))
-        return error_at(source.location, "'fov' is " + std::to_string(*fov) + "; expected degrees between 0 and 180");
+        return error_at(source.location, "'fov' is " + short_number(*fov, 6) + "; expected degrees between 0 and 180");
     auto image = read_light_image(source, *file, context);
     if (!image) return image.error();
     const Placement placement(source.to_world);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "display/services/elementary.h"
+#include "display/services/short_number.h"
 #include "transport/color/spectrum.h"
 #include "transport/lights/light_factories.h"
 
@@ -175,7 +176,7 @@ Result<double> light_scale(const SceneEntity& light) {
     auto scale = light.parameters.real_or("scale", 1);
     if (scale && *scale < 0)
         return error_at(light.parameters.find("scale")->location,
-                        "'scale' is " + std::to_string(*scale) + "; expected 0 or more");
+                        "'scale' is " + short_number(*scale, 6) + "; expected 0 or more");
     return scale;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "display/services/short_number.h"
 #include "transport/lights/area_images.h"
 
 namespace raylex::transport {
@@ -207,8 +208,8 @@ Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene&
             const Vec3& at = light->position;
             if (!(std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)}) <= largest_coordinate))
                 return error_at(source.location,
-                                "the light stands at (" + std::to_string(at.x) + ", " + std::to_string(at.y) + ", " +
-                                    std::to_string(at.z) + "); expected no coordinate beyond 1e18",
+                                "the light stands at (" + short_number(at.x, 6) + ", " + short_number(at.y, 6) + ", " +
+                                    short_number(at.z, 6) + "); expected no coordinate beyond 1e18",
                                 "another unit of length brings it into range");
         }
         if (!is_finite(light->emission)) return beyond_float(source);

@@ -230,7 +230,7 @@ Result<Medium> make_cloud(const SceneMedium& entity, const MediumContext& contex
         if (!number) return number.error();
         if (!(*number >= 0) || !std::isfinite(*number))
             return error_at(entity.parameters.find(name)->location,
-                            std::string("'") + name + "' is " + std::to_string(*number) + "; expected 0 or more");
+                            std::string("'") + name + "' is " + short_number(*number, 6) + "; expected 0 or more");
         *value = static_cast<Real>(*number);
     }
     GridMediumParts parts;
@@ -295,7 +295,7 @@ Result<Real> read_majorant_factor(const ParameterSet& set) {
     if (!factor) return factor.error();
     if (!(*factor >= 1) || !(*factor <= 1e6))
         return error_at(set.find("raylex:majorant")->location,
-                        "'raylex:majorant' is " + std::to_string(*factor) + "; expected 1 to 1000000");
+                        "'raylex:majorant' is " + short_number(*factor, 6) + "; expected 1 to 1000000");
     return static_cast<Real>(*factor);
 }
 

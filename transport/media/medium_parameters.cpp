@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "display/services/short_number.h"
 #include "transport/color/spectrum.h"
 
 namespace raylex::transport {
@@ -81,7 +82,7 @@ Status check_coefficients(const Rgb& value, const char* name, const SceneEntity&
     for (int c = 0; c < 3; ++c)
         if (!(value[c] >= 0) || !std::isfinite(value[c]))
             return error_at(entity.location, "medium '" + entity.name + "': '" + name + "' times 'scale' is " +
-                                                 std::to_string(value[c]) + "; expected 0 or more, and finite");
+                                                 short_number(value[c], 6) + "; expected 0 or more, and finite");
     return success();
 }
 
@@ -123,7 +124,7 @@ Result<Real> read_asymmetry(const SceneEntity& entity, const MediumContext& cont
     if (!g) return g.error();
     if (std::abs(static_cast<Real>(*g)) < 1) return static_cast<Real>(*g);
     Error beyond = error_at(entity.parameters.find("g")->location,
-                            "'g' is " + std::to_string(*g) + "; expected an asymmetry above -1 and below 1");
+                            "'g' is " + short_number(*g, 6) + "; expected an asymmetry above -1 and below 1");
     if (std::isnan(*g)) return beyond;
     const Real bound = *g < 0 ? Real(-0.99) : Real(0.99);
     beyond.message += std::string(", and it is taken as ") + (bound < 0 ? "-0.99" : "0.99") + ", as in pbrt-v4";

@@ -1,6 +1,7 @@
 #include "transport/plugins/plugin_host.h"
 
 #include <algorithm>
+#include <new>
 #include <type_traits>
 #include <utility>
 
@@ -8,6 +9,28 @@
 #include "geoaovs/geoaovs.h"
 
 namespace raylex::transport {
+namespace {
+
+/// The factory, of which null pointers and exceptions come as Errors; at the first argument's place, if it has one.
+template <class Value, class First, class... Rest>
+std::function<Result<Value>(First, Rest...)> guarded(std::function<Result<Value>(First, Rest...)> factory,
+                                                     const std::string& what) {
+    return [factory = std::move(factory), what](First first, Rest... rest) -> Result<Value> {
+        SourceLocation place;
+        if constexpr (requires { place = first.location; }) place = first.location;
+        const auto failed = [&](const std::string& how) { return error_at(place, "the plugin's " + what + " " + how); };
+        try {
+            Result<Value> made = factory(std::forward<First>(first), std::forward<Rest>(rest)...);
+            if constexpr (requires { *made == nullptr; })
+                if (made && *made == nullptr) return failed("came as a null pointer; expected an object or an Error");
+            return made;
+        } catch (const std::bad_alloc&) { throw; } catch (const std::exception& error) {
+            return failed(std::string("could not be made: ") + error.what());
+        } catch (...) { return failed("could not be made: it threw something that is no std::exception"); }
+    };
+}
+
+}  // namespace
 
 PluginHost::PluginHost(std::vector<PluginEntry> taken) : taken_(std::move(taken)) {}
 
@@ -17,8 +40,9 @@ void PluginHost::add(Registry<Factory>& registry, typename Registry<Factory>::En
         return other.kind == registry.kind() && other.name == entry.name;
     };
     const std::string what = registry.kind() + " '" + entry.name + "'";
+    constexpr bool is_channel = std::is_same_v<Factory, display::ChannelDefinition>;  // it is its own definition
     bool makes_something = true;
-    if constexpr (!std::is_same_v<Factory, display::ChannelDefinition>) makes_something = bool(entry.factory);
+    if constexpr (!is_channel) makes_something = bool(entry.factory);
     if (entry.name.empty() || !makes_something) return refuse("its " + what + " has no name or no factory");
     if (std::any_of(taken_.begin(), taken_.end(), same))
         return refuse("another plugin has registered the " + what + " already");
@@ -26,6 +50,7 @@ void PluginHost::add(Registry<Factory>& registry, typename Registry<Factory>::En
     entries_.push_back(
         {registry.kind(), entry.name, entry.help, entry.parameters, registry.find(entry.name) != nullptr});
     undo_.emplace_back([&registry, before = registry] { registry = before; });
+    if constexpr (!is_channel) entry.factory = guarded(std::move(entry.factory), what);
     registry.add(std::move(entry));
 }
 

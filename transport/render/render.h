@@ -179,6 +179,7 @@ struct RenderOutput {
     std::unique_ptr<const display::BandedImage> bands;
     std::vector<display::RowRange> buckets;                ///< whose files are there
     std::uint64_t rejected_block_sums = 0;                 ///< FrameBuffer::rejected_count(), of all buckets
+    double light_magnitude = 0;                            ///< FrameBuffer::light_magnitude(), the largest of all
     std::vector<geoaovs::Cryptomatte> cryptomatte;         ///< as RenderSettings::cryptomatte asks for
     display::ChannelId beauty = display::invalid_channel;  ///< id in frame_buffer.channels(); LPEs and AOVs follow it
     RenderStatistics statistics;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "display/services/short_number.h"
+
 namespace raylex::transport {
 
 double ShutterSpan::time_of(double u) const {
@@ -19,8 +21,8 @@ Result<ShutterSpan> shutter_span(const SceneDescription& scene) {
     if (!std::isfinite(*open) || !std::isfinite(*close))
         return error_at(scene.camera.location, "'shutteropen' and 'shutterclose' must be finite");
     if (!(start < end) || !std::isfinite(end - start))
-        return error_at(scene.camera.location, "the times of transformations are " + std::to_string(start) + " and " +
-                                                   std::to_string(end) + "; expected the earlier one first");
+        return error_at(scene.camera.location, "the times of transformations are " + short_number(start, 6) + " and " +
+                                                   short_number(end, 6) + "; expected the earlier one first");
     ShutterSpan span;
     span.swapped = *open > *close;
     span.open = (std::min(*open, *close) - start) / (end - start);

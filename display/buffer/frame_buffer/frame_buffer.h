@@ -134,6 +134,9 @@ class FrameBuffer final : public PixelImage {
     [[nodiscard]] std::uint64_t sample_count(int x, int y) const;
     [[nodiscard]] std::uint64_t rejected_count() const;              ///< block sums out of range or not finite, in all
     [[nodiscard]] std::uint64_t rejected_count(ChannelId id) const;  ///< of one channel
+    /// The largest magnitude of light that a pixel's mean can be the difference of, where filter weights may be
+    /// negative and cancel; 0 where they are not. A double's rounding of that is what sums of layers may be off by.
+    [[nodiscard]] double light_magnitude() const;
 
     using PixelImage::resolve;
     using PixelImage::resolve_alpha;

@@ -9,7 +9,7 @@ namespace raylex::display {
 namespace {
 
 /// Raise it with every change of what stands in a record, but for planes: those have names.
-constexpr std::uint32_t record_version = 5;
+constexpr std::uint32_t record_version = 6;
 
 /// A binding that no longer fits says that ChannelDefinition has a member which no record holds yet.
 void write_channel(RecordWriter& writer, const ChannelDefinition& definition) {
@@ -116,6 +116,7 @@ void FrameBuffer::append_record(std::string& bytes, int first, int end) const {
     // Counted once, in the band that has the first row.
     for (std::size_t i = 0; i <= storage.channels.size(); ++i)
         writer.number(first == 0 ? storage.rejected[i].load() : std::uint64_t{0});
+    writer.number(storage.largest_light.load());
     visit_planes(storage, [&]<class T>(const std::string& name, const Plane<T>& plane, auto like) {
         writer.text(name);
         const std::span<const T> values = of_rows(plane.values());
@@ -162,6 +163,7 @@ Status FrameBuffer::place(const FrameBuffer& band) {
         Channel::for_each_plane(
             [&](const char*, auto plane) { put(mine.channels[i].*plane, theirs.channels[i].*plane); });
     for (std::size_t i = 0; i <= mine.channels.size(); ++i) mine.rejected[i].fetch_add(theirs.rejected[i].load());
+    mine.note_light(theirs.largest_light.load());
     return success();
 }
 
@@ -188,6 +190,7 @@ Result<FrameBuffer> FrameBuffer::from_record(std::string_view bytes) {
     if (!buffer) return buffer.error();
     Storage& storage = *buffer->storage_;
     for (std::size_t i = 0; i <= channels.size(); ++i) storage.rejected[i].store(reader.number<std::uint64_t>());
+    storage.note_light(reader.number<double>());
     visit_planes(storage, [&]<class T>(const std::string& name, Plane<T>& plane, auto like) {
         if (reader.text() != name) reader.fail();
         if constexpr (std::is_same_v<T, Int128>) reader.sums(plane.values(), like);

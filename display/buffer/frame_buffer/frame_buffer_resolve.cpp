@@ -51,6 +51,41 @@ std::uint64_t FrameBuffer::rejected_count(ChannelId id) const {
     return storage_->rejected[static_cast<std::size_t>(id)].load();
 }
 
+/// Channels that sets stand for have the same sums as others, whatever these are rounded to.
+void FrameBuffer::Storage::note_lights(const SampleTable& table, std::span<const double> weights) {
+    double heaviest = 0;
+    bool negative = kernel && kernel->has_negative_lobes();
+    for (const double each : weights) {
+        heaviest = std::max(heaviest, std::abs(each));
+        negative = negative || each < 0;
+    }
+    if (!negative) return;
+    if (kernel) heaviest *= std::abs(static_cast<double>(kernel->evaluate(0, 0)));
+    for (const Accumulator& each : std::span(accumulators).first(own_accumulators)) {
+        if (definitions[each.channel].style != ChannelStyle::expression || !table.touched(ChannelId(each.from)))
+            continue;
+        const std::span values(table.values(ChannelId(each.from)),
+                               static_cast<std::size_t>(table.row_count()) * each.components);
+        double largest = 0;
+        for (const double value : values) largest = std::max(largest, std::abs(value));
+        note_light(heaviest * largest);
+    }
+}
+
+double FrameBuffer::light_magnitude() const {
+    const Storage& storage = *storage_;
+    const double largest = storage.largest_light.load();
+    if (largest == 0) return 0;
+    // What a mean is divided by is less than the number of its samples where weights cancel.
+    double most = 1;
+    for (std::size_t pixel = 0; pixel < storage.samples.size(); ++pixel)
+        if (storage.weight[pixel] != 0)
+            most = std::max(most, static_cast<double>(storage.samples[pixel]) /
+                                      std::abs(static_cast<double>(
+                                          to_long_double(storage.weight[pixel], storage.layout.quantum_exponent))));
+    return largest * most;
+}
+
 std::vector<double> FrameBuffer::resolve(ChannelId id, const PixelRegion& region) const {
     const Storage& storage = *storage_;
     const Channel& channel = storage.channels[static_cast<std::size_t>(id)];
@@ -135,6 +170,7 @@ Status FrameBuffer::merge(const FrameBuffer& other) {
         else Channel::for_each_plane([&](const char*, auto plane) { add_plane(to.*plane, from.*plane, i); });
     }
     for (std::size_t i = 0; i <= mine.channels.size(); ++i) mine.rejected[i].fetch_add(theirs.rejected[i].load());
+    mine.note_light(theirs.largest_light.load());
     return success();
 }
 

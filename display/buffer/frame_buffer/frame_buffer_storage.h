@@ -164,6 +164,13 @@ struct FrameBuffer::Storage {
     Plane<Int128> even_weight, odd_weight;
     Plane<std::uint64_t> light_paths;                        // one number: how many the raster splats are of
     std::unique_ptr<std::atomic<std::uint64_t>[]> rejected;  // [channel], the last entry for weight and alpha
+    std::atomic<double> largest_light{0};  // |weight x value| of a sample, of filters with negative lobes alone
+
+    void note_light(double magnitude) {
+        for (double known = largest_light.load(); magnitude > known;)
+            if (largest_light.compare_exchange_weak(known, magnitude)) return;
+    }
+    void note_lights(const SampleTable& table, std::span<const double> weights);
 
     /// The same list for what all channels share.
     template <class Visit>

@@ -130,6 +130,7 @@ struct AtlasVerdict {
     std::size_t words = 0;
     bool holds = false;
 };
-Result<AtlasVerdict> check_atlas(AtlasSource& source);
+/// `magnitude`: of light_magnitude (stored_precision.h), 2^-45 of which comes on top.
+Result<AtlasVerdict> check_atlas(AtlasSource& source, double magnitude = 0);
 
 }  // namespace raylex::display

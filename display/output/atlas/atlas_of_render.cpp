@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "display/output/atlas/atlas_file.h"
+#include "display/output/splits/stored_precision.h"
 
 namespace raylex::display {
 namespace {
@@ -105,7 +106,7 @@ std::unique_ptr<AtlasSource> atlas_of_render(const PathAtlas& atlas, const WordA
     return std::make_unique<RenderAtlas>(atlas, alphabet, image, beauty, negative);
 }
 
-Result<AtlasVerdict> check_atlas(AtlasSource& source) {
+Result<AtlasVerdict> check_atlas(AtlasSource& source, double magnitude) {
     AtlasVerdict verdict;
     verdict.words = source.table().words.size();
     AtlasRow row;
@@ -122,7 +123,7 @@ Result<AtlasVerdict> check_atlas(AtlasSource& source) {
                     whole += std::abs(value);
                 }
                 const double error = std::abs(sum - static_cast<double>(row.rgba[x][c]));
-                exceeds = exceeds || !(error <= 0x1p-23 * whole);
+                exceeds = exceeds || !(error <= 0x1p-23 * whole + cancelled_unit * magnitude);
                 if (const double relative = whole > 0 ? error / whole : 0; relative > verdict.largest) {
                     verdict.largest = relative;
                     verdict.x = static_cast<int>(x);

@@ -117,8 +117,11 @@ Result<WordTable> read_table(const std::map<std::string, std::string>& attribute
     if (!rules) return rules.error();
     table.rules = *rules;
     const std::string length = text("atlas/length");
-    if (std::from_chars(length.data(), length.data() + length.size(), table.rules.length).ec != std::errc())
-        return damaged_table(path, "'" + length + "' in atlas/length is no number");
+    const char* const end_of_length = length.data() + length.size();
+    if (std::from_chars(length.data(), end_of_length, table.rules.length).ptr != end_of_length ||
+        table.rules.length < 0 || table.rules.length > WordRules::most_length)
+        return damaged_table(
+            path, "'" + length + "' in atlas/length is no length from 0 to " + std::to_string(WordRules::most_length));
     auto events = lpe::parse_events(text("atlas/events"));
     if (!events) return damaged_table(path, "atlas/events does not read: " + events.error().message);
     table.events = *std::move(events);

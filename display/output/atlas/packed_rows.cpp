@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <mutex>
 #include <numeric>
 #include <utility>
@@ -75,11 +76,14 @@ class PackedRows::File {
     ~File() { exr_finish(&context); }
 
     std::string path;
+    std::uint64_t size = 0;
     exr_context_t context = nullptr;
 };
 
 struct PackedRows::Impl {
     Status find_channels();
+    /// Where a row stands, which is all in the file; what is read of it later is not looked at.
+    [[nodiscard]] Status find(int y, exr_chunk_info_t& chunk) const;
     [[nodiscard]] Status check(const exr_chunk_info_t& chunk) const;
     void place_planes(Row& row) const;
 
@@ -87,6 +91,7 @@ struct PackedRows::Impl {
     int part = 0;
     bool deep = false, packed = false;
     std::size_t width = 0;
+    int first = 0, last = 0;  // rows
     std::vector<Channel> channels;
 };
 
@@ -113,6 +118,8 @@ Status PackedRows::Impl::find_channels() {
     if (deep && !packed)
         return row_error(path, "its deep rows are not packed; expected rle, as raylex writes them, or zips");
     width = static_cast<std::size_t>(std::int64_t{window.max.x} - window.min.x + 1);
+    first = window.min.y;
+    last = window.max.y;
     for (int i = 0; i < list->num_channels; ++i) {
         const exr_attr_chlist_entry_t& entry = list->entries[i];
         if (entry.x_sampling != 1 || entry.y_sampling != 1) return damaged(path, "a channel skips pixels");
@@ -139,6 +146,8 @@ PackedRows::~PackedRows() = default;
 Result<std::shared_ptr<const PackedRows::File>> PackedRows::open_file(const std::string& path) {
     auto file = std::make_shared<File>();
     file->path = path;
+    std::error_code failed;
+    file->size = std::filesystem::file_size(path, failed);
     exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
     how.error_handler_fn = say_nothing;
     how.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
@@ -154,6 +163,10 @@ Result<std::unique_ptr<PackedRows>> PackedRows::open(std::shared_ptr<const File>
     impl->file = std::move(file);
     impl->part = part;
     if (Status found = impl->find_channels(); !found) return found.error();
+    // All rows, whichever a question reads: an answer from a file that is cut would be one without a word about it.
+    exr_chunk_info_t chunk{};
+    for (int y = impl->first; y <= impl->last; ++y)
+        if (Status found = impl->find(y, chunk); !found) return found.error();
     return std::unique_ptr<PackedRows>(new PackedRows(std::move(impl)));
 }
 
@@ -169,6 +182,8 @@ int PackedRows::plane(const std::string& name, Type type) const {
 
 /// What OpenEXR 3.1.5's core takes from a row's leader without a look, and then leaves memory as it was.
 Status PackedRows::Impl::check(const exr_chunk_info_t& chunk) const {
+    if (chunk.data_offset > file->size || chunk.packed_size > file->size - chunk.data_offset)
+        return damaged(file->path, "a row ends behind it");
     if (chunk.unpacked_size > std::min(most_row_bytes, most_packing * chunk.packed_size))
         return damaged(file->path, "a row claims more than any has");
     if (!packed && chunk.packed_size != chunk.unpacked_size)
@@ -178,14 +193,18 @@ Status PackedRows::Impl::check(const exr_chunk_info_t& chunk) const {
     return success();
 }
 
+Status PackedRows::Impl::find(int y, exr_chunk_info_t& chunk) const {
+    if (const exr_result_t result = exr_read_scanline_chunk_info(file->context, part, y, &chunk);
+        result != EXR_ERR_SUCCESS)
+        return damaged(file->path, exr_get_default_error_message(result));
+    return check(chunk);
+}
+
 Status PackedRows::read(int y, Row& row) const {
     const Impl& impl = *impl_;
     const std::string& path = impl.file->path;
     exr_chunk_info_t chunk{};
-    if (const exr_result_t result = exr_read_scanline_chunk_info(impl.file->context, impl.part, y, &chunk);
-        result != EXR_ERR_SUCCESS)
-        return damaged(path, exr_get_default_error_message(result));
-    if (Status good = impl.check(chunk); !good) return good;
+    if (Status good = impl.find(y, chunk); !good) return good;
     Decoder decoder(impl.file->context, impl.part, chunk);
     if (const exr_result_t result = decoder.run(); result != EXR_ERR_SUCCESS)
         return damaged(path, exr_get_default_error_message(result));

@@ -16,6 +16,7 @@
 #include "display/output/color/primaries.h"
 #include "display/output/color/shipped_config.h"
 #include "display/services/parameters.h"
+#include "display/services/thread_or_none.h"
 #include "lpe/read_input.h"
 
 namespace ocio = OCIO_NAMESPACE;
@@ -93,7 +94,13 @@ void in_parallel(std::size_t count, const std::function<void(std::size_t, std::s
     const std::size_t worthwhile = count / 65536 + 1;
     const std::size_t threads = std::min<std::size_t>(std::max(1u, std::thread::hardware_concurrency()), worthwhile);
     std::vector<std::thread> others;
-    for (std::size_t i = 1; i < threads; ++i) others.emplace_back(part, count * i / threads, count * (i + 1) / threads);
+    for (std::size_t i = 1; i < threads; ++i) {
+        const auto work = [&, i] { part(count * i / threads, count * (i + 1) / threads); };
+        others.push_back(thread_or_none(work));
+        if (others.back().joinable()) continue;
+        others.pop_back();
+        work();
+    }
     part(0, count / threads);
     for (std::thread& each : others) each.join();
 }

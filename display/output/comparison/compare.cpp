@@ -95,6 +95,8 @@ Result<LayerPair> LayerPair::make(const ExrImage& image, const ExrImage& referen
                                              std::to_string(image.height) + " pixels; expected " +
                                              std::to_string(reference.width) + " x " +
                                              std::to_string(reference.height) + " as in " + reference.path);
+    if (image.width <= 0 || image.height <= 0)
+        return compare_error(image.path, "the image has no pixels; expected at least one");
     const Result<const ImageLayer*> a = comparable_layer(image, layer), b = comparable_layer(reference, layer);
     if (!a) return a.error();
     if (!b) return b.error();

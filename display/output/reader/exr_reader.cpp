@@ -324,7 +324,9 @@ Result<ExrImage> ExrBands::read(const RowRange& rows) const {
                 parts[i] = read_part(*file_->handles[thread], file_->flat[i], rows);
         };
         std::vector<std::future<void>> readers;
-        for (std::size_t i = 1; i < threads; ++i) readers.push_back(std::async(std::launch::async, read, i));
+        // Where no thread can start, get() reads.
+        const auto when = std::launch::async | std::launch::deferred;
+        for (std::size_t i = 1; i < threads; ++i) readers.push_back(std::async(when, read, i));
         read(0);
         for (std::future<void>& reader : readers) reader.get();
         ExrImage image;

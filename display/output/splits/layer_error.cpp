@@ -168,6 +168,7 @@ std::string bound_reason(const std::vector<LayerPlanes>& all, const LayerSum& su
     name(single, "float, 2^-23");
     name(pxr24, "float packed by PXR24, 2^-15");
     name(half, "half, 2^-10");
+    if (rules.cancelled > 0) text += "; samples that cancel, 2^-45 each";
     const int operations = sum.additions + sum.products;
     if (rules.working_unit > 0 && operations > 0)
         text += "; " + std::to_string(operations) + (operations == 1 ? " operation" : " operations") +
@@ -243,9 +244,12 @@ Result<SplitVerdict> judge_sum(const ExrImage& image, const ImageLayer& of, cons
     for (const ImagePlane* plane : *whole) unit = std::max(unit, precision_of(*plane).unit);
     const std::size_t pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
     VerdictTally tally(image.width, pixels, unit, rules.allowance, true);
+    NegativeValues signs;
+    std::vector<bool> clamped;
     planes.push_back(*whole);
     names.push_back(name_of(of));
-    NegativeValues signs;
+    for (const LayerPlanes& each : planes)
+        for (const ImagePlane* plane : each) mark_clamped(plane->values, plane->stored, clamped);
     Values target;
     std::vector<std::array<SplitError, 3>> errors(block);
     for (std::size_t first = 0; first < pixels; first += block) {
@@ -257,17 +261,17 @@ Result<SplitVerdict> judge_sum(const ExrImage& image, const ImageLayer& of, cons
             const Values& found = arithmetic.evaluate(c, first, count);
             for (std::size_t i = 0; i < count; ++i) {
                 const double scale = found.magnitude[i] + target.magnitude[i];
-                errors[i][c] = {
-                    std::abs(found.value[i] - target.value[i]),
-                    scale,
-                    found.rounding[i] + target.rounding[i],
-                    found.allowed[i] + target.allowed[i] + rules.allowance.absolute + rules.allowance.relative * scale,
-                    found.value[i],
-                    target.value[i],
-                    negative[i]};
+                errors[i][c] = {std::abs(found.value[i] - target.value[i]),
+                                scale,
+                                found.rounding[i] + target.rounding[i] + rules.cancelled,
+                                found.allowed[i] + target.allowed[i] + rules.cancelled + rules.allowance.absolute +
+                                    rules.allowance.relative * scale,
+                                found.value[i],
+                                target.value[i],
+                                negative[i]};
             }
         }
-        for (std::size_t i = 0; i < count; ++i) tally.add(first + i, errors[i]);
+        for (std::size_t i = 0; i < count; ++i) tally.add(first + i, errors[i], !clamped.empty() && clamped[first + i]);
     }
     SplitVerdict verdict = tally.finish();
     verdict.of = name_of(of);

@@ -10,6 +10,7 @@ namespace raylex::display {
 struct SumRules {
     /// What one addition or product costs whoever made the image, relative: 2^-24 in float, 0 where sums are exact.
     double working_unit = 0x1p-24;
+    double cancelled = 0;  ///< what rounding of samples costs whose weights cancel: stored_precision.h
     Allowance allowance;
 };
 

@@ -6,6 +6,7 @@
 #include "display/output/splits/layer_arithmetic.h"
 #include "display/output/splits/layer_error.h"
 #include "display/output/splits/split_sum.h"
+#include "display/output/splits/stored_precision.h"
 
 namespace raylex::display {
 
@@ -24,6 +25,10 @@ double working_unit(const ExrImage& image) {
         return attribute.first.starts_with("raylex/") || attribute.first.starts_with("lpe/");
     });
     return ours ? 0.0 : 0x1p-24;
+}
+
+double cancelled(const ExrImage& image) {
+    return cancelled_unit * light_magnitude_of(image.attributes);
 }
 
 }  // namespace
@@ -54,7 +59,7 @@ Result<SplitVerdict> check_split(const ExrImage& image, const std::string& of, c
     if (!whole) return std::move(whole).error();
     Result<LayerSum> sum = parse_sum(image, **whole, sums);
     if (!sum) return std::move(sum).error();
-    return judge_sum(image, **whole, *sum, {working_unit(image), allowance});
+    return judge_sum(image, **whole, *sum, {working_unit(image), cancelled(image), allowance});
 }
 
 Result<std::vector<SplitVerdict>> check_declared_splits(const ExrImage& image, const Allowance& allowance) {
@@ -75,7 +80,8 @@ Result<std::vector<SplitVerdict>> check_declared_splits(const ExrImage& image, c
             if (!layer) return located(std::move(layer).error());
             layers.push_back(*layer);
         }
-        Result<SplitVerdict> verdict = judge_sum(image, **whole, sum_of_layers(layers), {0.0, allowance});
+        Result<SplitVerdict> verdict =
+            judge_sum(image, **whole, sum_of_layers(layers), {0.0, cancelled(image), allowance});
         if (!verdict) return located(std::move(verdict).error());
         verdict->partition = partition.name;
         verdicts.push_back(std::move(*verdict));

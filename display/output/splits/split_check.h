@@ -52,8 +52,9 @@ struct SplitVerdict {
     std::vector<std::string> unexplained;       ///< lossy compressions that nothing is allowed for
     std::size_t past_rounding = 0;              ///< pixels that hold only as allowed
     std::size_t non_finite = 0, exceeding = 0;  ///< pixels; exceeding: past what is allowed
-    int non_finite_x = 0, non_finite_y = 0;     ///< the first one that is not finite
-    std::string non_finite_layer;  ///< and the layer that it is in, empty for values that overflow together
+    std::size_t clamped = 0;  ///< pixels with a value at the largest number of its type: what it was is not in the file
+    int non_finite_x = 0, non_finite_y = 0;  ///< the first one that is not finite
+    std::string non_finite_layer;            ///< and the layer that it is in, empty for values that overflow together
     SplitAnswer answer = SplitAnswer::does_not_hold;
     bool holds = false;  ///< to rounding or as allowed
     /// Where it does not hold the sum is too small, and no value there is negative: light that no layer has.

@@ -33,8 +33,21 @@ VerdictTally::VerdictTally(int width, std::size_t pixels, double unit, const All
     if (with_residual) verdict_.residual.resize(pixels);
 }
 
-void VerdictTally::add(std::size_t pixel, const std::array<SplitError, 3>& components) {
+void mark_clamped(std::span<const float> values, StoredType type, std::vector<bool>& clamped) {
+    const float largest = largest_of(type);
+    bool any = false;
+    for (const float value : values) any |= std::abs(value) == largest;
+    if (!any) return;
+    clamped.resize(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) clamped[i] = clamped[i] || std::abs(values[i]) == largest;
+}
+
+void VerdictTally::add(std::size_t pixel, std::array<SplitError, 3> components, bool clamped) {
     SplitVerdict& verdict = verdict_;
+    verdict.clamped += clamped ? 1 : 0;
+    if (clamped)
+        for (SplitError& here : components)
+            if (std::isfinite(here.absolute)) here.absolute = std::max(0.0, std::abs(here.whole) - std::abs(here.sum));
     const int x = static_cast<int>(pixel % static_cast<std::size_t>(width_)),
               y = static_cast<int>(pixel / static_cast<std::size_t>(width_));
     bool finite = true, past = false, exceeds = false;
@@ -83,7 +96,7 @@ SplitVerdict VerdictTally::finish() {
     return std::move(verdict_);
 }
 
-SplitSum::SplitSum(int width, int height) : width_(width) {
+SplitSum::SplitSum(int width, int height, double cancelled) : width_(width), spacing_(cancelled) {
     const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     for (std::size_t c = 0; c < 3; ++c) {
         sum_[c].resize(count);
@@ -91,7 +104,8 @@ SplitSum::SplitSum(int width, int height) : width_(width) {
     }
 }
 
-void SplitSum::note_types(const SplitLayer& layer) {
+void SplitSum::note(const SplitLayer& layer) {
+    for (std::size_t c = 0; c < 3; ++c) mark_clamped(layer.planes[c], layer.types[c], clamped_);
     double spacing = 0;
     for (const StoredType type : layer.types) {
         const StoredPrecision precision = precision_of(type);
@@ -102,7 +116,7 @@ void SplitSum::note_types(const SplitLayer& layer) {
 }
 
 void SplitSum::add(const SplitLayer& layer) {
-    note_types(layer);
+    note(layer);
     for (std::size_t c = 0; c < 3; ++c) {
         double* sum = sum_[c].data();
         double* scale = scale_[c].data();
@@ -116,7 +130,7 @@ void SplitSum::add(const SplitLayer& layer) {
 }
 
 void SplitSum::add_whole(const SplitLayer& layer) {
-    note_types(layer);
+    note(layer);
     for (std::size_t c = 0; c < 3; ++c) whole_[c].assign(layer.planes[c].begin(), layer.planes[c].end());
 }
 
@@ -130,7 +144,7 @@ SplitVerdict SplitSum::verdict(bool with_residual) const {
             const double scale = scale_[c][pixel] + std::abs(whole), rounding = unit_ * scale + spacing_;
             errors[c] = {std::abs(sum - whole), scale, rounding, rounding, sum, whole};
         }
-        tally.add(pixel, errors);
+        tally.add(pixel, errors, !clamped_.empty() && clamped_[pixel]);
     }
     return tally.finish();
 }
@@ -162,6 +176,7 @@ void add_rows(SplitVerdict& verdict, const SplitVerdict& below, int first_row) {
     verdict.past_rounding += below.past_rounding;
     verdict.non_finite += below.non_finite;
     verdict.exceeding += below.exceeding;
+    verdict.clamped += below.clamped;
     verdict.answer = std::max(verdict.answer, below.answer);
     verdict.holds = verdict.holds && below.holds;
     verdict.residual.insert(verdict.residual.end(), below.residual.begin(), below.residual.end());
@@ -171,9 +186,10 @@ std::string verdict_attribute(const SplitVerdict& verdict, std::size_t layer_cou
     std::array<char, 256> text{};
     std::snprintf(text.data(), text.size(),
                   "%s; largest relative error %.3g at (%d, %d), bound %.3g; %zu layers; %zu pixels beyond it, "
-                  "%zu not finite",
+                  "%zu not finite, %zu clamped",
                   verdict.holds ? "holds" : "does not hold", verdict.largest_relative, verdict.relative_x,
-                  verdict.relative_y, verdict.bound, layer_count, verdict.exceeding, verdict.non_finite);
+                  verdict.relative_y, verdict.bound, layer_count, verdict.exceeding, verdict.non_finite,
+                  verdict.clamped);
     return text.data();
 }
 

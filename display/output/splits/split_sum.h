@@ -35,7 +35,8 @@ class VerdictTally {
   public:
     /// `unit`: the largest relative error by rounding.
     VerdictTally(int width, std::size_t pixels, double unit, const Allowance& allowance, bool with_residual);
-    void add(std::size_t pixel, const std::array<SplitError, 3>& components);
+    /// `clamped`: SplitVerdict::clamped; then the sum may be more than the whole.
+    void add(std::size_t pixel, std::array<SplitError, 3> components, bool clamped = false);
     [[nodiscard]] SplitVerdict finish();
 
   private:
@@ -46,7 +47,8 @@ class VerdictTally {
 
 class SplitSum {
   public:
-    SplitSum(int width, int height);
+    /// `cancelled`: SumRules::cancelled.
+    SplitSum(int width, int height, double cancelled = 0);
     /// A layer of the sum. Its planes must have width x height values.
     void add(const SplitLayer& layer);
     /// The layer that is split; exactly one.
@@ -58,13 +60,17 @@ class SplitSum {
     static constexpr std::size_t bytes_per_pixel = 3 * (2 * sizeof(double) + sizeof(float));
 
   private:
-    void note_types(const SplitLayer& layer);
+    void note(const SplitLayer& layer);
     int width_ = 0;
-    double unit_ = 0;     // u
-    double spacing_ = 0;  // of subnormal numbers, summed over all values of a pixel's component
+    double unit_ = 0;  // u
+    double spacing_;   // of subnormal numbers, summed over all values of a pixel's component, and what cancelled
     std::array<std::vector<double>, 3> sum_, scale_;
     std::array<std::vector<float>, 3> whole_;
+    std::vector<bool> clamped_;  // [pixel] empty while none is
 };
+
+/// Marks the pixels of which a value stands at the largest number of its type; makes `clamped` for the first.
+void mark_clamped(std::span<const float> values, StoredType type, std::vector<bool>& clamped);
 
 /// Adds the verdict on rows further down, [first_row, ...), to that on the rows above them.
 void add_rows(SplitVerdict& verdict, const SplitVerdict& below, int first_row);

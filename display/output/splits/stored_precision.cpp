@@ -1,6 +1,8 @@
 #include "display/output/splits/stored_precision.h"
 
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 
 #include "display/services/elementary.h"
 
@@ -20,6 +22,16 @@ double from_dwa(double y) {
 StoredPrecision precision_of(StoredType type) {
     if (type == StoredType::half_float) return {0x1p-10, 0x1p-24, 0};
     return {0x1p-23, 0x1p-149, 0};
+}
+
+double light_magnitude_of(const std::map<std::string, std::string>& attributes) {
+    const auto found = attributes.find(light_magnitude);
+    const double magnitude = found == attributes.end() ? 0 : std::strtod(found->second.c_str(), nullptr);
+    return std::isfinite(magnitude) && magnitude > 0 ? magnitude : 0;
+}
+
+float largest_of(StoredType type) {
+    return type == StoredType::half_float ? 65504.0f : std::numeric_limits<float>::max();
 }
 
 StoredPrecision precision_of(const ImagePlane& plane) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <string>
 
 #include "display/output/reader/exr_reader.h"
 
@@ -19,6 +21,15 @@ struct StoredPrecision {
 };
 
 [[nodiscard]] StoredPrecision precision_of(StoredType type);
+/// Header attribute of images whose filter weights may cancel: the magnitude of light that a pixel's mean can be the
+/// difference of. Layers and beauty are sums in double of up to some hundred such terms, rounded each for itself: they
+/// differ by up to 2^-45 of it, where neither they nor the layers' values show it.
+inline constexpr const char* light_magnitude = "raylex/light_magnitude";
+inline constexpr double cancelled_unit = 0x1p-45;
+/// 0 where the header does not have it, or no positive number.
+[[nodiscard]] double light_magnitude_of(const std::map<std::string, std::string>& attributes);
+/// The largest number of the type, which writers store in place of larger ones.
+[[nodiscard]] float largest_of(StoredType type);
 [[nodiscard]] StoredPrecision precision_of(const ImagePlane& plane);
 
 /// How far DWA moves a value on its own scale, x^(1/2.2) up to 1 and 1 + ln(x) / 2.2 above. It quantises the cosine

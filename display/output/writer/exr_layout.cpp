@@ -117,6 +117,9 @@ bool is_declared(std::span<const ChannelDefinition> channels, ChannelId beauty, 
 Status check_channel_names(std::span<const ChannelDefinition> channels, ChannelId beauty) {
     if (channels.empty())
         return layout_error("there is nothing to write: no channel; expected beauty or at least one more");
+    if (channels.size() > most_layers)
+        return layout_error("there are " + std::to_string(channels.size()) + " layers; expected at most " +
+                            std::to_string(most_layers) + " in a file, each of which takes memory beside its pixels");
     std::set<std::string> names;
     if (has_beauty(channels, beauty)) names = {"rgba", "beauty"};
     for (std::size_t i = 0; i < channels.size(); ++i) {

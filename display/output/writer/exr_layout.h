@@ -18,6 +18,8 @@ struct PlannedPart {
     std::map<std::string, std::string> attributes;
 };
 
+/// Of a file; a part of OpenEXR's takes 60 kB in memory while it is written, whatever its pixels.
+inline constexpr std::size_t most_layers = 4096;
 /// The part of check_exr_layout without which no file can be written.
 Status check_channel_names(std::span<const ChannelDefinition> channels, ChannelId beauty);
 

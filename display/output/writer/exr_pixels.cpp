@@ -7,6 +7,8 @@
 
 #include <half.h>
 
+#include "display/output/splits/stored_precision.h"
+
 namespace raylex::display {
 
 namespace {
@@ -71,9 +73,8 @@ PartPixels data_pixels(const DataPart& data, const PixelRegion& rows) {
 }  // namespace
 
 float Repairs::to_stored(double value, float miss, StoredType type) {
-    constexpr double largest_half = 65504;
     const bool is_half = type == StoredType::half_float;
-    const double largest = is_half ? largest_half : static_cast<double>(std::numeric_limits<float>::max());
+    const auto largest = static_cast<double>(largest_of(type));
     if (std::abs(value) <= largest) {
         const auto rounded = static_cast<float>(value);
         return is_half ? static_cast<float>(half(rounded)) : rounded;
@@ -105,13 +106,14 @@ PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, 
     return result;
 }
 
-// Light is summed in fixed point, so it is finite and within float; what is picked (depth, normals) is whatever was
-// written, and halves end at 65504.
+// Light is summed in fixed point, so it is finite, and within float but where its scale is large; what is picked
+// (depth, normals) is whatever was written, and halves end at 65504.
 bool may_need_repair(const PixelImage& frame_buffer, const PlannedPart& part) {
     if (part.data != nullptr) return false;
     const ChannelDefinition& channel = definition_of(frame_buffer, part);
     if (channel.type == ChannelType::integer) return false;
-    return part.storage.type == StoredType::half_float ||
+    constexpr int largest_in_float = 127 - 47;  // sums end at 2^(47 + scale): see frame_buffer.h
+    return part.storage.type == StoredType::half_float || channel.scale_exponent > largest_in_float ||
            (channel.rule != FilterRule::filter && channel.rule != FilterRule::average &&
             channel.rule != FilterRule::sum);
 }

@@ -22,6 +22,7 @@
 #include <ImfThreading.h>
 
 #include "display/buffer/frame_buffer/banded_image.h"
+#include "display/output/splits/stored_precision.h"
 #include "display/output/writer/exr_header.h"
 #include "display/output/writer/exr_layout.h"
 #include "display/output/writer/exr_pixels.h"
@@ -34,7 +35,9 @@ namespace {
 class WrittenSplits {
   public:
     WrittenSplits(const PixelImage& frame_buffer, ChannelId beauty, const ImageDescription& description)
-        : frame_buffer_(frame_buffer), beauty_(beauty) {
+        : frame_buffer_(frame_buffer),
+          beauty_(beauty),
+          cancelled_(cancelled_unit * light_magnitude_of(description.attributes)) {
         for (std::size_t i = 0; i < description.partitions.size(); ++i)
             if (is_declared(frame_buffer.channels(), beauty, description.partitions[i]))
                 splits_.push_back({i, description.partitions[i], {}, {}, {}});
@@ -42,7 +45,7 @@ class WrittenSplits {
 
     /// What is taken from now on is of these rows, until the band ends.
     void begin_band(const PixelRegion& rows) {
-        for (Split& split : splits_) split.sum.emplace(rows.width(), rows.height());
+        for (Split& split : splits_) split.sum.emplace(rows.width(), rows.height(), cancelled_);
     }
     void end_band(const PixelRegion& rows) {
         for (Split& split : splits_) {
@@ -118,6 +121,7 @@ class WrittenSplits {
     }
     const PixelImage& frame_buffer_;
     ChannelId beauty_;
+    double cancelled_;
     std::vector<Split> splits_;
 };
 
@@ -254,7 +258,7 @@ void write_parts(AtomicFile& file, const PixelImage& frame_buffer, ChannelId bea
     const std::vector<Imf::Header> headers = headers_of(parts, layout, description);
     const bool quick = is_quick(parts, layout.width);
     const int threads = quick ? 0 : encoder_threads(parts, layout.width).count;
-    const auto when = quick ? std::launch::deferred : std::launch::async;
+    const auto when = quick ? std::launch::deferred : std::launch::async | std::launch::deferred;
     WrittenSplits splits(frame_buffer, beauty, description);
     HeaderRecorder stream(file);
     {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "display/output/atomic_file.h"
+#include "display/output/splits/stored_precision.h"
 #include "experiments/atlas/scene_record.h"
 #include "experiments/cli/render/rescue.h"
 
@@ -77,7 +78,7 @@ Result<std::optional<display::AtlasVerdict>> AtlasOutput::judge() const {
     auto file = display::AtlasFile::open(request_->file);
     if (!file) return file.error();
     (*file)->read_parts(false);
-    auto verdict = display::check_atlas(**file);
+    auto verdict = display::check_atlas(**file, display::light_magnitude_of((*file)->description().attributes));
     if (!verdict) return verdict.error();
     return std::optional<display::AtlasVerdict>(*verdict);
 }

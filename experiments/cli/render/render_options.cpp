@@ -91,7 +91,7 @@ void add_schedule_options(const OptionGroup& group, RenderOptions& options) {
         .add("--shards", options.shards, "N",
              "with --commands: prints the commands for so many shards, and that which merges them, with the memory, "
              "CPU seconds and cores that each takes")
-        ->check(CLI::Range(1U, 1000000U));
+        ->check(CLI::Range(1U, 100000U));
 }
 
 void add_machine_options(const OptionGroup& group, RenderOptions& options) {

@@ -87,6 +87,7 @@ class RenderRun {
             return calibrate ? success() : Status(error_at({}, "nothing is rendered"));
         };
         const auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
+        if (interrupt_flag().load()) return exit_interrupted;
         if (!output && pixels == 0) return report_error(output.error());
         // What is resident now, with the image and its copy for the limit; a checkpoint, and a record, are such copies.
         estimate.memory_bytes = peak_memory_bytes() + (output ? 1 : 3) * image_bytes;
@@ -402,6 +403,7 @@ class RenderRun {
         auto file = display::ExrBands::open(job_.output);
         if (!file) return report_error(file.error());
         image_ = file->image();
+        if (const std::string repaired = repaired_text(image_); !repaired.empty()) warn(repaired);
         if (!image_.partitions.empty()) {
             auto verdicts = display::check_declared_splits(*file);
             if (!verdicts) return report_error(verdicts.error());

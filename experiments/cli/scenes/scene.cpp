@@ -224,6 +224,7 @@ int search(const SearchOptions& options, const std::vector<std::string>& plugins
                    std::to_string(count(report->skipped)) + " did not apply");
     }
     print_line(report->findings.empty() ? "no violation" : counted(report->findings.size(), "violation"));
+    if (interrupt_flag().load()) return exit_interrupted;
     return report->findings.empty() ? exit_holds : exit_does_not_hold;
 }
 

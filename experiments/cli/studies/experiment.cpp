@@ -213,7 +213,7 @@ void add_merge_options(CLI::App& command, ExperimentMergeOptions& options) {
         .add_option("--shards", options.shards,
                     "merges DIR/1 to DIR/N, all of which must be finished: what 'run --resume --shard' leaves there")
         ->option_text("N")
-        ->check(CLI::Range(1U, 1000000U));
+        ->check(CLI::Range(1U, 100000U));
     command.add_flag("--wait", options.wait,
                      "waits for shards that processes on this machine are at, and ten seconds for one to begin");
     command.add_flag("--replace", options.replace, "takes the place of what was merged to the same directory before");
@@ -242,7 +242,7 @@ void add_plan_options(CLI::App& command, ExperimentOptions& options) {
     command
         .add_option("--shards", options.shards, "with --commands: shards that the cells are shared out to; default 1")
         ->option_text("N")
-        ->check(CLI::Range(1U, 1000000U));
+        ->check(CLI::Range(1U, 100000U));
     add_threads(command, options);
     command.add_flag("--no-calibration", options.commands.no_calibration,
                      "renders nothing: times that only a render can tell are not known");

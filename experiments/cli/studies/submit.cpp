@@ -153,7 +153,7 @@ void add_submit_command(CLI::App& app, CommandContext& context) {
         ->option_text("DIR (required)");
     command->add_option("--shards", options->shards, "tasks that the cells are shared out to")
         ->option_text("N (required)")
-        ->check(CLI::Range(1U, 1000000U));
+        ->check(CLI::Range(1U, 100000U));
     command->add_option("--split-cells", options->split_cells, "renders the samples of each cell in so many parts")
         ->option_text("N")
         ->check(CLI::Range(1U, 4096U));

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <thread>
 
+#include "display/output/splits/stored_precision.h"
+#include "experiments/program/console.h"
 #include "experiments/revision.h"
 #include "transport/math/real.h"
 #include "transport/plugins/plugin_loader.h"
@@ -100,6 +102,7 @@ std::map<std::string, std::string> header_attributes(const Job& job, const trans
     }
     if (const std::uint64_t paths = output.frame_buffer.light_path_count(); paths > 0)
         attributes["raylex/light_paths"] = std::to_string(paths);
+    if (output.light_magnitude > 0) attributes[display::light_magnitude] = number_text(output.light_magnitude);
     if (output.bands) attributes["raylex/buckets"] = std::to_string(output.buckets.size());
     if (job.settings.adaptive) attributes["raylex/adaptive"] = describe(*job.settings.adaptive);
     if (job.effects.any()) attributes["raylex/effects"] = job.effects.text();

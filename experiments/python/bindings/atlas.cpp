@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 
+#include "display/output/splits/stored_precision.h"
 #include "display/output/writer/memory_image.h"
 #include "experiments/atlas/answer.h"
 #include "experiments/atlas/bright_words.h"
@@ -226,10 +227,13 @@ void add_atlas(py::module_& module) {
         .def("_suggest", &suggest, "count"_a)
         .def("_ask", &ask, "channels"_a, "shipped"_a, "light_groups"_a, "intervals"_a, "errors"_a)
         .def("_entries", &entries)
-        .def("_verify",
-             [](Atlas& atlas) {
-                 return atlas.read([](display::AtlasFile& file) { return take(display::check_atlas(file)); });
-             })
+        .def(
+            "_verify",
+            [](Atlas& atlas) {
+                return atlas.read([](display::AtlasFile& file) {
+                    return take(display::check_atlas(file, display::light_magnitude_of(file.description().attributes)));
+                });
+            })
         .def("__repr__", [](const Atlas& atlas) {
             return "Atlas('" + atlas.file().path() + "': " + std::to_string(atlas.file().width()) + "x" +
                    std::to_string(atlas.file().height()) + ", " + std::to_string(atlas.table().words.size()) +

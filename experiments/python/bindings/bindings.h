@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "experiments/python/bindings/calls.h"
 #include "lpe/result.h"
 
 namespace raylex::python {
@@ -54,7 +55,7 @@ inline void take(const Status& status) {
 /// What `work` gives, done while other Python threads run. It must not touch Python objects.
 template <class Work>
 auto unlocked(Work&& work) {
-    const py::gil_scoped_release released;
+    const Unlocked released;
     return work();
 }
 

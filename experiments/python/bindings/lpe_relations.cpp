@@ -96,7 +96,7 @@ void add_answer(py::module_& module) {
 }
 
 void add_proofs(py::module_& module) {
-    module.def("_check", &check, "channels"_a, "of"_a, "what"_a, "words"_a, py::call_guard<py::gil_scoped_release>());
+    module.def("_check", &check, "channels"_a, "of"_a, "what"_a, "words"_a, py::call_guard<Unlocked>());
     module.def("_overview", &overview, "channels"_a, "of"_a, "words"_a);
     module.def(
         "_equal",
@@ -104,7 +104,7 @@ void add_proofs(py::module_& module) {
             const auto sources = sources_of(channels);
             return answer_of(take(lpe::check_equal(sources, words)), sources, "equal", "different");
         },
-        "channels"_a, "words"_a, py::call_guard<py::gil_scoped_release>());
+        "channels"_a, "words"_a, py::call_guard<Unlocked>());
     module.def(
         "_contains",
         [](const ChannelTuple& outer, const ChannelTuple& inner, const lpe::Words& words) {
@@ -112,14 +112,14 @@ void add_proofs(py::module_& module) {
             return answer_of(take(lpe::check_contains(sources[0], sources[1], words)), sources, "contains",
                              "does not contain");
         },
-        "outer"_a, "inner"_a, "words"_a, py::call_guard<py::gil_scoped_release>());
+        "outer"_a, "inner"_a, "words"_a, py::call_guard<Unlocked>());
     module.def(
         "_empty",
         [](const ChannelTuple& channel, const lpe::Words& words) {
             const auto sources = sources_of({channel});
             return answer_of(take(lpe::check_empty(sources[0], words)), sources, "empty", "not empty");
         },
-        "channel"_a, "words"_a, py::call_guard<py::gil_scoped_release>());
+        "channel"_a, "words"_a, py::call_guard<Unlocked>());
 }
 
 lpe::Operation operation_of(const std::string& name) {
@@ -149,8 +149,7 @@ void add_path_sets(py::module_& module) {
             return take(
                 lpe::look_at_paths(operation_of(operation), sources_of(channels), words, {samples, longest_counted}));
         },
-        "operation"_a, "channels"_a, "words"_a, "samples"_a, "longest_counted"_a,
-        py::call_guard<py::gil_scoped_release>());
+        "operation"_a, "channels"_a, "words"_a, "samples"_a, "longest_counted"_a, py::call_guard<Unlocked>());
 }
 
 void add_explanations(py::module_& module) {
@@ -169,7 +168,7 @@ void add_explanations(py::module_& module) {
         [](const ChannelTuple& channel, const lpe::Words& words) {
             return take(lpe::explain(source_of(channel), words));
         },
-        "channel"_a, "words"_a, py::call_guard<py::gil_scoped_release>());
+        "channel"_a, "words"_a, py::call_guard<Unlocked>());
     py::class_<lpe::WhyNot>(module, "WhyNot", "How far a path went well, and what the expression wanted next.")
         .def_readonly("matches", &lpe::WhyNot::matches)
         .def_readonly("live_events", &lpe::WhyNot::live_events,
@@ -182,7 +181,7 @@ void add_explanations(py::module_& module) {
         [](const ChannelTuple& channel, const lpe::Witness& path) {
             return take(lpe::why_not(source_of(channel), path.events));
         },
-        "channel"_a, "path"_a, py::call_guard<py::gil_scoped_release>());
+        "channel"_a, "path"_a, py::call_guard<Unlocked>());
 }
 
 }  // namespace

@@ -7,6 +7,7 @@ PYBIND11_MODULE(_raylex, module) {
     module.attr("version") = raylex::experiments::raylex_version();
     module.attr("revision") = raylex::experiments::raylex_revision();
     module.attr("build") = raylex::experiments::build_description();
+    pybind11::module_::import("atexit").attr("register")(pybind11::cpp_function(&raylex::python::Call::end_all));
     raylex::python::add_errors(module);
     raylex::python::add_lpe(module);
     raylex::python::add_lpe_relations(module);

@@ -18,7 +18,7 @@ namespace raylex::python {
 
 class RunControl {
   public:
-    [[nodiscard]] const std::atomic<bool>& stop_flag() const { return stop_; }
+    [[nodiscard]] std::atomic<bool>& stop_flag() { return stop_; }
     void stop() { stop_.store(true); }
     /// Keeps the exception being handled, if it is the first, and stops. Call it in a catch block.
     void fail_with_current() noexcept {
@@ -57,6 +57,7 @@ class RunControl {
 /// Does `work` on a thread of its own while this one, which holds Python's lock, lets others have it and hears Ctrl-C.
 template <class Work>
 auto watched(const std::shared_ptr<RunControl>& control, Work work) {
+    const Call call(&control->stop_flag());
     auto result = std::async(std::launch::async, [&] {
         const RunControl::Scope scope(control);
         return work();

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "display/output/color/color_manager.h"
+#include "display/services/thread_or_none.h"
 #include "experiments/job/rendering/color_setup.h"
 #include "experiments/program/interrupt.h"
 #include "experiments/stability/suite/line_records.h"
@@ -130,13 +131,16 @@ class SuiteService {
         std::vector<LineResult> results(lines.size());
         std::atomic<std::size_t> next{0};
         std::vector<std::thread> threads;
-        for (std::size_t i = 0; i < workers; ++i)
-            threads.emplace_back([&] {
-                transport::flush_denormals();
-                for (std::size_t line; (line = next++) < lines.size();)
-                    results[line] = one(lines, line, static_cast<int>(cores / workers));
-            });
-        for (std::thread& thread : threads) thread.join();
+        const auto work = [&] {
+            transport::flush_denormals();
+            for (std::size_t line; (line = next++) < lines.size();)
+                results[line] = one(lines, line, static_cast<int>(cores / workers));
+        };
+        for (std::size_t i = 0; i < workers; ++i) threads.push_back(display::thread_or_none(work));
+        if (std::none_of(threads.begin(), threads.end(), [](const std::thread& each) { return each.joinable(); }))
+            work();
+        for (std::thread& thread : threads)
+            if (thread.joinable()) thread.join();
         return results;
     }
 

@@ -1,12 +1,11 @@
 #include "experiments/study/run/results_state.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
-#include <cerrno>
 #include <utility>
 
 #include "display/services/parameters.h"
+#include "experiments/program/work_lock.h"
 
 namespace raylex::experiments {
 
@@ -37,7 +36,7 @@ Status DirectoryLock::take(const std::string& directory, const std::string& name
     const std::string path = directory + "/" + name;
     file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     // Where a file system knows no locks, one run at a time is the user's to see to.
-    if (file_ < 0 || flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return success();
+    if (file_ < 0 || lock_file(file_)) return success();
     return directory_error(directory, "another process is running cells into this directory",
                            "wait for it, or choose another directory with -o");
 }

@@ -9,8 +9,10 @@ RAYLEX_PLUGIN(host) {
     using namespace raylex;
     const char* asked = std::getenv("MISBEHAVIOUR");
     const std::string kind = asked != nullptr ? asked : "";
-    const auto factory = [](const ParameterSet&,
-                            const display::DriverContext&) -> Result<std::unique_ptr<display::DisplayDriver>> {
+    const auto factory = [kind](const ParameterSet&,
+                                const display::DriverContext&) -> Result<std::unique_ptr<display::DisplayDriver>> {
+        if (kind == "null-driver") return std::unique_ptr<display::DisplayDriver>();
+        if (kind == "number-driver") throw 42;
         return error_at({}, "never made");
     };
     if (kind == "nothing") return;

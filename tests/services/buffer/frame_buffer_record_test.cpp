@@ -174,7 +174,7 @@ TEST_CASE("a record that ends too early or is of another version is refused", "[
     other[0] = 9;
     const auto refused = FrameBuffer::from_record(other);
     REQUIRE_FALSE(refused.ok());
-    CHECK(refused.error().message.find("version 9, expected 5") != std::string::npos);
+    CHECK(refused.error().message.find("version 9, expected 6") != std::string::npos);
     // A size that no memory holds is an error too.
     other = bytes;
     other[7] = 0x7f;

@@ -348,7 +348,7 @@ TEST_CASE("a medium of an unknown preset has its coefficients, and an asymmetry 
     CHECK(contains(warnings[0].message, "'sigma_a' and 'sigma_s' count instead"));
     CHECK(contains(warnings[0].hint, "'Skin1'"));
     CHECK(warnings[0].line == 2);
-    CHECK(contains(warnings[1].message, "'g' is -1.000000; expected an asymmetry above -1 and below 1"));
+    CHECK(contains(warnings[1].message, "'g' is -1; expected an asymmetry above -1 and below 1"));
     CHECK(contains(warnings[1].message, "taken as -0.99"));
     CHECK(warnings[1].line == 3);
 }

@@ -189,6 +189,14 @@ TEST_CASE("a measured file that is missing or damaged is an error that says so",
             bytes[static_cast<std::size_t>(random.one() * 400)] = static_cast<char>(random.bits());
         error_of_bytes(bytes);
     }
+    // A thousand fields that name the same bytes, which took a thousand times as much memory as the file.
+    std::string shared = good.substr(0, 14) + std::string("\xe8\x03\0\0", 4);
+    for (int i = 0; i < 1000; ++i) {
+        const std::string name = "f" + std::to_string(i);
+        shared += std::string{static_cast<char>(name.size()), '\0'} + name +
+                  std::string("\x01\0\x0a\0\0\0\0\0\0\0\0", 11) + std::string("\xe8\x03\0\0\0\0\0\0", 8);
+    }
+    CHECK(error_of_bytes(shared).find("its fields overlap") != std::string::npos);
     const auto nameless = import_pbrt_text("WorldBegin\nMaterial \"measured\"\nShape \"sphere\"", "test.pbrt");
     REQUIRE(nameless.ok());
     const auto refused = BuiltScene::build(*nameless);

@@ -382,6 +382,7 @@ Result<std::vector<std::int32_t>> EmbreeScene::add_motions(const SceneDescriptio
 
 /// Where they stand is checked before any is made.
 Status EmbreeScene::add_instances(const SceneDescription& scene, std::span<const PlacedObject> objects) {
+    if (Status apart = check_coincident(scene); !apart) return apart;
     double extent = extent_without_shapes(scene, space_);
     for (std::size_t i = 0; i < top_level_shapes_; ++i) extent = std::max(extent, shapes_[i].extent());
     const auto motions = add_motions(scene, objects);

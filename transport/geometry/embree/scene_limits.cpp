@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 #include <utility>
 
 #include "display/services/short_number.h"
@@ -116,7 +118,7 @@ Status check_quadric(const SceneShape& shape) {
         if (std::isnan(v)) return error_at(shape.location, "a parameter of the shape is not a number");
     if (!(shape.radius > 0) || !std::isfinite(shape.radius))
         return error_at(shape.location,
-                        "the shape's radius is " + std::to_string(shape.radius) + "; expected a positive number");
+                        "the shape's radius is " + short_number(shape.radius, 6) + "; expected a positive number");
     return success();
 }
 
@@ -128,6 +130,19 @@ Status check_extent(const SceneShape& shape, double extent) {
 Status check_extent(const SceneShape& shape, const std::vector<StoredVec3>& positions) {
     for (const StoredVec3& position : positions)
         if (!(largest_of(position) <= double{largest_coordinate})) return too_far(shape, largest_of(position));
+    return success();
+}
+
+Status check_coincident(const SceneDescription& scene) {
+    constexpr std::size_t most = 1000;
+    if (scene.instances.size() <= most) return success();
+    std::map<std::tuple<int, Matrix4, Matrix4>, std::size_t> known;
+    for (const SceneInstance& each : scene.instances) {
+        const Transform& end = each.motion < 0 ? each.to_world : scene.moved_to[static_cast<std::size_t>(each.motion)];
+        if (++known[{each.object, each.to_world.matrix(), end.matrix()}] > most)
+            return error_at(each.location, "more than " + std::to_string(most) +
+                                               " instances of one object stand at the same place; expected each once");
+    }
     return success();
 }
 

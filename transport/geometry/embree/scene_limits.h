@@ -21,6 +21,10 @@ Status check_extent(const SceneShape& shape, double extent);
 /// That a mesh lies within largest_coordinate, where it stands.
 Status check_extent(const SceneShape& shape, const std::vector<StoredVec3>& positions);
 
+/// That no more than a thousand instances of an object stand at one place, or move alike: Embree cannot part them, and
+/// its time grows with their square.
+Status check_coincident(const SceneDescription& scene);
+
 /// How far from the origin rays of this scene begin, beside those that begin on shapes.
 double extent_without_shapes(const SceneDescription& scene, const RenderSpace& space);
 

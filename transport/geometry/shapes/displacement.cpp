@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "display/services/short_number.h"
 #include "lpe/budgets.h"
 #include "transport/geometry/matrix34.h"
 
@@ -160,7 +161,7 @@ Status move_vertices(SceneShape& mesh, const Transform& placement, const Texture
         mesh.positions[i] = to_float(moved.to_real());
         if (!is_finite(mesh.positions[i]))
             return error_at(mesh.location, "the displacement of vertex " + std::to_string(i) + " is " +
-                                               std::to_string(by) + "; expected a value that leaves it finite");
+                                               short_number(by, 6) + "; expected a value that leaves it finite");
     }
     return success();
 }

@@ -250,6 +250,7 @@ Result<RenderOutput> render_buckets(PreparedJob& prepared, const BucketPlan& pla
     std::optional<RenderOutput> output;
     std::vector<RowRange> there;
     std::uint64_t rejected = 0, resumed = 0, checkpoints = 0;
+    double magnitude = 0;
     double stall = 0;
     for (const RowRange& rows : plan.buckets) {
         job.bucket = rows;
@@ -276,6 +277,7 @@ Result<RenderOutput> render_buckets(PreparedJob& prepared, const BucketPlan& pla
         checkpoints += finished->statistics.checkpoints;
         stall += finished->statistics.checkpoint_stall_seconds;
         rejected += target->frame_buffer.rejected_count();
+        magnitude = std::max(magnitude, target->frame_buffer.light_magnitude());
         output.emplace(output_of(job, *std::move(target), *std::move(finished)));
         if (!output->complete) break;
     }
@@ -288,6 +290,7 @@ Result<RenderOutput> render_buckets(PreparedJob& prepared, const BucketPlan& pla
     output->bands = image_of(job, plan, there);
     output->buckets = there;
     output->rejected_block_sums = rejected;
+    output->light_magnitude = magnitude;
     output->resumed_samples = resumed;
     output->statistics.checkpoints = checkpoints;
     output->statistics.checkpoint_stall_seconds = stall;

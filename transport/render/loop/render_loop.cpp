@@ -94,6 +94,12 @@ Result<FinishedLoop> RenderLoop::run(const std::function<void(const RenderProgre
     if (!starts_up || !runner.ending())
         if (Status s = run_phases(runner, report); !s) return s.error();
     FinishedLoop finished = finish();
+    if (const std::size_t threads = runner.fewest_threads(); threads < state_.workers.size())
+        finished.warnings.push_back(error_at(
+            {},
+            std::to_string(threads) + " of " + std::to_string(state_.workers.size()) +
+                " threads rendered the image, to the same bits: the system starts no more",
+            "its limit of processes or of address space is reached: expected --threads " + std::to_string(threads)));
     report();
     return finished;
 }

@@ -30,6 +30,7 @@ RenderOutput output_of(const ResolvedJob& job, RenderTarget target, FinishedLoop
     for (const std::vector<Error>* more : {&target.warnings, &finished.warnings})
         output.warnings.insert(output.warnings.end(), more->begin(), more->end());
     output.rejected_block_sums = output.frame_buffer.rejected_count();
+    output.light_magnitude = output.frame_buffer.light_magnitude();
     return output;
 }
 

@@ -4,8 +4,11 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <memory>
+#include <new>
 #include <thread>
 
+#include "display/services/thread_or_none.h"
 #include "transport/render/clock.h"
 
 namespace raylex::transport {
@@ -17,7 +20,8 @@ constexpr double stop_grace_seconds = 0.15;
 
 }  // namespace
 
-void TaskRunner::work(const Schedule& schedule, RenderWorker& worker, std::uint64_t end) {
+void TaskRunner::work(const Schedule& schedule, RenderWorker& worker, std::uint64_t end,
+                      const std::function<void()>& between) {
     flush_denormals();
     const double begin = thread_cpu_seconds();
     const std::vector<UnfinishedTask>& unfinished = state_.position.unfinished;
@@ -36,17 +40,22 @@ void TaskRunner::work(const Schedule& schedule, RenderWorker& worker, std::uint6
             schedule.render(part.task, worker);
             worker.end_task();
             state_.samples_done.fetch_add(worker.samples - before, std::memory_order_relaxed);
+            if (between) between();
             if (!worker.left()) continue;
             const std::lock_guard lock(mutex_);
             left_tasks_.push_back({part.task, worker.done()});
             break;
         }
-    } catch (const std::exception& e) {
-        const std::lock_guard lock(mutex_);
-        if (failure_.empty()) failure_ = e.what();
-        failed_.store(true);
+    } catch (const std::exception& e) { fail(e.what()); } catch (...) {
+        fail("a plugin threw something that is no std::exception");
     }
     worker.cpu_seconds += thread_cpu_seconds() - begin;
+}
+
+void TaskRunner::fail(const char* why) {
+    const std::lock_guard lock(mutex_);
+    if (failure_.empty()) failure_ = why;
+    failed_.store(true);
 }
 
 void TaskRunner::watch_threads(const Schedule& schedule) {
@@ -75,24 +84,36 @@ Status TaskRunner::run(const Schedule& schedule, std::uint64_t end, double inter
     pause_.store(false);
     std::mutex mutex;
     std::condition_variable done;
-    std::size_t running = state_.workers.size();
+    std::size_t running = 0;
     std::vector<std::thread> threads;
-    for (auto& worker : state_.workers)
-        threads.emplace_back([&, w = worker.get()] {
-            work(schedule, *w, end);
-            const std::lock_guard lock(mutex);
-            --running;
-            done.notify_one();
-        });
+    const auto look = [&] {
+        watch_threads(schedule);
+        if (meanwhile()) pause_.store(true, std::memory_order_relaxed);
+    };
     {
-        std::unique_lock lock(mutex);
+        // Where stacks use address space up to its limit, some must be left to render in.
+        std::unique_ptr<char[]> reserve(new (std::nothrow) char[std::size_t{256} << 20]);
+        std::unique_lock lock(mutex);  // those that are done already wait until all are counted
+        for (auto& worker : state_.workers) {
+            std::thread thread = display::thread_or_none([&, w = worker.get()] {
+                work(schedule, *w, end, {});
+                const std::lock_guard counted(mutex);
+                --running;
+                done.notify_one();
+            });
+            if (!thread.joinable()) break;
+            threads.push_back(std::move(thread));
+            ++running;
+        }
+        reserve.reset();
         while (!done.wait_for(lock, std::chrono::duration<double>(interval), [&] { return running == 0; })) {
             lock.unlock();
-            watch_threads(schedule);
-            if (meanwhile()) pause_.store(true, std::memory_order_relaxed);
+            look();
             lock.lock();
         }
     }
+    if (threads.empty()) work(schedule, *state_.workers.front(), end, look);
+    fewest_threads_ = std::min(fewest_threads_, std::max<std::size_t>(1, threads.size()));
     for (std::thread& thread : threads) thread.join();
     if (failed_.load()) return error_at({}, "a render thread failed: " + failure_);
     take_unfinished(end);

@@ -4,8 +4,10 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 
 #include "display/buffer/record_bytes.h"
+#include "display/services/thread_or_none.h"
 #include "transport/render/stages/render_state.h"
 
 namespace raylex::transport {
@@ -253,13 +255,15 @@ Result<RenderPosition> restore_record(const display::RecordFile& record, const s
 void CheckpointWriter::start(display::RecordFile record) {
     wait();
     busy_.store(true);
-    thread_ = std::thread([this, content = std::move(record)] {
-        const Status status = display::write_record_file(file_, content);
+    const auto write = [this, content = std::make_shared<const display::RecordFile>(std::move(record))] {
+        const Status status = display::write_record_file(file_, *content);
         last_written_ = status.ok();
         if (status) ++written_;
         else fail(status.error());
         busy_.store(false);
-    });
+    };
+    thread_ = display::thread_or_none(write);
+    if (!thread_.joinable()) write();
 }
 
 void CheckpointWriter::fail(Error error) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "display/services/short_number.h"
 #include "transport/cameras/aperture.h"
 #include "transport/color/spectral_data.h"
 #include "transport/import/pbrt/known_types.h"
@@ -158,7 +159,7 @@ Status SceneBuilder::set_moving_camera(const std::string& type, SceneParameters 
 
 Status SceneBuilder::set_transform_times(double start, double end, const SourceLocation& where) {
     const std::string times =
-        "the times of transformations are " + std::to_string(start) + " and " + std::to_string(end);
+        "the times of transformations are " + short_number(start, 6) + " and " + short_number(end, 6);
     if (!std::isfinite(start) || !std::isfinite(end)) return error_at(where, times + "; expected finite ones");
     if (!(start < end)) return error_at(where, times + "; expected the earlier one first");
     scene_.transform_times = {start, end};

@@ -8,6 +8,7 @@
 #include "display/output/color/primaries.h"
 #include "display/output/comparison/comparison.h"
 #include "display/output/reader/exr_reader.h"
+#include "display/services/thread_or_none.h"
 #include "experiments/study/report/measures/study.h"
 
 namespace raylex::experiments {
@@ -55,9 +56,11 @@ void measure_as_seen(Study& study) {
             for (std::size_t i; (i = next.fetch_add(1)) < rows.size();) measure_row(*rows[i], *truth, primaries);
         };
         const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
-        std::vector<std::jthread> others(std::min(cores, rows.size()) - 1);
-        for (std::jthread& each : others) each = std::jthread(work);
+        std::vector<std::thread> others(std::min(cores, rows.size()) - 1);
+        for (std::thread& each : others) each = display::thread_or_none(work);
         work();
+        for (std::thread& each : others)
+            if (each.joinable()) each.join();
     }
 }
 

@@ -7,6 +7,7 @@
 
 #include "display/output/atomic_file.h"
 #include "display/services/parameters.h"
+#include "display/services/thread_or_none.h"
 #include "experiments/study/file_records.h"
 #include "experiments/study/results_file.h"
 #include "transport/render/clock.h"
@@ -29,8 +30,8 @@ Status close_cell_directory(const WrittenCell& cell) {
     return error_at({cell.final_name, 0, 0}, "cannot rename the finished directory to this: " + failed.message());
 }
 
-CellCloser::CellCloser() : thread_([this] { work(); }) {
-    if (pthread_getcpuclockid(thread_.native_handle(), &clock_) != 0) clock_ = -1;
+CellCloser::CellCloser() : thread_(display::thread_or_none([this] { work(); })) {
+    if (!thread_.joinable() || pthread_getcpuclockid(thread_.native_handle(), &clock_) != 0) clock_ = -1;
 }
 
 CellCloser::~CellCloser() {
@@ -39,7 +40,7 @@ CellCloser::~CellCloser() {
         ending_ = true;
     }
     changed_.notify_all();
-    thread_.join();
+    if (thread_.joinable()) thread_.join();
 }
 
 void CellCloser::work() {
@@ -62,7 +63,7 @@ void CellCloser::work() {
 }
 
 Status CellCloser::close(WrittenCell cell) {
-    if (Status s = wait(); !s) return s;
+    if (Status s = wait(); !s || !thread_.joinable()) return s ? close_cell_directory(cell) : s;
     const std::lock_guard lock(mutex_);
     cell_ = std::move(cell);
     changed_.notify_all();

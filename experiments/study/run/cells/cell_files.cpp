@@ -51,7 +51,7 @@ Status on_two_processors(const std::vector<std::function<Status()>>& tasks) {
     const auto work = [&] {
         for (std::size_t i = next++; i < tasks.size(); i = next++) done[i] = tasks[i]();
     };
-    auto other = std::async(std::launch::async, work);
+    auto other = std::async(std::launch::async | std::launch::deferred, work);
     work();
     other.get();
     const auto failed = std::find_if(done.begin(), done.end(), [](const Status& each) { return !each; });

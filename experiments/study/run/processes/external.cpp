@@ -26,10 +26,15 @@ double seconds_of(const timeval& time) {
 }
 
 std::string end_of_file(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
+    std::ifstream file(path, std::ios::binary | std::ios::ate);
+    // Whatever it printed, and however many empty lines last.
+    const std::streamoff size = file.tellg(), most = 2 * static_cast<std::streamoff>(most_last_words);
+    file.seekg(std::max<std::streamoff>(0, size - most));
     std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
     while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-    return text.size() > most_last_words ? "..." + text.substr(text.size() - most_last_words) : text;
+    return text.size() > most_last_words || size > most
+               ? "..." + text.substr(text.size() - std::min(text.size(), most_last_words))
+               : text;
 }
 
 std::vector<std::string> environment_of(const ShellCommand& command) {

@@ -1,0 +1,60 @@
+#include "experiments/python/bindings/calls.h"
+
+#include <unistd.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <thread>
+
+namespace raylex::python {
+namespace {
+
+struct Calls {
+    std::mutex mutex;
+    std::condition_variable over;
+    std::multiset<std::atomic<bool>*> stops;  // of the calls that go on; null for those that watch nothing
+    std::optional<std::thread::id> ender;     // the thread that ends the interpreter
+};
+
+/// Never destroyed: threads may outlive the end of main().
+Calls& calls() {
+    static auto* const all = new Calls;
+    return *all;
+}
+
+/// Where the interpreter is ending, keeps every thread but the one that ends it, without Python's lock.
+void stay_if_ending(std::unique_lock<std::mutex>& lock) {
+    if (!calls().ender || *calls().ender == std::this_thread::get_id()) return;
+    lock.unlock();
+    PyEval_SaveThread();
+    for (;;) pause();
+}
+
+}  // namespace
+
+Call::Call(std::atomic<bool>* stop) : stop_(stop) {
+    std::unique_lock lock(calls().mutex);
+    stay_if_ending(lock);
+    calls().stops.insert(stop_);
+}
+
+Call::~Call() {
+    std::unique_lock lock(calls().mutex);
+    calls().stops.erase(calls().stops.find(stop_));
+    calls().over.notify_all();
+    stay_if_ending(lock);
+}
+
+void Call::end_all() {
+    const pybind11::gil_scoped_release released;
+    Calls& all = calls();
+    std::unique_lock lock(all.mutex);
+    all.ender = std::this_thread::get_id();
+    for (std::atomic<bool>* stop : all.stops)
+        if (stop != nullptr) stop->store(true);
+    all.over.wait(lock, [&] { return all.stops.empty(); });
+}
+
+}  // namespace raylex::python

@@ -1,0 +1,232 @@
+// What somebody tries who wants to break the program: names that become commands, limits of the system, numbers that
+// leave their type, files that are cut.
+#include <catch2/catch.hpp>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "experiments/program/work_lock.h"
+#include "support.h"
+#include "tests/support/paths.h"
+#include "tests/support/skip.h"
+
+namespace raylex::test {
+namespace {
+
+/// Half of the image sees a sky, half a surface under it.
+std::string under_a_sky(const std::string& sky, const std::string& reflectance, const std::string& more = {}) {
+    return "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\nCamera \"perspective\" \"float fov\" "
+           "60\n" +
+           more + "WorldBegin\nLightSource \"infinite\" \"rgb L\" [" + sky +
+           "]\nTranslate 0 0 3\nMaterial \"diffuse\" \"rgb reflectance\" [" + reflectance + "]\nShape \"sphere\"\n";
+}
+
+}  // namespace
+
+TEST_CASE("a name with a line end never becomes a line of a job file", "[cli][law7]") {
+    const Folder folder;
+    const std::string name = "x\ntouch PWNED\n#", scene = folder.write(name + ".pbrt", small_scene());
+    folder.write("room.pbrt", small_scene());
+    const std::string common = " --spp 64 --shards 2 --no-calibration ";
+    for (const std::string format : {"shell", "make", "snakemake", "opencue", "kubernetes"}) {
+        CAPTURE(format);
+        for (const std::string& what :
+             {"'" + scene + "' -o out.exr", "room.pbrt -o '" + name + ".exr'", std::string("room.pbrt -o $'a\\rb.exr'"),
+              std::string("room.pbrt -o $'a\\xe2\\x80\\xa8b.exr'")}) {
+            CAPTURE(what);
+            const Outcome refused = run_shell(folder, "\"$RAYLEX\" render " + what + common + "--commands=" + format);
+            CHECK(refused.code == 2);
+            CHECK(refused.out.empty());
+            CHECK(contains(refused.err, "holds a control character"));
+        }
+    }
+    CHECK(contains(run_shell(folder, "\"$RAYLEX\" render '" + scene + "' -o out.exr" + common + "--commands=json").out,
+                   "x\\ntouch"));
+    // Bytes that are no UTF-8 would be replaced, or end the reading of the file.
+    const std::string latin = "\"$RAYLEX\" render room.pbrt -o $'caf\\xe9.exr'" + common;
+    for (const std::string format : {"json", "snakemake", "opencue", "kubernetes"})
+        CHECK(contains(run_shell(folder, latin + "--commands=" + format).err, "is no UTF-8"));
+    CHECK(run_shell(folder, latin + "--commands=make").code == 0);
+    const Outcome cue =
+        run_shell(folder, "\"$RAYLEX\" render room.pbrt -o 'a--b<&\">.exr'" + common + "--commands=opencue");
+    REQUIRE(cue.code == 0);
+    CHECK_FALSE(contains(cue.out.substr(0, cue.out.find("-->")), "a--b"));
+
+    folder.write(
+        "c.toml",
+        "[[scene]]\nname = \"room\"\nfile = \"room.pbrt\"\n[[method]]\nname = \"path\"\n[budget]\nsamples = [1]\n");
+    const std::string submit = "\"$RAYLEX\" submit --slurm c.toml --no-calibration --shards 1 -o ";
+    for (const std::string what : {"$'d\\n#SBATCH --wrap=id'", "dir --option=$'--x\\n#SBATCH --wrap=id'"})
+        CHECK(contains(run_shell(folder, submit + what).err, "holds a control character"));
+    static_cast<void>(run_shell(folder, submit + "'d\" --wrap=\"id'"));
+    CHECK(contains(run_shell(folder, "cat d*/slurm/merge.sh").out, "d\\\" --wrap=\\\"id/slurm/merge.log\""));
+}
+
+TEST_CASE("where the system starts fewer threads, those there are make the very image", "[cli][law3]") {
+#ifdef __SANITIZE_ADDRESS__
+    RAYLEX_SKIP("the sanitizer takes more address space than the limit");
+#endif
+    const SceneFolder folder;
+    CHECK(run_raylex(folder, "render room.pbrt -o whole.exr --spp 64 --threads 2").code == 0);
+    // The stacks of a thousand threads do not fit; the memory of their workers does.
+    const Outcome limited =
+        run_shell(folder, "ulimit -v 8000000; exec \"$RAYLEX\" render room.pbrt -o out.exr --spp 64 --threads 1500");
+    INFO(limited.err);
+    CHECK(limited.code == 0);
+    CHECK(count_matches(limited.err,
+                        "[0-9]+ of 1500 threads rendered the image, to the same bits: the system starts no more") == 1);
+    CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
+}
+
+TEST_CASE("values that a file cannot hold are counted, and its splits are judged by the others", "[cli][law6]") {
+    const Folder folder;
+    folder.write("bright.pbrt", under_a_sky("1e6 1e6 1e6", ".5 .5 .5"));
+    const Outcome half =
+        run_raylex(folder, "render bright.pbrt --spp 16 --exr 'all=half none' --lpe 'd=C<RD>L' -o h.exr");
+    INFO(half.out << half.err);
+    CHECK(half.code == 0);
+    CHECK(contains(
+        half.err,
+        "the file cannot hold all values of 3 layers: beauty: 0 values not a number, set to 0; 768 beyond half"));
+    CHECK(contains(half.out, "256 pixels with values at the largest number"));
+    const Outcome verified = run_raylex(folder, "verify h.exr");
+    CHECK(verified.code == 0);
+    CHECK(contains(verified.err, "the file cannot hold all values of 3 layers"));
+    CHECK(contains(verified.out, "256 pixels with values at the largest number"));
+    // Beauty leaves float where no layer of it does.
+    folder.write("float.pbrt",
+                 under_a_sky("2e38 2e38 2e38", "1 1 1", "") + "LightSource \"infinite\" \"rgb L\" [3e38 3e38 3e38]\n");
+    const Outcome single = run_raylex(folder, "render float.pbrt --spp 16 --lpe 'd=C<RD>L' -o f.exr");
+    INFO(single.out << single.err);
+    CHECK(single.code == 0);
+    CHECK(contains(single.err, "beyond float, set to the largest"));
+}
+
+TEST_CASE("samples that cancel under a filter with negative lobes are no failed split", "[cli][law1]") {
+    const Folder folder;
+    std::string scene =
+        "Film \"rgb\" \"integer xresolution\" 256 \"integer yresolution\" 256\nCamera \"perspective\" "
+        "\"float fov\" 60\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+        "Material \"diffuse\" \"rgb reflectance\" [1e-9 1e-9 1e-9]\n";
+    // Many edges: somewhere a pixel has as many samples of the sky of either sign.
+    for (int i = 0; i < 400; ++i)
+        scene += "AttributeBegin Translate " + std::to_string(0.19 * (i % 20) - 1.9) + " " +
+                 std::to_string(0.19 * (i / 20) - 1.9) + " 4 Shape \"sphere\" \"float radius\" " +
+                 std::to_string(0.01 + 0.0002 * i) + " AttributeEnd\n";
+    folder.write("dark.pbrt", scene);
+    for (const std::string filter : {"sinc"})
+        for (const std::string spp : {"9", "16", "25"}) {
+            CAPTURE(filter, spp);
+            const Outcome outcome =
+                run_raylex(folder, "render dark.pbrt -o out.exr --lpe 'd=C<RD>L' --lpe bg=CB --filter " + filter +
+                                       " --spp " + spp);
+            INFO(outcome.out);
+            CHECK(outcome.code == 0);
+            const Outcome verified = run_raylex(folder, "verify out.exr");
+            CHECK(verified.code == 0);
+            CHECK(contains(verified.out, "samples that cancel, 2^-45 each"));
+        }
+    CHECK(run_raylex(folder, "render dark.pbrt -o out.exr --lpe 'd=C<RD>L' --filter gaussian --spp 4").code == 0);
+    CHECK_FALSE(contains(run_raylex(folder, "verify out.exr").out, "samples that cancel"));
+}
+
+TEST_CASE("an atlas that is cut answers nothing, whatever the question reads", "[cli][law7]") {
+    const SceneFolder folder;
+    CHECK(run_raylex(folder, "render room.pbrt --spp 16 --atlas a.atlas.exr -o out.exr").code == 0);
+    const std::string bytes = folder.read("a.atlas.exr");
+    CHECK(run_raylex(folder, "ask a.atlas.exr --lpe 'd=C<RD>L' -o d.exr").code == 0);
+    for (const std::size_t less : {std::size_t{1}, std::size_t{100}, bytes.size() / 10}) {
+        CAPTURE(less);
+        folder.write("a.atlas.exr", bytes.substr(0, bytes.size() - less));
+        const Outcome cut = run_raylex(folder, "ask a.atlas.exr --lpe 'd=C<RD>L' -o d.exr");
+        CHECK(cut.code == 2);
+        CHECK(contains(cut.err, "truncated or damaged"));
+    }
+    std::string negative = bytes;
+    const std::size_t at = negative.find("atlas/length");
+    REQUIRE(at != std::string::npos);
+    const std::size_t value = negative.find("string", at) + 7 + 4;  // the type's zero byte, the size
+    const auto digits = static_cast<std::size_t>(static_cast<unsigned char>(negative[value - 4]));
+    negative.replace(value, digits, "-" + std::string(digits - 1, '1'));
+    folder.write("a.atlas.exr", digits > 1 ? negative : bytes.substr(0, value) + "x" + bytes.substr(value + 1));
+    CHECK(
+        contains(run_raylex(folder, "ask a.atlas.exr --lpe 'd=C<RD>L' -o d.exr").err, "in atlas/length is no length"));
+}
+
+TEST_CASE("scenes and questions that take memory beyond all measure are refused in no time", "[cli][law7]") {
+    const SceneFolder folder;
+    std::string scene =
+        "WorldBegin\nLightSource \"infinite\"\nObjectBegin \"a\"\nShape \"sphere\"\nObjectEnd\nActiveTransform "
+        "EndTime\n"
+        "Rotate 90 0 0 1\nActiveTransform All\n";
+    for (int i = 0; i < 100000; ++i) scene += "ObjectInstance \"a\"\n";
+    folder.write("many.pbrt", "Camera \"perspective\"\n" + scene);
+    check_refused(folder, "render many.pbrt --spp 1 -o out.exr",
+                  {"many.pbrt:1010", "more than 1000 instances of one object stand at the same place"});
+    check_refused(folder, "render room.pbrt --spp 16000000 --shards 1000000 --commands --no-calibration -o out.exr",
+                  {"--shards", "100000"});
+    std::string many;
+    for (int i = 0; i < 5000; ++i) many += " --lpe a" + std::to_string(i) + "=CDL";
+    CHECK(run_raylex(folder, "render room.pbrt --spp 1 --atlas a.atlas.exr -o out.exr").code == 0);
+    check_refused(folder, "ask a.atlas.exr -o d.exr" + many, {"expected at most 4096"});
+}
+
+TEST_CASE("an interrupt is the exit code 130, and a second one leaves no partial file", "[cli][law7]") {
+    const SceneFolder folder;
+    const std::string interrupted = "timeout --preserve-status -s INT 1 \"$RAYLEX\" ";
+    CHECK(run_shell(folder, interrupted + "render room.pbrt --spp 64000 --shards 2 --commands -o out.exr").code == 130);
+    CHECK(run_shell(folder, interrupted + "scene search --seconds 60").code == 130);
+    // Large enough to be written for a second or more.
+    const Outcome twice = run_shell(
+        folder,
+        "\"$RAYLEX\" render room.pbrt --resolution 1000x800 --spp 4000 --partition shipped -o big.exr & pid=$!\n"
+        "sleep 2; kill -INT $pid\n"
+        "for i in $(seq 400); do ls *.partial >/dev/null 2>&1 && break; sleep 0.05; done\n"
+        "ls *.partial; kill -INT $pid; wait $pid; echo code $?");
+    INFO(twice.out << twice.err);
+    CHECK(contains(twice.out, "big.exr."));
+    CHECK(contains(twice.out, "code 130"));
+    for (const std::string& name : folder.names()) CHECK_FALSE(contains(name, "partial"));
+}
+
+TEST_CASE("a lock has one holder, though each removes its file", "[cli]") {
+    const Folder folder;
+    const std::string file = folder.path("work.lock");
+    std::atomic<int> holders{0}, most{0};
+    std::vector<std::thread> threads;
+    // Open files are told apart, not threads: these are like processes.
+    for (int i = 0; i < 4; ++i)
+        threads.emplace_back([&] {
+            for (int k = 0; k < 1500; ++k) {
+                const auto lock = experiments::WorkLock::take(file, "works");
+                if (!lock) continue;
+                const int now = ++holders;
+                if (now > most) most = now;
+                std::this_thread::sleep_for(std::chrono::microseconds(20));
+                --holders;
+            }
+        });
+    for (std::thread& each : threads) each.join();
+    CHECK(most == 1);
+}
+
+TEST_CASE("who looks at a lock takes nothing: who begins then gets it", "[cli]") {
+    const Folder folder;
+    const std::string file = folder.path("work.lock");
+    std::atomic<bool> over{false};
+    std::thread looks([&] {
+        while (!over) static_cast<void>(experiments::WorkLock::is_held(file));
+    });
+    int refused = 0;
+    for (int i = 0; i < 4000; ++i) refused += experiments::WorkLock::take(file, "works") ? 0 : 1;
+    over = true;
+    looks.join();
+    CHECK(refused == 0);
+    const auto held = experiments::WorkLock::take(file, "works");
+    REQUIRE(held);
+    CHECK(experiments::WorkLock::is_held(file));
+    CHECK_FALSE(experiments::WorkLock::take(file, "works"));
+}
+
+}  // namespace raylex::test
