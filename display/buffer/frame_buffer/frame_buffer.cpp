@@ -275,7 +275,7 @@ void FrameBuffer::accumulate(const SampleTable& table) {
         accumulate_run(table, run);
     }
     if (table.sets() != nullptr) storage_->add_waiting(set_sums);
-    if (!unit_weights || storage_->kernel) storage_->note_lights(table, extra.weights);
+    if (!unit_weights || storage_->kernel) storage_->note_lights(table, scratch.weights);
 }
 
 void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
