@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <regex>
 #include <sstream>
 
 #include "experiments/job/text/json.h"
@@ -162,7 +163,10 @@ spp = 4
     INFO(run.out << run.err);
     REQUIRE(run.code == 0);
     CHECK(run.out.find("BIASED") == std::string::npos);
-    CHECK(run.out.find("path on room: no bias found") != std::string::npos);
+    // So noisy a reference may hide more than a tenth; the method that made it is judged by the other one's images.
+    CHECK(std::regex_search(run.out, std::regex("\npath on room: (no bias found|cannot tell)")));
+    CHECK(run.out.find("both on room: no bias found; one of ") != std::string::npos);
+    CHECK(run.out.find("(compared with path)") != std::string::npos);
 }
 
 TEST_CASE("nobody is accused without evidence: of paths that it says it omits, of a slope through two budgets") {
