@@ -91,6 +91,9 @@ struct Cell {
     std::string isa;     ///< instruction set of the ray tracer; empty for external renderers
     unsigned threads = 0;
     std::string machine;  ///< processor model and hardware threads; of a cell of parts each once, a line each
+    /// Share of all processors' time that other processes used while it was rendered; negative: not known. Of a cell
+    /// of parts the largest.
+    double other_load = -1;
     std::vector<std::string> warnings;
     std::vector<OmittedPathsInfo> omits;  ///< what its integrator says it does not find of this scene's light
     std::vector<FileRecord> files;        ///< all of its directory but cell.json; empty when it failed
@@ -158,6 +161,9 @@ struct Experiment {
     std::vector<Cell> parts;           ///< of cells, done and failed, by name: what merge makes cells of
     std::vector<Cell> planned;         ///< all of the plan, as far as a plan says: no results in them
     RunnerTime time;
+
+    /// What other processes used of the machine while cells were rendered; empty where it was idle or is not known.
+    [[nodiscard]] std::string load_warning() const;
 };
 
 /// Reads experiment.json and every cell's cell.json; no images. Errors: not a results directory, a version that this

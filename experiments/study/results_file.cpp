@@ -95,6 +95,7 @@ Json cell_json(const Cell& cell) {
     json["isa"] = cell.isa;
     json["threads"] = cell.threads;
     if (!cell.machine.empty()) json["machine"] = cell.machine;
+    if (cell.other_load >= 0) json["other_load"] = cell.other_load;
     json["warnings"] = cell.warnings;
     Json omits = Json::array();
     for (const OmittedPathsInfo& each : cell.omits)
@@ -128,6 +129,7 @@ Cell cell_of(const Json& json) {
     cell.isa = json.at("isa");
     cell.threads = whole(json.at("threads"));
     cell.machine = json.value("machine", std::string());
+    cell.other_load = json.value("other_load", -1.0);
     cell.warnings = json.at("warnings").get<std::vector<std::string>>();
     for (const Json& each : json.value("omits", Json::array()))
         cell.omits.push_back({each.at("expression"), each.at("dialect")});
@@ -294,6 +296,23 @@ Status read_parts(Experiment& experiment) {
 }
 
 }  // namespace
+
+std::string Experiment::load_warning() const {
+    constexpr double idle = 0.05;       // the services of an idle system use one or two per cent
+    double load = 0, seconds = 1e-300;  // weighted by wall time
+    for (const Cell& cell : cells) {
+        if (cell.failed || cell.other_load < 0) continue;
+        load += cell.other_load * cell.wall_seconds;
+        seconds += cell.wall_seconds;
+    }
+    if (load / seconds <= idle) return {};
+    return "the machine was not idle: other processes used " + std::to_string(std::lround(100 * load / seconds)) +
+           " % of its processors while cells were rendered; " +
+           (cpu_clock ? "methods are compared by CPU time, which other processes still lengthen through shared caches "
+                        "and lower clock rates"
+                      : "methods are compared by wall time, which other processes lengthen by different amounts; "
+                        "clock = \"cpu\" compares by CPU time");
+}
 
 std::string budget_kind_name(BudgetKind kind) {
     return budget_kinds[static_cast<std::size_t>(kind)];

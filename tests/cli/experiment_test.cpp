@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <sstream>
+#include <thread>
 
 #include "display/output/reader/exr_reader.h"
 #include "experiments/job/text/json.h"
@@ -73,6 +74,42 @@ std::string bits_of(const Folder& folder, const std::string& results, const std:
 }
 
 }  // namespace
+
+TEST_CASE("a plan knows times where the calibration's time ends before its first pass") {
+    // A white box that no path leaves: 64 x 64 paths of 3,000 scatterings take one thread seconds, as a small image
+    // does on a machine that others keep busy.
+    const Folder folder;
+    prepare(folder, R"(replicates = 2
+threads = 1
+[[scene]]
+name = "box"
+file = "box.pbrt"
+[[method]]
+name = "deep"
+integrator = { type = "path", roulette = false }
+max_depth = 3000
+[[method]]
+name = "other"
+command = ": {out} {seed} {spp}"
+[budget]
+samples = [4, 64]
+)");
+    folder.write("box.pbrt", R"(Film "rgb" "integer xresolution" 64 "integer yresolution" 64
+LookAt 0 0 0  0 0 1  0 1 0
+Camera "perspective" "float fov" 50
+WorldBegin
+LightSource "point" "rgb I" [1 1 1]
+Material "diffuse" "rgb reflectance" [1 1 1]
+ReverseOrientation
+Shape "sphere" "float radius" 2
+)");
+    const Outcome plan = succeed(folder, "experiment plan c.toml");
+    INFO(plan.out << plan.err);
+    CHECK(raylex::test::count_matches(plan.out, "box\\.deep\\.[0-9]+spp\\.r[01]  seed [0-9]+  about ") == 4);
+    // A command of another renderer is not run for a plan.
+    CHECK(raylex::test::count_matches(plan.out, "box\\.other\\.[0-9]+spp\\.r[01]  seed [0-9]+  time unknown") == 4);
+    CHECK(plan.out.find("(the time of 4 cells is unknown)") != std::string::npos);
+}
 
 TEST_CASE("an experiment leaves every cell's image and sums, and refuses to begin twice") {
     const Folder folder;
@@ -331,6 +368,101 @@ TEST_CASE("no two processes run cells into one directory") {
     CHECK(folder.read("first.txt")
               .find("'raylex experiment resume' with the same config and directory goes on from here") !=
           std::string::npos);
+}
+
+TEST_CASE("a study by the CPU clock records what other processes use, and warns of a busy machine") {
+    if (!fs::exists("/proc/stat")) RAYLEX_SKIP("needs Linux's /proc/stat");
+    const Folder folder;
+    prepare(folder);
+    const Outcome run = run_shell(folder,
+                                  "export RAYLEX; (while :; do :; done) & burner=$!; \"$RAYLEX\" experiment run c.toml "
+                                  "-o out --report --set threads=1 --set budget.samples=4096 --set replicates=1; "
+                                  "code=$?; kill $burner; exit $code");
+    INFO(run.out << run.err);
+    REQUIRE(run.code == 0);
+    const Experiment results = results_of(folder, "out");
+    CHECK(results.cpu_clock);  // by default: other processes lengthen wall times
+    for (const Cell& each : results.cells) {
+        CAPTURE(each.id, each.other_load);
+        CHECK((each.other_load >= 0 && each.other_load <= 1));
+        CHECK(each.machine.find("hardware threads") != std::string::npos);
+    }
+    const double processors = std::max(1U, std::thread::hardware_concurrency());
+    // One process takes one processor's time, or half of one that it shares with the render; 5 % are warned of.
+    if (0.5 / processors > 0.05) {
+        CHECK(run.out.find("warning: the machine was not idle: other processes used ") != std::string::npos);
+        CHECK(folder.read("out/report.html").find("Times:</span> the machine was not idle") != std::string::npos);
+    }
+    const std::string page = folder.read("out/report.html");
+    CHECK(page.find("<th>CPU seconds</th><th>Wall seconds</th>") != std::string::npos);
+    CHECK(folder.read("out/experiment.json").find("\"load average at the start\"") != std::string::npos);
+
+    Experiment idle = results;
+    for (Cell& each : idle.cells) each.other_load = 0.01;
+    CHECK(idle.load_warning().empty());
+    for (Cell& each : idle.cells) each.other_load = -1;  // not known
+    CHECK(idle.load_warning().empty());
+    idle.cells.front().other_load = 0.5;
+    CHECK(idle.load_warning().find("used 50 % of its processors") != std::string::npos);
+    idle.cpu_clock = false;
+    CHECK(idle.load_warning().find("clock = \"cpu\" compares by CPU time") != std::string::npos);
+}
+
+TEST_CASE(
+    "a renderer that delivers the beauty alone is told so once, and needs no {scene}; a part of an image is refused") {
+    const Folder folder;
+    const std::string study = R"(replicates = 2
+[[scene]]
+name = "room"
+file = "room.pbrt"
+[[method]]
+name = "path"
+[[method]]
+name = "theirs"
+command = "\"$RAYLEX\" render room.pbrt --seed {seed} --spp {spp} --threads 1 -o {out}"
+[[method]]
+name = "part"
+command = "\"$RAYLEX\" render room.pbrt --seed {seed} --spp {spp} --crop 0,0,8,8 -o {out}"
+[[channel]]
+name = "direct"
+lpe = "CDL"
+[budget]
+samples = [2, 8]
+[reference]
+method = "path"
+spp = 32
+)";
+    prepare(folder, study);
+    const Outcome run = run_shell(folder, "export RAYLEX\nexec \"$RAYLEX\" experiment run c.toml -o out");
+    INFO(run.out << run.err);
+    REQUIRE(run.code == 2);
+    const std::string absent =
+        "the images of method 'theirs' have no layers called direct, rest; these channels are not measured";
+    CHECK(raylex::test::count_matches(run.out, absent) == 1);
+    for (const Cell& cell : results_of(folder, "out").cells) {
+        CAPTURE(cell.id, cell.failure);
+        REQUIRE(cell.failed == (cell.method == "part"));
+        if (cell.failed)
+            CHECK(cell.failure.find("the image has pixels in 8x8 of its 16x16 alone (its data window)") !=
+                  std::string::npos);
+    }
+    succeed(folder, "experiment report c.toml -o out");
+    int told = 0;
+    std::istringstream lines(folder.read("out/results.jsonl"));
+    for (std::string line; std::getline(lines, line);)
+        if (const auto json = parse_json(line); json.at("kind") == "omission")
+            told += json.at("what").get<std::string>().find("theirs") != std::string::npos ? 1 : 0;
+    CHECK(told == 1);
+
+    // For several scenes a command must say which.
+    folder.write("c.toml", study + "[[scene]]\nname = \"again\"\nfile = \"room.pbrt\"\n");
+    CHECK(succeed(folder, "experiment plan c.toml", 2).err.find("would render the same image for 2 scenes") !=
+          std::string::npos);
+    std::string named = folder.read("c.toml");
+    for (std::size_t at; (at = named.find("render room.pbrt")) != std::string::npos;)
+        named.replace(at, 16, "render {scene_name}.pbrt");
+    folder.write("c.toml", named);
+    succeed(folder, "experiment plan c.toml --no-calibration");
 }
 
 TEST_CASE("budgets of time and error store the samples they reached, and replay") {

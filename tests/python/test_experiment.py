@@ -1,6 +1,10 @@
 """raylex.experiment: a study run, read and judged; an integrator in Python convicted of its mistake."""
 
+import contextlib
+import io
+import sys
 import unittest
+from unittest import mock
 
 import raylex
 import test_plugins  # noqa: F401  registers test_path
@@ -60,6 +64,24 @@ class Studies(Case):
         self.assertRaylexError("resume", raylex.experiment.run, config, self.folder / "out")
         raylex.experiment.run(config, self.folder / "out", resume=True)
 
+    def test_rows_are_named_and_results_print_a_summary(self):
+        results = raylex.experiment.run(self.write(CONFIG.format(scene=CORNELL)), self.folder / "out")
+        with mock.patch.dict(sys.modules, {"pandas": None}):  # as where it is not installed
+            bias = results.bias()
+            self.assertEqual(bias["variant"], [row["variant"] for row in bias])
+            self.assertEqual(bias[0].variant, "path")
+            self.assertIn(bias[0].convicts, (True, False))
+            with self.assertRaisesRegex(AttributeError, "no column 'convict'.*convicts"):
+                bias[0].convict
+            header, first, *_ = str(bias).splitlines()
+            self.assertIn("detectable_whole", header)
+            self.assertIn("path", first)
+            self.assertEqual(len(results.cells()), 8)
+        summary = str(results)
+        self.assertIn("8 cells done", summary)
+        self.assertRegex(summary, r"path on box: error [0-9.]+ % in [0-9.e-]+ cpu seconds")
+        self.assertRegex(summary, r"lights on box: .*bias")
+
     def test_plots(self):
         try:
             import matplotlib  # noqa: F401
@@ -83,10 +105,19 @@ class Studies(Case):
 class Verdicts(Case):
     def test_a_mistake_is_found_and_named_and_the_right_one_passes(self):
         judged = dict(resolution=(32, 32), spp=(16,), replicates=8, reference_spp=4096, max_depth=3)
-        right = raylex.experiment.verdict(CORNELL, "test_path", self.folder / "right", **judged)
+        told = io.StringIO()
+        with contextlib.redirect_stdout(told):
+            right = raylex.experiment.verdict(CORNELL, "test_path", self.folder / "right", **judged)
+        self.assertRegex(told.getvalue(), r"^test_path on scene: [^\n]+\n$")
+        self.assertNotIn("BIASED", told.getvalue())
         self.assertFalse(any(row["convicts"] for row in rows(right.bias()) if row["variant"] == "judged"), right.bias())
         mistaken = {"type": "test_path", "mistake": True}
-        wrong = raylex.experiment.verdict(CORNELL, mistaken, self.folder / "wrong", **judged)
+        told = io.StringIO()
+        with contextlib.redirect_stdout(told):
+            wrong = raylex.experiment.verdict(CORNELL, mistaken, self.folder / "wrong", **judged)
+            raylex.experiment.verdict(CORNELL, "path", self.folder / "quiet", resolution=(8, 8), spp=(2,), replicates=2,
+                                      reference_spp=4, quiet=True)
+        self.assertRegex(told.getvalue(), r"^test_path on scene: BIASED[^\n]+bounce2[^\n]*\n$")
         found = {row["channel"] for row in rows(wrong.bias()) if row["variant"] == "judged" and row["convicts"]}
         self.assertIn("bounce2", found)  # a tenth of the light of two scatterings is missing
         self.assertNotIn("bounce1", found)

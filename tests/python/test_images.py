@@ -135,6 +135,12 @@ class Shown(Case):
         self.assertEqual(raylex.picture(image, "Nn").dtype, np.uint8)
         dark, bright = (raylex.picture(image, exposure=stops).mean() for stops in (-4, 0))
         self.assertLess(dark, bright)
+        # Arrays are pictures too, of light; what is none says what is expected.
+        np.testing.assert_array_equal(raylex.picture(image["beauty"]), raylex.picture(image))
+        np.testing.assert_array_equal(raylex.picture(image.view("beauty")), raylex.picture(image))
+        self.assertEqual(raylex.picture(np.ones((4, 6))).shape, (4, 6, 3))
+        self.assertRaylexError(r"shape \(4, 6, 2\); expected \(height, width, 3\)", raylex.picture, np.ones((4, 6, 2)))
+        self.assertRaylexError("image is str, which is no array of numbers", raylex.picture, "image.exr")
 
     def test_html_has_a_tab_for_each_layer_and_the_verdict(self):
         image = raylex.render(CORNELL, spp=4, resolution=(16, 16), lpe={"direct": "CDL"})

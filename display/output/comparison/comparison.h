@@ -68,8 +68,10 @@ class LayerPair {
     std::vector<double> image_, reference_;  // three values a pixel
 };
 
-/// A map of errors as PNG, its lightness rising with the error: black 0, over blue, violet and red to pale yellow for
-/// `most` and above. Cyan marks what is not finite.
+/// A map of errors as 8-bit RGB, its lightness rising with the error: black 0, over blue, violet and red to pale yellow
+/// for `most` and above. Cyan marks what is not finite.
+std::vector<unsigned char> error_colors(const std::vector<double>& map, double most);
+/// These colours as PNG.
 Status write_error_png(const std::string& path, const std::vector<double>& map, int width, int height, double most);
 /// The same as OpenEXR: one float channel `error`, with these string attributes.
 Status write_error_exr(const std::string& path, const std::vector<double>& map, int width, int height,

@@ -47,7 +47,7 @@ class ErrorMap final : public PixelImage {
 
 }  // namespace
 
-Status write_error_png(const std::string& path, const std::vector<double>& map, int width, int height, double most) {
+std::vector<unsigned char> error_colors(const std::vector<double>& map, double most) {
     std::vector<unsigned char> rgb;
     rgb.reserve(map.size() * 3);
     for (const double error : map) {
@@ -56,7 +56,11 @@ Status write_error_png(const std::string& path, const std::vector<double>& map, 
                                                               : std::array<unsigned char, 3>{0, 0, 0};
         rgb.insert(rgb.end(), color.begin(), color.end());
     }
-    return write_png(path, width, height, rgb);
+    return rgb;
+}
+
+Status write_error_png(const std::string& path, const std::vector<double>& map, int width, int height, double most) {
+    return write_png(path, width, height, error_colors(map, most));
 }
 
 Status write_error_exr(const std::string& path, const std::vector<double>& map, int width, int height,

@@ -161,9 +161,8 @@ display::ExrImage only(const Image& image, const std::string& name) {
     return exr;
 }
 
-/// The layer as people look at it: 8-bit RGB through the display and view, false colour where it is no light.
-experiments::Picture picture(const Image& image, const std::string& name, double exposure, int largest_side) {
-    const display::ExrImage exr = only(image, name);
+/// The one layer as people look at it: 8-bit RGB through the display and view, false colour where it is no light.
+experiments::Picture picture(const display::ExrImage& exr, double exposure, int largest_side) {
     const auto color = take(display::ColorManager::open());
     experiments::PictureOptions options;
     options.largest_side = largest_side;
@@ -174,8 +173,11 @@ experiments::Picture picture(const Image& image, const std::string& name, double
 void add_pictures(py::module_& module) {
     module.def(
         "_picture",
-        [](const Image& image, const std::string& layer, double exposure, int largest_side) {
-            experiments::Picture made = unlocked([&] { return picture(image, layer, exposure, largest_side); });
+        [](const py::object& image, const std::string& layer, double exposure, int largest_side) {
+            const display::ExrImage exr = py::isinstance<Image>(image)
+                                              ? only(image.cast<const Image&>(), layer)
+                                              : image_of(array_of<float>(image, "image"), "image");
+            experiments::Picture made = unlocked([&] { return picture(exr, exposure, largest_side); });
             return owning_array(std::move(made.rgb), {made.height, made.width, 3});
         },
         "image"_a, "layer"_a, "exposure"_a, "largest_side"_a);
@@ -183,7 +185,7 @@ void add_pictures(py::module_& module) {
         "_png",
         [](const Image& image, const std::string& layer, double exposure, int largest_side) {
             const std::vector<unsigned char> png = unlocked([&] {
-                const experiments::Picture made = picture(image, layer, exposure, largest_side);
+                const experiments::Picture made = picture(only(image, layer), exposure, largest_side);
                 return take(display::encode_png(made.width, made.height, made.rgb));
             });
             return py::bytes(reinterpret_cast<const char*>(png.data()), png.size());

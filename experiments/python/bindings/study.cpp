@@ -37,20 +37,27 @@ py::dict run(const std::string& config, const std::string& directory, const std:
                     "splits_broken"_a = outcome.splits_broken, "references_failed"_a = outcome.references_failed);
 }
 
-/// results.jsonl and results.csv of the cells that are done, and their plots' specifications; nothing is written.
+/// results.jsonl, results.csv and verdicts of the cells that are done, and their plots' specifications; nothing is
+/// written.
 py::dict study(const std::string& directory) {
     py::dict result;
     std::string lines, table;
+    std::vector<std::string> verdicts;
+    bool cpu_clock = false;
     std::vector<std::pair<std::string, std::string>> plots;
     unlocked([&] {
         const experiments::Experiment experiment = take(experiments::read_experiment(directory));
+        cpu_clock = experiment.cpu_clock;
         const experiments::Study judged = take(experiments::study_of(experiment, {}));
         lines = experiments::results_jsonl(judged);
         table = experiments::results_csv(judged);
+        verdicts = experiments::verdict_lines(judged);
         for (const experiments::Plot& plot : experiments::plots_of(judged)) plots.emplace_back(plot.file, plot.json);
     });
     result["jsonl"] = lines;
     result["csv"] = table;
+    result["verdicts"] = verdicts;
+    result["clock"] = cpu_clock ? "cpu_seconds" : "wall_seconds";
     result["plots"] = plots;
     return result;
 }

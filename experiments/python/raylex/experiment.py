@@ -6,15 +6,38 @@ import os
 from . import _raylex
 
 
+class Row(dict):
+    """A row with named columns: row["variant"] or row.variant."""
+
+    def __getattr__(self, name):
+        if name in self:
+            return self[name]
+        raise AttributeError(f"there is no column {name!r}; expected one of: {', '.join(self)}")
+
+
+class Rows(list):
+    """A list of :class:`Row`, for where pandas is not installed. rows["variant"] is a column, print(rows) a table."""
+
+    def __getitem__(self, key):
+        return [row.get(key) for row in self] if isinstance(key, str) else super().__getitem__(key)
+
+    def __repr__(self):
+        names = list(dict.fromkeys(name for row in self for name in row))
+        table = [names, *([f"{each:.4g}" if isinstance(each, float) else str(each)
+                           for each in map(row.get, names)] for row in self)]
+        widths = [max(map(len, column)) for column in zip(*table)]
+        return "\n".join("  ".join(map(str.ljust, line, widths)).rstrip() for line in table)
+
+
 class Results:
-    """A directory of results."""
+    """A directory of results. ``print(results)`` summarises it."""
 
     def __init__(self, directory):
         self.directory = os.fspath(directory)
         self._judged = None
 
     def cells(self):
-        """Every cell, done or failed, a row each: a pandas frame where pandas is installed, else a list of dicts.
+        """Every cell, done or failed, a row each: a pandas frame where pandas is installed, else :class:`Rows`.
 
         Columns: id, scene, method, budget_kind, budget, replicate, seed, failed, failure, samples_per_pixel,
         wall_seconds, cpu_seconds, rays, directory, and the swept settings.
@@ -61,12 +84,33 @@ class Results:
             raise _raylex_error(f"the report of {self.directory} is not complete; the reasons were printed")
         return os.path.join(os.fspath(to) or self.directory, "report.html")
 
-    def plot(self, scene=None, channel="beauty", *, error="relmse_mean", against="wall_seconds"):
+    def verdicts(self):
+        """A sentence on bias for every variant on every scene, as ``raylex experiment report`` prints them."""
+        return self._study()["verdicts"]
+
+    def __str__(self):
+        """How many cells there are, the error and time of each variant's beauty, and the verdicts on bias."""
+        cells = _raylex._cells(self.directory)
+        failed = sum(cell["failed"] for cell in cells)
+        lines = [f"{self.directory}: {len(cells) - failed} cells done" + (f", {failed} FAILED" if failed else "")]
+        clock = self._study()["clock"]
+        last = {}  # budgets ascend
+        for row in self.records("budget"):
+            if row["channel"] == "beauty" and not row["region"]:
+                last[row["variant"], row["scene"]] = row
+        for (variant, scene), row in last.items():
+            error = row["relative_error"]["value"]
+            error = "unknown" if error is None else f"{100 * error:.3g} %"
+            lines.append(f"{variant} on {scene}: error {error} in {row[clock]:.3g} {clock.replace('_', ' ')}")
+        return "\n".join(lines + self.verdicts())
+
+    def plot(self, scene=None, channel="beauty", *, error="relmse_mean", against=None):
         """Error against time, a line a method, means over replicates: a matplotlib figure (Debian: python3-matplotlib).
 
         :param error: a column of errors(); the root of a squared one is drawn as it is
-        :param against: 'wall_seconds', 'cpu_seconds' or 'samples_per_pixel'
+        :param against: 'wall_seconds', 'cpu_seconds' or 'samples_per_pixel'; None: the clock of the study
         """
+        against = against or self._study()["clock"]
         rows = self.errors()
         rows = rows.to_dict("records") if hasattr(rows, "to_dict") else rows
         scenes = list(dict.fromkeys(row["scene"] for row in rows))
@@ -127,7 +171,7 @@ def _frame(rows):
     try:
         import pandas
     except ImportError:
-        return rows
+        return Rows(Row(row) for row in rows)
     return pandas.DataFrame(rows)
 
 
@@ -155,13 +199,15 @@ def run(config, directory, *, overrides=(), resume=False, retry=False, verbose=F
 
 
 def verdict(scene, integrator, directory, *, against="path", resolution=(128, 128), spp=(4, 16), replicates=8,
-            reference_spp=256, max_depth=5, lpe=None, seed=1):
-    """Is an integrator right? Renders it beside one that is, `replicates` times each, and tests for bias.
+            reference_spp=256, max_depth=5, lpe=None, seed=1, quiet=False):
+    """Is an integrator right? Renders it beside one that is, `replicates` times each, tests for bias, and prints the
+    verdict.
 
     :param scene: a pbrt-v4 file in which both must agree
     :param integrator: a registered type, or {"type": ..., parameter: value}
     :param against: what is held to be right, and makes the reference
     :param lpe: {channel: expression} judged beside the beauty; by default one for each number of scatterings to three
+    :param quiet: True: prints nothing
     :returns: Results; ``.bias()`` has the verdicts, ``.first_words()`` the shortest path that is wrong
     """
     from .rendering import _channels, _entity
@@ -182,4 +228,10 @@ def verdict(scene, integrator, directory, *, against="path", resolution=(128, 12
     config = os.path.join(os.fspath(directory), "verdict.toml")
     with open(config, "w", encoding="utf-8") as file:
         file.write(text_of(tables))
-    return run(config, os.path.join(os.fspath(directory), "results"))
+    results = run(config, os.path.join(os.fspath(directory), "results"))
+    if not quiet:
+        name = mine["type"]
+        for line in results.verdicts():
+            if line.startswith("judged on "):
+                print(name + line[len("judged"):])
+    return results

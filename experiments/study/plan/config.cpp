@@ -110,7 +110,7 @@ class ConfigReader {
         if (root.read("replicates", number, 1, 100'000)) config_.replicates = static_cast<unsigned>(number);
         if (root.read("threads", number, 0, 4096)) config_.base.settings.threads = static_cast<int>(number);
         root.read("isa", config_.base.settings.isa);
-        std::string clock = "wall";
+        std::string clock = "cpu";
         if (root.read("clock", clock) && clock != "wall" && clock != "cpu")
             source_.fail(root.location_of("clock"), "'clock' is '" + clock + "'; expected \"wall\" or \"cpu\"");
         config_.cpu_clock = clock == "cpu";

@@ -104,8 +104,9 @@ bool is_word(std::string_view text) {
 }
 
 /// Every {word} of a command is one that the runner fills in. Other braces, and ${word}, are the shell's.
-Status check_command(const MethodRequest& method, bool replicates) {
-    std::vector<std::string> known{"scene", "seed", "spp", "seconds", "out", "width", "height", "threads"};
+Status check_command(const MethodRequest& method, std::size_t scenes, bool replicates) {
+    std::vector<std::string> known{"scene", "scene_name", "seed",   "spp",    "seconds",
+                                   "out",   "width",      "height", "threads"};
     for (const SweepAxis& axis : method.sweep) known.push_back(axis.key);
     const std::string& command = method.command;
     for (std::size_t at = 0; (at = command.find('{', at)) != std::string::npos; ++at) {
@@ -115,9 +116,14 @@ Status check_command(const MethodRequest& method, bool replicates) {
         if (!is_word(word) || (at > 0 && command[at - 1] == '$')) continue;
         if (Status s = require_name("placeholder", word, known, method.location); !s) return s;
     }
-    if (!has_place(command, "out") || !has_place(command, "scene"))
-        return error_at(method.location,
-                        "the command of method '" + method.name + "' lacks {scene} or {out}; expected both");
+    if (!has_place(command, "out"))
+        return error_at(method.location, "the command of method '" + method.name +
+                                             "' lacks {out}; expected it where the command has the image's file");
+    // A renderer with scenes in a format of its own names its file itself.
+    if (scenes > 1 && !has_place(command, "scene") && !has_place(command, "scene_name"))
+        return error_at(method.location, "the command of method '" + method.name +
+                                             "' would render the same image for " + std::to_string(scenes) +
+                                             " scenes; expected {scene}, the scene's file, or {scene_name} in it");
     if (replicates && !has_place(command, "seed"))
         return error_at(method.location, "the command of method '" + method.name +
                                              "' lacks {seed}: its replicates would be "
@@ -321,7 +327,7 @@ Status check_config(ExperimentConfig& config) {
                             "references cannot be made by the external command '" + method.name +
                                 "'; expected a method of this program, or reference = \"FILE.exr\" in a "
                                 "[[scene]]");
-        if (Status s = check_command(method, config.replicates > 1); !s) return s;
+        if (Status s = check_command(method, config.scenes.size(), config.replicates > 1); !s) return s;
         const bool usable = std::any_of(config.budgets.begin(), config.budgets.end(), [&](const Budget& budget) {
             return (budget.kind == BudgetKind::samples && has_place(method.command, "spp")) ||
                    (budget.kind == BudgetKind::seconds && has_place(method.command, "seconds"));

@@ -31,7 +31,7 @@ Status write_plots(const std::string& directory, const std::vector<Plot>& plots,
     return success();
 }
 
-/// tables/SCENE.CHANNEL.tex of every channel that was measured, and insets/.
+/// tables/SCENE.CHANNEL.tex of every channel that was measured, insets/ and spectra/.
 Status write_paper(const std::string& directory, const Study& study, std::size_t& files) {
     for (const SceneInfo& scene : study.experiment->scenes)
         for (const ChannelInfo& channel : scene.channels) {
@@ -42,6 +42,9 @@ Status write_paper(const std::string& directory, const Study& study, std::size_t
             if (!written) return written;
             ++files;
         }
+    Result<std::size_t> maps = write_deviation_maps(study, directory + "/spectra");
+    if (!maps) return maps.error();
+    files += *maps;
     Result<std::size_t> insets = write_insets(study, directory + "/insets");
     if (!insets) return insets.error();
     files += *insets;
@@ -81,14 +84,10 @@ std::string bias_line(const Study& study, const std::string& scene, const Method
 /// All verdicts of a small study; of a large one those against methods that are declared unbiased, and how many others.
 void print_verdicts(const Study& study) {
     constexpr std::size_t most_lines = 12;
-    std::vector<std::pair<bool, std::string>> lines;  // bad, text
-    for (const SceneInfo& scene : study.experiment->scenes)
-        for (const MethodVariant& variant : study.variants)
-            if (std::string line = bias_line(study, scene.name, variant); !line.empty())
-                lines.emplace_back(line.find(": BIASED: ") != std::string::npos, std::move(line));
+    const std::vector<std::string> lines = verdict_lines(study);
     std::size_t kept_back = 0;
-    for (const auto& [bad, line] : lines)
-        if (bad || lines.size() <= most_lines) print_line(line);
+    for (const std::string& line : lines)
+        if (lines.size() <= most_lines || line.find(": BIASED: ") != std::string::npos) print_line(line);
         else ++kept_back;
     if (kept_back > 0) print_line(std::to_string(kept_back) + " other verdicts on bias are in the report");
 }
@@ -135,6 +134,15 @@ std::pair<Experiment, std::size_t> without_damage(Experiment experiment) {
 
 }  // namespace
 
+std::vector<std::string> verdict_lines(const Study& study) {
+    std::vector<std::string> lines;
+    for (const SceneInfo& scene : study.experiment->scenes)
+        for (const MethodVariant& variant : study.variants)
+            if (std::string line = bias_line(study, scene.name, variant); !line.empty())
+                lines.push_back(std::move(line));
+    return lines;
+}
+
 int write_study_report(const Experiment& as_read, const StudyReportOptions& options) {
     Result<std::string> d3 = read_d3();
     if (!d3) return report_error(d3.error());
@@ -143,7 +151,7 @@ int write_study_report(const Experiment& as_read, const StudyReportOptions& opti
     if (!study) return report_error(study.error());
     const std::string directory = options.directory.empty() ? experiment.directory : options.directory;
     std::error_code failed;
-    for (const char* folder : {"/plots", "/tables", "/insets"}) {
+    for (const char* folder : {"/plots", "/tables", "/insets", "/spectra"}) {
         std::filesystem::create_directories(directory + folder, failed);
         if (failed) return report_error("the folder '" + directory + folder + "' cannot be made: " + failed.message());
     }
@@ -164,7 +172,7 @@ int write_study_report(const Experiment& as_read, const StudyReportOptions& opti
                       study->omissions.front().what + ": " + study->omissions.front().reason);
     print_line(directory + "/report.html: " + size_text(static_cast<double>(page.size())) +
                "; results.csv, results.jsonl, " + std::to_string(plots.size()) + " plots and " +
-               std::to_string(paper_files) + " tables and insets beside it");
+               std::to_string(paper_files) + " tables, insets and maps beside it");
     if (constexpr std::size_t most_lines = 12; study->comparisons.size() <= most_lines && study->variants.size() > 1)
         for (const Comparison& each : study->comparisons) print_line(each.scene + ": " + best_sentence(*study, each));
     print_effects(*study);

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "experiments/study/results.h"
 
@@ -15,6 +16,10 @@ struct StudyReportOptions {
     double confidence = 0.95;                ///< of intervals
     double bias_level = 0.01;                ///< of all bias tests of a variant on a scene together
 };
+
+struct Study;
+/// The verdict on bias of every variant on every scene, "path on room: no bias found; ...", where something was tested.
+std::vector<std::string> verdict_lines(const Study& study);
 
 /// Measures every cell against its scene's reference and writes the files, each whole or not at all. Prints what it
 /// wrote, and warnings for what could not be judged. Returns an exit code: 0 written, 2 bad input or a file that cannot

@@ -96,7 +96,7 @@ Status print_plan(const ExperimentConfig& config, const std::string& directory, 
         if (seconds) total += *seconds;
         else ++unknown;
         print_line(each.cell.id + "  seed " + std::to_string(each.cell.seed) + "  " +
-                   (seconds ? "about " + duration_text(*seconds) : std::string("time not known before it is run")));
+                   (seconds ? "about " + duration_text(*seconds) : std::string("time unknown before it runs")));
     }
     for (const auto* notes : {&plan->notes, &work.notes})
         for (const std::string& note : *notes) print_line("note: " + note);
@@ -107,12 +107,12 @@ Status print_plan(const ExperimentConfig& config, const std::string& directory, 
                counted(config.scenes.size(), "scene") + ", " +
                counted(seen.size(), "pair of scene and settings", "pairs of scene and settings") + ", " +
                counted(config.budgets.size(), "budget") + ", " + counted(config.replicates, "replicate"));
-    print_line(
-        "time: " + time_left_text(unknown == count ? -1 : total, unknown) +
-        (unknown > 0 ? " (" + std::to_string(unknown) + (unknown == 1 ? " cell" : " cells") + " cannot be told)" : "") +
-        references_text(config, estimates) +
-        (calibrate ? "; from a short render of every scene by every setting, " + duration_text(measured) + " in all"
-                   : "; budgets of samples and errors are not known without a calibration"));
+    print_line("time: " + time_left_text(unknown == count ? -1 : total, unknown) +
+               (unknown > 0 ? " (the time of " + counted(unknown, "cell") + " is unknown)" : "") +
+               references_text(config, estimates) +
+               (calibrate
+                    ? "; from a short render of every scene by every setting, " + duration_text(measured) + " in all"
+                    : "; budgets of samples and errors are not known without a calibration"));
     print_line("memory: " + display::memory_text(largest) + " for the largest frame buffer" +
                (config.checkpoint_seconds > 0 ? ", as much again for its checkpoints" : "") + "; beside the scenes");
     return broken_scenes(config, broken);

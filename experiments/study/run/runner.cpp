@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -84,12 +85,15 @@ Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config
 NamedValues provenance(const ExperimentConfig& config) {
     const unsigned cores = std::thread::hardware_concurrency();
     const int threads = config.base.settings.threads;
+    double load = 0;
+    if (getloadavg(&load, 1) != 1) load = 0;  // as an idle machine has it
     return {{"version", raylex_version()},
             {"revision", raylex_revision()},
             {"compiler", build_description()},
             {"machine", host_description()},
             {"cores", std::to_string(cores)},
             {"threads", std::to_string(threads > 0 ? static_cast<unsigned>(threads) : cores)},
+            {"load average at the start", number_text(load)},
             {"started", utc_time()},
             {"seed", std::to_string(config.seed)}};
 }
@@ -412,6 +416,7 @@ class Run {
         if (outcome.splits_broken > 0)
             progress_.line("  " + counted(outcome.splits_broken, "cell has", "cells have") +
                            " a split that does not sum to what it splits");
+        if (const std::string load = results.load_warning(); !load.empty()) progress_.line("  warning: " + load);
         const RunnerTime& time = results.time;
         if (time.render > 0)
             progress_.line("  " + duration_text(time.render) + " of rendering, " + duration_text(time.warm_up) +

@@ -56,8 +56,8 @@ TEST_CASE("a channel without its beauty is compared with the same channel beside
     INFO(run.out + run.err);
     REQUIRE(run.code == 0);
     // Of the two channels that the full render has beside the beauty, `rest` is none of the other's.
-    CHECK(run.out.find("key on cornell-lamps16, beauty default to off: ") != std::string::npos);
-    CHECK(run.out.find("rest on cornell-lamps16, beauty") == std::string::npos);
+    CHECK(run.out.find("key on cornell-lamps16, method full to alone: ") != std::string::npos);
+    CHECK(run.out.find("rest on cornell-lamps16, method") == std::string::npos);
     CHECK(run.err.find("omission") == std::string::npos);
     CHECK(folder.has("out/cells/cornell-lamps16.full.16spp.r0/beauty.mean.npy"));
     CHECK(!folder.has("out/cells/cornell-lamps16.alone.16spp.r0/beauty.mean.npy"));

@@ -141,12 +141,14 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
     int speed_ups = 0, costs = 0;
     for (const Json& line : settings) {
         CAPTURE(line.dump());
-        CHECK(line["others"] == "path max_depth=4");
-        const bool strategy = line["setting"] == "integrator.strategy";
+        // Methods go by their names; in what they differ stands beside them.
+        CHECK(line["setting"] == "method");
+        CHECK(line["from"] == "path");
+        const bool strategy = line["to"] == "skewed";
+        CHECK(line["others"] == (strategy ? "integrator.strategy default to light, max_depth=4"
+                                          : "sample_filter.type none to clamp (luminance=10), max_depth=4"));
         speed_ups += strategy && line["channel"] == "bounce1" ? 1 : 0;
         costs += strategy ? 0 : 1;
-        CHECK(line["from"] == (strategy ? "default" : "none"));
-        CHECK(line["to"] == (strategy ? "light" : "clamp (luminance=10)"));
         // The same error in 1.1 times the time, and 0.06 s of setup; replicates differ in their noise.
         if (strategy && line["channel"] == "bounce1") {
             CHECK(line["speed_up"]["value"].get<double>() == Approx(1 / 1.1).epsilon(0.02));
@@ -172,7 +174,7 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
         if (!line.starts_with("column,")) described += (described.empty() ? "" : ",") + line.substr(0, line.find(','));
     CHECK(described == header);
     for (const char* plot : {"ramp.beauty.svg", "ramp.beauty.samples.svg", "ramp.bounce1.svg", "ramp.bounce2.svg",
-                             "ramp.beauty.pareto.svg", "ramp.bounce1.pareto.svg"}) {
+                             "ramp.beauty.pareto.svg", "ramp.bounce1.pareto.svg", "ramp.bounce2.spectrum.svg"}) {
         CAPTURE(plot);
         const std::string svg = folder.read("study/plots/" + std::string(plot));
         CHECK(svg.starts_with("<svg xmlns="));
@@ -195,6 +197,67 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
     CHECK(page.find("is first wrong at the path") != std::string::npos);
     for (const char* fetch : {"src=\"http", "href=\"http", "<link", "@import", "url(http"})
         CHECK(page.find(fetch) == std::string::npos);
+}
+
+TEST_CASE("error spectra tell noise from bias by its frequency, and maps show where images vary", "[study][report]") {
+    if (!has_d3()) RAYLEX_SKIP("needs the package libjs-d3");
+    const Folder folder;
+    const Experiment experiment = write_synthetic_study(folder, {});
+    REQUIRE(write_study_report(experiment) == 0);
+    const auto reference = read_mean(experiment.scenes[0].reference, "bounce2");
+    REQUIRE(reference);
+    double mean = 0, squares = 0;
+    const auto count = static_cast<double>(reference->values.size());
+    for (const double value : reference->values) mean += value / count;
+    for (const double value : reference->values) squares += value * value / count;
+    // Noise of 0.4 / sqrt(128) of each pixel, 0.4 / 256 in the reference.
+    const double noise = 0.16 * (1.0 / 128 + 1.0 / 65536) * squares / (mean * mean);
+    int spectra = 0;
+    for (const Json& line : lines_of(folder.read("study/results.jsonl"), "spectrum")) {
+        CAPTURE(line.dump());
+        CHECK(line["replicates"] == 5);
+        const auto frequencies = line["cycles_per_pixel"].get<std::vector<double>>(),
+                   power = line["power"].get<std::vector<double>>(), least = line["least"].get<std::vector<double>>(),
+                   most = line["most"].get<std::vector<double>>();
+        REQUIRE(frequencies.size() > 15);
+        CHECK(frequencies.front() == 0);
+        CHECK(std::is_sorted(frequencies.begin(), frequencies.end()));
+        for (std::size_t i = 0; i < power.size(); ++i) CHECK((least[i] <= power[i] && power[i] <= most[i]));
+        if (line["channel"] != "bounce2" || line["variant"] == "clamped") continue;
+        ++spectra;
+        CHECK(line["reference_error"].get<double>() ==
+              Approx(0.4 / 256 * std::sqrt(squares) / mean).epsilon(1e-6));  // rounding of sums
+        // But for the corners, the last rings have 5 x 3 x hundreds of values each, whose squares vary as much as their
+        // mean.
+        for (std::size_t i = power.size() - 5; i + 1 < power.size(); ++i) CHECK(power[i] == Approx(noise).epsilon(0.1));
+        // 5 % too bright: the frequency 0 has pixels x 0.05^2, far above the noise; three components of five replicates
+        // of noise alone stay within a few times its mean.
+        const bool skewed = line["variant"] == "skewed";
+        if (skewed) CHECK(power[0] == Approx(64 * 48 * 0.05 * 0.05).epsilon(0.2));
+        else CHECK(power[0] < 10 * noise);
+    }
+    CHECK(spectra == 2);
+    for (const char* variant : {"path_max_depth_4", "skewed", "clamped"})
+        CHECK(folder.read("study/spectra/ramp." + std::string(variant) + ".deviation.png").starts_with("\x89PNG"));
+    const std::string page = folder.read("study/report.html");
+    CHECK(page.find("data-plot=\"s0-bounce2--spectrum\"") != std::string::npos);
+    CHECK(raylex::test::count_matches(page, "alt=\"standard deviation of ") == 3);
+    const auto study = study_of(experiment, {});
+    REQUIRE(study);
+    for (const ErrorSpectrum& each : study->spectra) {
+        CHECK(each.deviation.values.empty() == (each.curve->channel != "beauty"));
+        if (each.deviation.values.empty()) continue;
+        // Where the disc is the noise is that of more light.
+        const auto at = [&](double u, double v) {
+            double sum = 0;
+            for (int y = -2; y <= 2; ++y)
+                for (int x = -2; x <= 2; ++x)
+                    sum += each.deviation.values[static_cast<std::size_t>((v * 48 + y) * 1) * 64 +
+                                                 static_cast<std::size_t>(u * 64 + x)];
+            return sum / 25;
+        };
+        CHECK(at(0.6, 0.45) > 1.5 * at(0.15, 0.8));
+    }
 }
 
 TEST_CASE("a study's page works in a browser", "[study][report]") {

@@ -2,6 +2,7 @@
 // pass or always fail; the bounds are binomial standard errors of the stated number of repetitions.
 #include <catch2/catch.hpp>
 
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -10,6 +11,7 @@
 #include "experiments/study/analysis/distributions.h"
 #include "experiments/study/analysis/intervals.h"
 #include "experiments/study/analysis/pareto.h"
+#include "experiments/study/analysis/spectrum.h"
 
 using namespace raylex::experiments;
 
@@ -362,6 +364,46 @@ TEST_CASE("the first differing word is of no channel that agrees", "[study]") {
     CHECK(first.words[0].channel == "indirect");  // more significant
     CHECK(first.words[0].events == 5);
     CHECK_FALSE(first.words[0].sentence.empty());
+}
+
+TEST_CASE("spectra hold the mean square, put a wave in its ring, and are flat for white noise", "[study]") {
+    std::mt19937_64 random(11);
+    std::normal_distribution<double> normal;
+    // Powers of two, composites, primes, one component and three, a single row.
+    for (const auto& [width, height, components] :
+         {std::array<std::size_t, 3>{64, 32, 3}, {30, 21, 3}, {37, 13, 1}, {1, 1, 3}, {12, 1, 2}}) {
+        CAPTURE(width, height, components);
+        PixelArray noise{height, width, components, std::vector<double>(height * width * components)};
+        double square = 0;
+        for (double& each : noise.values) {
+            each = normal(random);
+            square += each * each / static_cast<double>(noise.values.size());
+        }
+        double power = 0;
+        std::size_t count = 0;
+        for (const FrequencyRing& ring : radial_spectrum(noise)) {
+            power += ring.power * static_cast<double>(ring.count);
+            count += ring.count;
+        }
+        CHECK(count == width * height);
+        // Sums of some thousand doubles: rounding of 2^-53 each stays below 1e-12.
+        CHECK(power / static_cast<double>(count) == Approx(square).epsilon(1e-12));
+    }
+    // A wave of 5 cycles across 40 pixels: all power but rounding at 1/8 cycle per pixel.
+    PixelArray wave{24, 40, 1, {}};
+    for (int y = 0; y < 24; ++y)
+        for (int x = 0; x < 40; ++x) wave.values.push_back(std::cos(2 * 3.14159265358979323846 * 5 * x / 40.0));
+    for (const FrequencyRing& ring : radial_spectrum(wave)) {
+        CAPTURE(ring.frequency);
+        const bool here = ring.frequency > 0.125 && ring.frequency < 0.125 * std::exp2(0.25);
+        const double total = ring.power * static_cast<double>(ring.count) / (24 * 40);
+        CHECK(total == Approx(here ? 0.5 : 0).margin(1e-12));
+    }
+    // White noise of variance 4: rings of hundreds of values, each as uncertain as its mean.
+    PixelArray white{128, 128, 3, std::vector<double>(128 * 128 * 3)};
+    for (double& each : white.values) each = 2 * normal(random);
+    for (const FrequencyRing& ring : radial_spectrum(white))
+        if (ring.count > 400) CHECK(ring.power == Approx(4).epsilon(5 / std::sqrt(1.5 * 400)));
 }
 
 TEST_CASE("the Pareto front keeps what nothing beats", "[study]") {

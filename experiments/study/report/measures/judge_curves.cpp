@@ -98,6 +98,17 @@ std::string setting_text(const MethodVariant& variant, const std::string& key) {
     return parameters.empty() ? text : text + " (" + parameters + ")";
 }
 
+/// Methods go by their names, and the setting in which they differ stands beside them.
+SettingEffect change_between(const MethodVariant& from, const MethodVariant& to, const std::string& key) {
+    const std::string before = setting_text(from, key), after = setting_text(to, key);
+    if (from.method == to.method || key.starts_with("effects."))
+        return {.key = key, .from = before, .to = after, .others = others_of(from, key)};
+    std::string others = key == "command" ? "another renderer" : key + " " + before + " to " + after;
+    for (const auto& [name, value] : from.settings)
+        if (name != key) others += ", " + name + "=" + value;
+    return {.key = "method", .from = from.method, .to = to.method, .others = others};
+}
+
 /// Each variant against the first one for each setting in which it differs from an earlier one and in nothing else.
 void find_effects(Study& study, const SceneInfo& scene) {
     for (std::size_t j = 1; j < study.variants.size(); ++j) {
@@ -111,9 +122,13 @@ void find_effects(Study& study, const SceneInfo& scene) {
                 const Curve *a = study.curve(scene.name, to.name, channel.name),
                             *b = study.curve(scene.name, from.name, channel.name);
                 if (a == nullptr || b == nullptr) continue;
-                study.effects.push_back({scene.name, channel.name, key, setting_text(from, key), setting_text(to, key),
-                                         others_of(from, key), speed_up(*a, *b, study.options.confidence),
-                                         speed_up_by_medians(*a, *b), to.name, from.name});
+                SettingEffect& effect = study.effects.emplace_back(change_between(from, to, key));
+                effect.scene = scene.name;
+                effect.channel = channel.name;
+                effect.variant = to.name;
+                effect.against = from.name;
+                effect.speed_up = speed_up(*a, *b, study.options.confidence);
+                effect.by_medians = speed_up_by_medians(*a, *b);
             }
         }
     }

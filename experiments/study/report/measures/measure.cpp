@@ -1,6 +1,7 @@
 // Every image of an experiment, read once and measured.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <set>
@@ -75,7 +76,14 @@ class Measurer {
             regions.push_back({region.name, std::move(*pixels)});
         }
         const std::vector<Group> groups = groups_of(scene);
-        for (const ChannelInfo& channel : scene.channels) measure_channel(scene, channel, regions, groups);
+        std::string absent;  // an image from elsewhere has the beauty, and perhaps no more
+        for (const ChannelInfo& channel : scene.channels)
+            if (channel.beauty || std::filesystem::exists(scene.reference + "/" + channel.name + ".mean.npy"))
+                measure_channel(scene, channel, regions, groups);
+            else absent += (absent.empty() ? "" : ", ") + channel.name;
+        if (!absent.empty())
+            study_.omissions.push_back({"scene " + scene.name, "its reference has no layers called " + absent +
+                                                                   "; these channels are not measured"});
         return success();
     }
 
@@ -159,14 +167,18 @@ class Measurer {
         judge_bias(scene, channel, candidates, truth, even);
     }
 
-    /// A method without beauty renders neither it nor what only fills up its sum, the layer `rest`.
+    /// A method without beauty renders neither it nor what only fills up its sum, the layer `rest`. Another renderer
+    /// writes what it has, and its cells warn of the rest once.
     [[nodiscard]] static bool was_not_asked(const Group& group, const ChannelInfo& channel) {
+        const NamedValues& settings = group.variant->all_settings;
+        const bool external =
+            std::any_of(settings.begin(), settings.end(), [](const auto& each) { return each.first == "command"; });
         return std::all_of(group.cells.begin(), group.cells.end(), [&](const Cell* cell) {
             const auto has = [&](const std::string& name) {
                 return std::any_of(cell->files.begin(), cell->files.end(),
                                    [&](const FileRecord& file) { return file.name == name + ".mean.npy"; });
             };
-            return !cell->files.empty() && !has("beauty") && !has(channel.name);
+            return !cell->files.empty() && (external || !has("beauty")) && !has(channel.name);
         });
     }
 
@@ -486,6 +498,7 @@ Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& o
     measure_as_seen(study);
     judge_curves(study);
     compare_variants(study);
+    measure_spectra(study);
     return study;
 }
 

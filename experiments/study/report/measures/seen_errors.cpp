@@ -40,6 +40,20 @@ void measure_row(CellErrors& row, const PixelArray& truth, const display::Chroma
 
 }  // namespace
 
+void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& work) {
+    if (count == 0) return;
+    std::atomic<std::size_t> next{0};
+    const auto run = [&] {
+        for (std::size_t i; (i = next.fetch_add(1)) < count;) work(i);
+    };
+    const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
+    std::vector<std::thread> others(std::min(cores, count) - 1);
+    for (std::thread& each : others) each = display::thread_or_none(run);
+    run();
+    for (std::thread& each : others)
+        if (each.joinable()) each.join();
+}
+
 void measure_as_seen(Study& study) {
     for (const SceneInfo& scene : study.experiment->scenes) {
         std::vector<CellErrors*> rows;
@@ -51,16 +65,7 @@ void measure_as_seen(Study& study) {
         const Result<PixelArray> truth = read_mean(scene.reference, scene.channels.front().name);
         if (!truth || truth->components != 3 || !all_finite(*truth)) continue;
         const display::Chromaticities primaries = primaries_of(*rows.front()->cell);
-        std::atomic<std::size_t> next{0};
-        const auto work = [&] {
-            for (std::size_t i; (i = next.fetch_add(1)) < rows.size();) measure_row(*rows[i], *truth, primaries);
-        };
-        const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
-        std::vector<std::thread> others(std::min(cores, rows.size()) - 1);
-        for (std::thread& each : others) each = display::thread_or_none(work);
-        work();
-        for (std::thread& each : others)
-            if (each.joinable()) each.join();
+        on_all_cores(rows.size(), [&](std::size_t i) { measure_row(*rows[i], *truth, primaries); });
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -97,16 +98,31 @@ struct WordsEntry {
 
 /// Two variants that differ in one setting, of one method or of two.
 struct SettingEffect {
-    std::string scene, channel, key, from, to,
-        others;             ///< others: the method that `from` is of, and what it sweeps beside
-    Interval speed_up;      ///< of `to` against `from`
+    /// Of one method: the setting, its values, and the method with what it sweeps beside. Of two methods: "method",
+    /// their names, and the setting in which they differ.
+    std::string scene{}, channel{}, key{}, from{}, to{}, others{};
+    Interval speed_up{};    ///< of `to` against `from`
     double by_medians = 0;  ///< the same ratio of the medians over replicates of relmse-mean x seconds; NaN: not known
-    std::string variant, against;  ///< the two by name
+    std::string variant{}, against{};  ///< the two by name
 };
 
 /// The expression of paths that a variant says it does not find in a scene and that a channel has, too; empty: none.
 std::string omitted_in(const Experiment& experiment, const std::string& scene, const std::string& variant,
                        const ChannelInfo& channel);
+
+/// The error of a curve's most expensive budget by spatial frequency, over its replicates (analysis/spectrum.h). Powers
+/// are relative to the square of m = mean(|b|): the root of their mean over all frequencies is rmse / m.
+struct ErrorSpectrum {
+    struct Point {
+        double frequency = 0;                  ///< cycles per pixel; first 0, the error of the image's mean
+        double mean = 0, least = 0, most = 0;  ///< over replicates
+    };
+    const Curve* curve = nullptr;
+    std::size_t replicates = 0;
+    double reference_error = 0;  ///< root of the power of the reference's noise at any frequency; 0 where not known
+    std::vector<Point> points;
+    PixelArray deviation;  ///< of the beauty's pixels over several replicates, relative to m; else empty
+};
 
 struct Omission {
     std::string what, reason;
@@ -139,6 +155,7 @@ struct Study {
     std::vector<SettingEffect> effects;
     std::vector<Comparison> comparisons;
     std::vector<Omission> omissions;
+    std::vector<ErrorSpectrum> spectra;  ///< of the curves of whole images, in their order
 
     /// Whether the config claims it of a variant.
     [[nodiscard]] bool unbiased(const std::string& variant) const;
@@ -168,5 +185,9 @@ std::string verdict_of(const Study& study, const BiasEntry& entry);
 std::string best_sentence(const Study& study, const Comparison& comparison);
 /// Sets CellErrors::seen, on all cores.
 void measure_as_seen(Study& study);
+/// Sets Study::spectra, on all cores; after judge_curves().
+void measure_spectra(Study& study);
+/// work(0) to work(count - 1), each once, in any order, by as many threads as there are cores.
+void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& work);
 
 }  // namespace raylex::experiments

@@ -192,9 +192,25 @@ void add_run(Lines& lines, const Cell& cell) {
               {"wall_seconds", number(cell.wall_seconds)},
               {"cpu_seconds", number(cell.cpu_seconds)},
               {"rays", cell.rays},
+              {"other_load", number(cell.other_load < 0 ? NAN : cell.other_load)},
               {"invalid_samples", cell.invalid_samples},
               {"peak_memory_bytes", cell.peak_memory_bytes}};
     if (cell.failed) json["failure"] = cell.failure;
+    lines.add(json);
+}
+
+void add_spectrum(Lines& lines, const ErrorSpectrum& spectrum) {
+    const Curve& curve = *spectrum.curve;
+    Json json = curve_key("spectrum", curve);
+    json["budget"] = curve.points.back().budget;
+    json["replicates"] = spectrum.replicates;
+    json["reference_error"] = number(spectrum.reference_error);
+    for (const ErrorSpectrum::Point& each : spectrum.points) {
+        json["cycles_per_pixel"].push_back(number(each.frequency));
+        json["power"].push_back(number(each.mean));
+        json["least"].push_back(number(each.least));
+        json["most"].push_back(number(each.most));
+    }
     lines.add(json);
 }
 
@@ -315,6 +331,7 @@ std::string results_jsonl(const Study& study) {
                        {"others", effect.others},
                        {"speed_up", json_of(effect.speed_up)},
                        {"speed_up_by_medians", number(effect.by_medians)}});
+    for (const ErrorSpectrum& spectrum : study.spectra) add_spectrum(lines, spectrum);
     for (const Cell& cell : study.experiment->cells)
         for (const PartitionVerdict& split : cell.splits)
             lines.add(Json{{"kind", "split"},

@@ -25,7 +25,8 @@ struct Plot {
     std::string json;
 };
 /// Per scene, channel and region: error against time and, where they are known, against samples; per scene and channel
-/// the Pareto front of all budgets of all variants; per scene what each effect costs, where effects are forced.
+/// the Pareto front of all budgets of all variants and the error spectra; per scene what each effect costs, where
+/// effects are forced.
 std::vector<Plot> plots_of(const Study& study);
 
 /// Letters that any file system takes: others become _.
@@ -34,6 +35,7 @@ std::string file_part(const std::string& name);
 std::string plot_id(std::size_t scene, const std::string& channel, const std::string& region);
 std::string samples_id(std::size_t scene, const std::string& channel, const std::string& region);
 std::string front_id(std::size_t scene, const std::string& channel);
+std::string spectrum_id(std::size_t scene, const std::string& channel);
 
 /// The points of a channel's Pareto front, by seconds.
 struct FrontPoint {

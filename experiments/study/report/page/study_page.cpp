@@ -38,7 +38,8 @@ std::string extent_summary(const Study& study) {
            (experiment.missing.empty() ? "" : ", " + std::to_string(experiment.missing.size()) + " not run") + "; " +
            counted(experiment.scenes.size(), "scene", "scenes") + ", " +
            counted(study.variants.size(), "variant", "variants") + "; " + duration_text(seconds) + " of rendering" +
-           (experiment.cpu_clock ? "; times below are CPU seconds of all threads" : "") + ".</p>\n";
+           (experiment.cpu_clock ? "; times below are CPU seconds of all threads" : "; times below are wall seconds") +
+           ".</p>\n";
 }
 
 std::string split_summary(const Experiment& experiment) {
@@ -158,6 +159,8 @@ std::string summary(const Study& study) {
     std::string text = extent_summary(study) + reference_summary(study) + comparison_table(study) +
                        "<ul class=\"summary\">\n" + split_summary(*study.experiment) + bias_summary(study) +
                        curve_summary(study);
+    if (const std::string load = study.experiment->load_warning(); !load.empty())
+        text += "<li><span class=\"warn\">Times:</span> " + escape_html(load) + ".</li>\n";
     std::vector<std::string> without;
     for (const SceneInfo& scene : study.experiment->scenes)
         if (scene.reference.empty()) without.push_back(scene.name);
@@ -209,7 +212,9 @@ std::string scene_section(const Study& study, const std::vector<Plot>& known, st
         if (curve.region.empty())
             panels += "<h3>What is worth its time</h3>\n<div class=\"beside\">" +
                       plot_group(known, {front_id(index, curve.channel)}) + "<div>" +
-                      front_table(study, scene.name, curve.channel) + "</div></div>\n";
+                      front_table(study, scene.name, curve.channel) +
+                      "</div></div>\n<h3>Error by spatial frequency</h3>\n" +
+                      plot_group(known, {spectrum_id(index, curve.channel)});
         panels += "</div>\n";
     }
     std::string html = "<section class=\"scene-study\" id=\"scene-" + std::to_string(index) +
@@ -218,6 +223,7 @@ std::string scene_section(const Study& study, const std::vector<Plot>& known, st
     if (items.empty())
         return html + "<p class=\"faint\">Nothing was measured on this scene; see the omissions.</p></section>\n";
     html += choices("Channel", items) + panels;
+    html += deviation_maps(study, scene);
     if (const std::string costs = effect_costs_table(study, scene.name); !costs.empty())
         html += "<h3>What each effect costs</h3>\n<div class=\"beside\">" +
                 plot_group(known, {effect_costs_id(index)}) + "<div>" + costs + "</div></div>\n";

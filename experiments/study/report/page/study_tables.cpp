@@ -186,7 +186,7 @@ std::string times_table(const Study& study, const std::string& scene, const std:
 std::string errors_table(const Study& study, const std::string& scene, const std::string& channel,
                          const std::string& region) {
     Footnotes notes;
-    std::string head = "<th>Variant</th><th>Largest budget</th><th>Seconds</th>" +
+    std::string head = "<th>Variant</th><th>Largest budget</th><th>CPU seconds</th><th>Wall seconds</th>" +
                        formula_header("relative error", "sqrt(relmse-mean), the reference's noise subtracted");
     for (const display::ErrorMetricInfo& each : display::error_metrics())
         head += formula_header(each.name, each.formula);
@@ -199,7 +199,8 @@ std::string errors_table(const Study& study, const std::string& scene, const std
         if (!shown(curve, scene, channel, region) || curve.points.empty()) continue;
         const BudgetPoint& point = curve.points.back();
         std::string cells = text_cell(curve.variant) + cell(spoken_budget(curve.budget_kind, point.budget)) +
-                            cell(figure(point.seconds)) + cell(interval_cell(point.relative, notes, 100, " %"));
+                            cell(figure(point.cpu_seconds)) + cell(figure(point.wall_seconds)) +
+                            cell(interval_cell(point.relative, notes, 100, " %"));
         std::array<double, display::error_metric_count + seen_metrics.size()> sums{};
         double trimmed = 0, count = 0;
         for (const CellErrors& each : study.cells) {

@@ -24,6 +24,8 @@ std::string slopes_table(const Study& study, const std::string& scene, const std
 
 std::string front_table(const Study& study, const std::string& scene, const std::string& channel);
 std::string effects_table(const Study& study, const SceneInfo& scene);
+/// Pictures of the standard deviation of every pixel; empty where there is one replicate.
+std::string deviation_maps(const Study& study, const SceneInfo& scene);
 std::string bias_table(const Study& study, const SceneInfo& scene);
 std::string words_list(const Study& study, const SceneInfo& scene);
 std::string predictions_text(const Study& study);

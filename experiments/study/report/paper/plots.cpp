@@ -16,8 +16,8 @@ std::string budget_label(const Curve& curve, const BudgetPoint& point) {
     text += ": " + percent_text(point.relative.value);
     if (!std::isnan(point.relative.low))
         text += " [" + plain_number(point.relative.low * 100) + ", " + plain_number(point.relative.high * 100) + "]";
-    text += " in " + duration_text(point.seconds) + ", " + std::to_string(point.group.errors.size()) +
-            (point.group.errors.size() == 1 ? " replicate" : " replicates");
+    text += " in " + duration_text(point.cpu_seconds) + " CPU, " + duration_text(point.wall_seconds) + " wall, " +
+            std::to_string(point.group.errors.size()) + (point.group.errors.size() == 1 ? " replicate" : " replicates");
     if (!point.relative.note.empty()) text += "\n" + point.relative.note;
     return text;
 }
@@ -141,6 +141,42 @@ Plot front_plot(const Study& study, std::size_t scene, const std::string& channe
     return plot;
 }
 
+Plot spectrum_plot(const Study& study, std::size_t scene, const std::string& channel) {
+    const std::string& name = study.experiment->scenes[scene].name;
+    Json series = Json::array();
+    double floor = 0;
+    for (const ErrorSpectrum& spectrum : study.spectra) {
+        if (spectrum.curve->scene != name || spectrum.curve->channel != channel) continue;
+        Json points = Json::array();
+        for (const auto& [frequency, mean, least, most] : spectrum.points) {
+            const double error = std::sqrt(mean), low = std::sqrt(least), high = std::sqrt(most);
+            points.push_back(
+                Json{{"x", frequency},
+                     {"y", 100 * error},
+                     {"low", 100 * low},
+                     {"high", 100 * high},
+                     {"label", plain_number(frequency) + " cycles per pixel: " + percent_text(error) + " [" +
+                                   plain_number(100 * low) + ", " + plain_number(100 * high) + "]"}});
+        }
+        floor = std::max(floor, 100 * spectrum.reference_error);
+        points.erase(points.begin());  // the frequency 0 has no place on a logarithmic axis
+        series.push_back(Json{{"name", spectrum.curve->variant},
+                              {"slot", slot_of(study, spectrum.curve->variant)},
+                              {"note", budget_label(*spectrum.curve, spectrum.curve->points.back())},
+                              {"points", std::move(points)}});
+    }
+    Plot plot{spectrum_id(scene, channel), file_part(name) + "." + file_part(channel) + ".spectrum.svg", {}};
+    plot.json =
+        dumped(Json{{"id", plot.id},
+                    {"title", name + ", " + channel + ": error by spatial frequency"},
+                    {"subtitle", "100 sqrt(mean power of a - b) / mean(|b|); bands: least to largest replicate"},
+                    {"xLabel", "cycles per pixel"},
+                    {"yLabel", "relative error at this frequency"},
+                    {"floor", floor},
+                    {"series", std::move(series)}});
+    return plot;
+}
+
 }  // namespace
 
 std::string file_part(const std::string& name) {
@@ -163,6 +199,10 @@ std::string samples_id(std::size_t scene, const std::string& channel, const std:
 
 std::string front_id(std::size_t scene, const std::string& channel) {
     return "s" + std::to_string(scene) + "-" + file_part(channel) + "--front";
+}
+
+std::string spectrum_id(std::size_t scene, const std::string& channel) {
+    return plot_id(scene, channel, "") + "--spectrum";
 }
 
 std::vector<FrontPoint> front_of(const Study& study, const std::string& scene, const std::string& channel) {
@@ -191,7 +231,9 @@ std::vector<Plot> plots_of(const Study& study) {
                 plots.push_back(error_plot(study, s, curve.channel, curve.region, Abscissa::seconds));
                 if (any_samples(study, curve))
                     plots.push_back(error_plot(study, s, curve.channel, curve.region, Abscissa::samples));
-                if (curve.region.empty()) plots.push_back(front_plot(study, s, curve.channel));
+                if (!curve.region.empty()) continue;
+                plots.push_back(front_plot(study, s, curve.channel));
+                plots.push_back(spectrum_plot(study, s, curve.channel));
             }
         if (auto costs = effect_costs_plot(study, s)) plots.push_back(*std::move(costs));
     }

@@ -134,18 +134,28 @@ Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& dire
     return verdicts;
 }
 
-Status write_image_files(const std::string& directory, const std::string& path, int width, int height,
-                         const std::vector<ChannelInfo>& channels) {
+Result<std::vector<std::string>> write_image_files(const std::string& directory, const std::string& path, int width,
+                                                   int height, const std::vector<ChannelInfo>& channels) {
     auto image = display::read_exr(path);
     if (!image) return image.error();
     if (image->width != width || image->height != height)
         return error_at({path, 0, 0}, "the image has " + std::to_string(image->width) + "x" +
                                           std::to_string(image->height) + " pixels; expected " + std::to_string(width) +
                                           "x" + std::to_string(height));
+    if (image->data_window)
+        return error_at({path, 0, 0},
+                        "the image has pixels in " + std::to_string(image->data_window->width()) + "x" +
+                            std::to_string(image->data_window->height()) + " of its " + std::to_string(width) + "x" +
+                            std::to_string(height) + " alone (its data window); expected all pixels",
+                        "switch off the renderer's crop window, or its option that leaves out black borders");
+    std::vector<std::string> absent;
     for (const ChannelInfo& channel : channels) {
         const display::ImageLayer* layer = image->layer(channel.beauty ? "" : channel.name);
         if (layer == nullptr || layer->triple()[0] == nullptr) {
-            if (!channel.beauty) continue;
+            if (!channel.beauty) {
+                absent.push_back(channel.name);
+                continue;
+            }
             return error_at({path, 0, 0}, "the image has no colours; expected R, G and B");
         }
         PixelArray array{size_of(height), size_of(width), 3, std::vector<double>(3 * size_of(height) * size_of(width))};
@@ -160,9 +170,9 @@ Status write_image_files(const std::string& directory, const std::string& path, 
             }
         }
         const std::string file = directory + "/" + channel.name + ".mean.npy";
-        if (Status s = write_npy(file, array, display::FileSync::later); !s) return s;
+        if (Status s = write_npy(file, array, display::FileSync::later); !s) return s.error();
     }
-    return success();
+    return absent;
 }
 
 Result<display::FrameBuffer> read_record(const std::string& directory) {

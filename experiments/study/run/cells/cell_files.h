@@ -26,9 +26,10 @@ Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& dire
 display::RecordIdentity record_identity(const Rendered& rendered);
 
 /// The arrays of an image of another program: the beauty, and the layers that are called like channels; not synced.
-/// Errors: it cannot be read, has no colours, is not of this size, or has values that are not finite.
-Status write_image_files(const std::string& directory, const std::string& image, int width, int height,
-                         const std::vector<ChannelInfo>& channels);
+/// Returns the channels that it has no layer for. Errors: it cannot be read, has no colours, is not of this size, has a
+/// data window that leaves out pixels, or values that are not finite.
+Result<std::vector<std::string>> write_image_files(const std::string& directory, const std::string& image, int width,
+                                                   int height, const std::vector<ChannelInfo>& channels);
 
 /// The frame buffer of record.bin.
 Result<display::FrameBuffer> read_record(const std::string& directory);

@@ -146,6 +146,7 @@ Cell merged_cell(const Cell& planned, const std::vector<const Cell*>& parts) {
         cell.invalid_samples += part->invalid_samples;
         cell.peak_memory_bytes = std::max(cell.peak_memory_bytes, part->peak_memory_bytes);
         cell.threads = std::max(cell.threads, part->threads);
+        cell.other_load = std::max(cell.other_load, part->other_load);
         if (("\n" + cell.machine + "\n").find("\n" + part->machine + "\n") == std::string::npos)
             cell.machine += (cell.machine.empty() ? "" : "\n") + part->machine;
         for (const Phase& phase : part->phases) {

@@ -1,12 +1,16 @@
 #include "experiments/study/run/cells/cell_runner.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <thread>
 #include <utility>
 
 #include "display/output/atomic_file.h"
+#include "display/output/reader/exr_layers.h"
 #include "display/services/parameters.h"
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/program/console.h"
@@ -20,6 +24,29 @@ namespace raylex::experiments {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// What other processes use of the machine from its construction on, by /proc/stat.
+class OtherLoad {
+  public:
+    /// As a share of all processors' time; negative where not known. `children` is CPU time of what ran for this.
+    [[nodiscard]] double share(double children = 0) const {
+        const double others = busy_seconds() - begin_ - watch_.process_cpu() - children;
+        const double all = watch_.wall() * std::max(1U, std::thread::hardware_concurrency());
+        return begin_ > 0 ? std::clamp(others / all, 0.0, 1.0) : -1;
+    }
+
+  private:
+    /// Of all processes since the machine started; 0 where not known.
+    static double busy_seconds() {
+        std::ifstream file("/proc/stat");
+        std::string name;
+        double user = 0, nice = 0, system = 0, idle = 0, waiting = 0, interrupts = 0, soft = 0, stolen = 0;
+        file >> name >> user >> nice >> system >> idle >> waiting >> interrupts >> soft >> stolen;
+        return (user + nice + system + interrupts + soft + stolen) / static_cast<double>(sysconf(_SC_CLK_TCK));
+    }
+    transport::Stopwatch watch_;
+    double begin_ = busy_seconds();
+};
 
 Status file_error(const std::string& path, const std::error_code& failed, const char* what) {
     return error_at({path, 0, 0}, std::string("cannot ") + what + ": " + failed.message());
@@ -137,6 +164,7 @@ NamedValues places_of(const WorkContext& context, const PlannedCell& planned, co
     const int threads = context.config.base.settings.threads;
     NamedValues places{
         {"scene", fs::absolute(context.config.scenes[planned.scene].job.scene_file).string()},
+        {"scene_name", cell.scene},
         {"seed", std::to_string(short_seed(cell.seed))},
         {"spp", number_text(cell.budget, 10)},
         {"seconds", number_text(cell.budget, 10)},
@@ -160,6 +188,7 @@ Result<CellOutcome> run_external(const WorkContext& context, const PlannedCell& 
     auto filled = fill_command(method.command, places_of(context, planned, cell, **scene, image), method.location);
     if (!filled) return fail_cell(context, std::move(outcome), filled.error());
     const std::string& command = filled->text;
+    const OtherLoad others;
     auto process = run_process(
         *filled, fs::absolute(fs::path(context.config.file)).parent_path().string(),
         fs::absolute(partial).string() + "/log.txt", method.timeout, context.stop, [&](double seconds, int group) {
@@ -173,6 +202,7 @@ Result<CellOutcome> run_external(const WorkContext& context, const PlannedCell& 
         outcome.stopped = true;
         return outcome;
     }
+    cell.other_load = others.share(process->cpu_seconds);
     cell.phases = {{"process", process->wall_seconds, process->cpu_seconds}};
     cell.wall_seconds = process->wall_seconds;
     cell.cpu_seconds = process->cpu_seconds;
@@ -198,8 +228,11 @@ Result<CellOutcome> run_external(const WorkContext& context, const PlannedCell& 
                      command));
     auto channels = context.scenes.channels(planned.scene, planned.variant);
     if (!channels) return fail_cell(context, std::move(outcome), channels.error());
-    if (Status s = write_image_files(partial, image, (*scene)->width, (*scene)->height, channel_infos(**channels)); !s)
-        return fail_cell(context, std::move(outcome), s.error());
+    auto absent = write_image_files(partial, image, (*scene)->width, (*scene)->height, channel_infos(**channels));
+    if (!absent) return fail_cell(context, std::move(outcome), absent.error());
+    if (!absent->empty())
+        cell.warnings.push_back("the images of method '" + method.name + "' have no layers called " +
+                                display::list_names(*absent) + "; these channels are not measured for this method");
     return close_cell(context, std::move(outcome), partial);
 }
 
@@ -232,6 +265,7 @@ Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& plan
         return run_external(context, planned, std::move(outcome), partial);
     RenderOrder order{.scene = planned.scene, .variant = planned.variant, .beside = context.closer};
     apply_budget(planned.cell, seconds_per_sample, order);
+    const OtherLoad others;
     auto rendered = render_saved(context, order, partial);
     if (!rendered) {
         // A checkpoint that does not fit is the user's to judge: what it holds is not thrown away.
@@ -248,6 +282,7 @@ Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& plan
         outcome.stopped = true;
         return outcome;
     }
+    outcome.cell.other_load = others.share();
     take_results(*rendered, outcome.cell);
     const transport::Stopwatch writing;
     auto scene = context.scenes.scene(planned.scene, variant.effects);

@@ -119,7 +119,7 @@ Result<bool> import_reference(const WorkContext& context, const std::string& fol
     if (!known || *known) return known;
     const std::string partial = directory + ".partial";
     if (Status s = make_directory(partial); !s) return s.error();
-    if (Status s = write_image_files(partial, file, info.width, info.height, info.channels); !s) return s.error();
+    if (auto s = write_image_files(partial, file, info.width, info.height, info.channels); !s) return s.error();
     std::error_code failed;
     fs::copy_file(file, partial + "/image.exr", fs::copy_options::overwrite_existing, failed);
     const Json json{{"method", file},         {"settings", Json::object()}, {"samples_per_pixel", 0}, {"seed", 0},

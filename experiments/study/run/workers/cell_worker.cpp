@@ -94,8 +94,12 @@ std::string CellWorker::reason_to_keep(std::size_t scene, std::size_t variant) {
 Result<Calibration> CellWorker::calibrate(std::size_t scene, std::size_t variant) {
     auto answer = ask(request_of(Operation::calibrate, scene, variant), config_.timeout, 0, {});
     if (!answer) return answer.error();
-    return Calibration{answer->at("seconds"), answer->at("samples"), answer->at("error"),
-                       answer->at("warnings").get<std::vector<std::string>>(), answer->at("peak_memory_bytes")};
+    return Calibration{answer->at("setup"),
+                       answer->at("seconds"),
+                       answer->at("samples"),
+                       answer->at("error"),
+                       answer->at("warnings").get<std::vector<std::string>>(),
+                       answer->at("peak_memory_bytes")};
 }
 
 Result<bool> CellWorker::reference(std::size_t scene, SceneInfo& info, double& seconds,

@@ -23,7 +23,8 @@ struct DescribedScene {
 
 /// A short render that is thrown away.
 struct Calibration {
-    double seconds = 0, samples = 0, relative_error = -1;
+    double setup_seconds = 0;  ///< the integrator's preparation, the same for any number of samples
+    double seconds = 0, samples = 0, relative_error = -1;  ///< of rendering; samples per pixel
     std::vector<std::string> warnings;
     std::uint64_t peak_memory_bytes = 0;
 };

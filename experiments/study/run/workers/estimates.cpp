@@ -1,13 +1,17 @@
 #include "experiments/study/run/workers/estimates.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
+
+#include "experiments/program/console.h"
 
 namespace raylex::experiments {
 namespace {
 
-constexpr double calibration_seconds = 0.2;
+/// Wall seconds, preparation included. Where nothing is rendered in the first, as on a busy machine, the others follow.
+constexpr std::array calibration_seconds{0.2, 2.0, 20.0};
 constexpr std::uint64_t calibration_samples = 64;
 
 }  // namespace
@@ -16,13 +20,25 @@ Result<Calibration> calibration_of(const ExperimentConfig& config, SceneStore& s
                                    std::size_t variant, const std::atomic<bool>* stop) {
     RenderOrder order{.scene = scene, .variant = variant, .samples = calibration_samples};
     order.seed = seed_for(config.seed, "calibration", config.scenes[scene].name);
-    order.limit = transport::SampleLimit{calibration_seconds, 0, 0};
-    auto rendered = scenes.render(order, {}, stop);
-    if (!rendered) return rendered.error();
-    if (!rendered->output.complete) return error_at({}, "interrupted");
-    const auto samples = static_cast<double>(rendered->output.samples_per_pixel);
-    return Calibration{rendered->seconds, samples, samples >= 2 ? relative_error(rendered->output) : -1,
-                       rendered->warnings, rendered->peak_memory_bytes};
+    for (const double seconds : calibration_seconds) {
+        order.limit = transport::SampleLimit{seconds, 0, 0};
+        auto rendered = scenes.render(order, {}, stop);
+        if (!rendered) return rendered.error();
+        if (stop != nullptr && stop->load()) return error_at({}, "interrupted");
+        const transport::RenderOutput& output = rendered->output;
+        const bool whole = output.complete && output.samples_per_pixel >= 2;
+        // A pass that the time ended says as much of the speed as a whole one.
+        const double samples = static_cast<double>(output.statistics.camera_samples) / output.width / output.height;
+        if (!(samples > 0)) continue;
+        const double setup = std::max(0.0, rendered->seconds - output.statistics.render_seconds);
+        return Calibration{setup,
+                           output.statistics.render_seconds,
+                           output.complete ? static_cast<double>(output.samples_per_pixel) : samples,
+                           whole ? relative_error(output) : -1,
+                           rendered->warnings,
+                           rendered->peak_memory_bytes};
+    }
+    return error_at({}, "no sample was finished within " + duration_text(calibration_seconds.back()));
 }
 
 std::vector<std::string> Estimates::calibrate(CellWorker& worker, const Plan& plan, const std::set<std::size_t>& skips,
@@ -37,10 +53,16 @@ std::vector<std::string> Estimates::calibrate(CellWorker& worker, const Plan& pl
         if (stop != nullptr && stop->load()) break;
         if (skips.contains(scene) || !config_.methods[config_.variants[variant].method].command.empty()) continue;
         auto measured = worker.calibrate(scene, variant);
-        if (!measured) continue;
+        if (!measured) {
+            std::string who = config_.methods[config_.variants[variant].method].name;
+            for (const auto& [key, value] : config_.variants[variant].settings) who += " " + key + "=" + value;
+            warnings.push_back("the time of " + who + " on " + config_.scenes[scene].name +
+                               " is unknown: " + measured.error().to_string());
+            continue;
+        }
         peak_memory_bytes_ = std::max(peak_memory_bytes_, measured->peak_memory_bytes);
         const double error = measured->relative_error;
-        rates_[{scene, variant}] = {measured->seconds, measured->samples,
+        rates_[{scene, variant}] = {measured->setup_seconds, measured->seconds, measured->samples,
                                     error < 0 ? -1 : error * std::sqrt(measured->samples)};
         for (std::string& each : measured->warnings)
             if (std::find(warnings.begin(), warnings.end(), each) == warnings.end())
@@ -53,7 +75,10 @@ void Estimates::learn(const PlannedCell& planned, const Cell& done, double relat
     if (done.failed || done.samples_per_pixel == 0) return;
     Rate& rate = rates_[{planned.scene, planned.variant}];
     // Newer cells count as much as all before them: a machine changes.
-    rate.seconds = rate.seconds / 2 + done.wall_seconds;
+    rate.setup = 0;
+    for (const Phase& phase : done.phases)
+        if (phase.name == "prepare") rate.setup = phase.wall_seconds;
+    rate.seconds = rate.seconds / 2 + done.wall_seconds - rate.setup;
     rate.samples = rate.samples / 2 + static_cast<double>(done.samples_per_pixel);
     if (relative_error >= 0) rate.error_root = relative_error * std::sqrt(static_cast<double>(done.samples_per_pixel));
 }
@@ -73,7 +98,7 @@ std::optional<double> Estimates::seconds_of(std::size_t scene, std::size_t varia
         const double needed = std::max(64.0, std::pow(rate.error_root / error, 2));
         samples = samples > 0 ? std::min(samples, needed) : needed;
     }
-    return samples * rate.seconds / rate.samples;
+    return rate.setup + samples * rate.seconds / rate.samples;
 }
 
 std::optional<double> Estimates::seconds(const PlannedCell& planned) const {

@@ -22,8 +22,8 @@ class Estimates {
     explicit Estimates(const ExperimentConfig& config) : config_(config) {}
 
     /// Renders each scene by each variant of this program for a fifth of a second or 64 samples, which also warms up
-    /// caches and clocks. Renders that fail are left to their cells, and scenes that `skips` are. Returns what the
-    /// renders warned of, each once; nothing more is done after an interrupt.
+    /// caches and clocks. Scenes in `skips` are left out. Returns what the renders warned of and why a time is not
+    /// known, each once; nothing more is done after an interrupt.
     std::vector<std::string> calibrate(CellWorker& worker, const Plan& plan, const std::set<std::size_t>& skips,
                                        const std::atomic<bool>* stop);
     /// Takes note of a cell that is done.
@@ -40,8 +40,8 @@ class Estimates {
 
   private:
     struct Rate {
-        double seconds = 0, samples = 0;  ///< sums
-        double error_root = -1;           ///< relative error times the root of the samples; negative: not known
+        double setup = 0, seconds = 0, samples = 0;  ///< of one render; sums without it
+        double error_root = -1;  ///< relative error times the root of the samples; negative: not known
     };
     [[nodiscard]] std::optional<double> seconds_of(std::size_t scene, std::size_t variant, double samples,
                                                    double error) const;

@@ -105,11 +105,9 @@ class Service {
     Result<Message> calibrate(std::size_t scene, std::size_t variant) {
         auto measured = calibration_of(config_, scenes_, scene, variant, stop_);
         if (!measured) return measured.error();
-        return Message{{"seconds", measured->seconds},
-                       {"samples", measured->samples},
-                       {"error", measured->relative_error},
-                       {"warnings", measured->warnings},
-                       {"peak_memory_bytes", measured->peak_memory_bytes}};
+        return Message{{"setup", measured->setup_seconds}, {"seconds", measured->seconds},
+                       {"samples", measured->samples},     {"error", measured->relative_error},
+                       {"warnings", measured->warnings},   {"peak_memory_bytes", measured->peak_memory_bytes}};
     }
 
     Result<Message> reference(std::size_t scene, SceneInfo info, const Tell& tell) {
