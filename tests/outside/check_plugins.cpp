@@ -68,7 +68,7 @@ namespace {
 
 using namespace raylex;
 
-/// The command is refused with exit code 2 and a message that names the place and says this.
+/// The command is refused with exit code 2 and a message that contains the place and this text.
 void check_refused(const std::string& arguments, const std::string& place, const std::string& message) {
     const bool refused = run(arguments) == 2;
     const std::string said = read("err.txt");

@@ -125,7 +125,8 @@ struct IntegratorTraits {
     /// Writes distance, opacity, surface and the geometric AOVs of first hits itself, for every camera ray. False: the
     /// renderer supplies them wherever the integrator reported nothing for a ray, by tracing the camera rays again.
     bool first_hits = false;
-    /// Rays pass through cutouts and interfaces as their opacity says. False: a scene that has some gets a warning.
+    /// Rays pass through cutouts and interfaces, in proportion to what these let pass. False: a scene that has some
+    /// gets a warning.
     bool cutouts = false;
     SavedState saved_state = SavedState::unknown;
     /// Every contribution comes with its word: what a path atlas needs. False of those that sum them up by channels.

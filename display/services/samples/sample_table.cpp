@@ -209,7 +209,7 @@ int SampleTable::add_camera_row(const CameraRow& camera) {
     return row;
 }
 
-/// False in a batch that was discarded, whose counts nobody sees.
+/// False in a batch that was discarded: it is not counted.
 bool SampleTable::counts_now() {
     counts_changed_ = true;
     return !discarded_;

@@ -10,7 +10,7 @@ namespace {
 using namespace raylex;
 using namespace raylex::transport;
 
-/// Each camera ray meets surfaces of a made-up stack, in the way that `mode` says. No light is traced.
+/// Each camera ray meets surfaces of a made-up stack, as the parameter `mode` chooses. No light is traced.
 class Promises final : public Integrator {
   public:
     explicit Promises(std::string mode) : mode_(std::move(mode)) {}

@@ -156,7 +156,7 @@ inline bool is_number(const Rgb& value) {
     return is_finite(value);
 }
 
-/// Refuses the call as the documents say, or returns the row.
+/// Refuses the call as documented, or returns the row.
 inline ModelRow* accepted(Model& model, ModelRay& ray, const Call& call, const ChannelDefinition* channel,
                           bool right_type, bool number) {
     const int name = channel == nullptr ? -1 : call.channel;

@@ -247,7 +247,7 @@ void compare(const Outcome& got, const Model& model, const Program& program,
     CHECK(got.samples == kept);
 }
 
-TEST_CASE("a thousand random programs of calls come to what a model of the services says", "[services][model]") {
+TEST_CASE("a thousand random programs of calls agree with a model of the services", "[services][model]") {
     const std::vector<ChannelDefinition> list = model_channels();
     for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
         CAPTURE(seed);
@@ -311,7 +311,7 @@ TEST_CASE("splats of an iteration stay until it is over, up to a budget of memor
     send(3000);
     splats.finish();
     CHECK(sink.splats.size() == 3000);
-    // Beyond the budget splats are in the image, and the iteration can no longer be discarded: said, not ignored.
+    // Beyond the budget splats are in the image, and the iteration can no longer be discarded: the call is refused.
     batch.begin(test::pixel_rows(0, 0, 0, 1));
     send(1000000);
     CHECK(sink.splats.size() > 3000);

@@ -20,7 +20,7 @@ class CameraHits {
     void supply(const CameraBatch& batch, display::SampleTable& table);
 
   private:
-    const display::LpeSetup no_channels_;  // whatever light the rays meet, nobody takes it
+    const display::LpeSetup no_channels_;  // light that the rays meet goes to no channel
     const EventTable events_;
     std::unique_ptr<Integrator> path_;
     std::unique_ptr<IntegratorThread> thread_;
