@@ -174,7 +174,8 @@ int write_study_report(const Experiment& as_read, const StudyReportOptions& opti
                "; results.csv, results.jsonl, " + std::to_string(plots.size()) + " plots and " +
                std::to_string(paper_files) + " tables, insets and maps beside it");
     if (constexpr std::size_t most_lines = 12; study->comparisons.size() <= most_lines && study->variants.size() > 1)
-        for (const Comparison& each : study->comparisons) print_line(each.scene + ": " + best_sentence(*study, each));
+        for (const MethodComparison& each : study->comparisons)
+            print_line(each.scene + ": " + best_sentence(*study, each));
     print_effects(*study);
     print_verdicts(*study);
     return damaged > 0 ? exit_bad_input : exit_holds;

@@ -138,7 +138,7 @@ TEST_CASE("the page begins with every channel by every method, and what is best"
         if (cell.method == "skewed") cell.wall_seconds *= 4;
     const Study study = judged(experiment);
     REQUIRE(study.comparisons.size() == 3);
-    const Comparison& bounce1 = study.comparisons[1];
+    const MethodComparison& bounce1 = study.comparisons[1];
     CHECK(bounce1.channel == "bounce1");
     // The path's largest budget: 512 samples at 0.01 s and 0.06 s of preparation.
     CHECK(bounce1.seconds == Approx(5.18));
@@ -171,7 +171,7 @@ TEST_CASE("the page begins with every channel by every method, and what is best"
 TEST_CASE("errors at a time between budgets, and outside of them", "[study]") {
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, {32, 24, 1, 1, 5, 3, 2, 0.4});  // one budget each
-    const Comparison one = judged(experiment).comparisons[1];
+    const MethodComparison one = judged(experiment).comparisons[1];
     CHECK_FALSE(one.standings[0].extrapolated);
     CHECK(one.standings[1].extrapolated);  // it took longer than the path's only budget
     CHECK(one.standings[1].squared.value > one.standings[0].squared.value);

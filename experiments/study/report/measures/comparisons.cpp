@@ -52,8 +52,8 @@ Interval ratio_of(const Interval& a, const Interval& b) {
     return {value, value * std::exp(-below), value * std::exp(above), a.note.empty() ? b.note : a.note, {}};
 }
 
-Comparison comparison_of(const Study& study, const std::string& scene, const std::string& channel) {
-    Comparison result;
+MethodComparison comparison_of(const Study& study, const std::string& scene, const std::string& channel) {
+    MethodComparison result;
     result.scene = scene;
     result.channel = channel;
     result.seconds = std::numeric_limits<double>::infinity();
@@ -90,11 +90,11 @@ std::string signed_percent(const Interval& share) {
 void compare_variants(Study& study) {
     for (const SceneInfo& scene : study.experiment->scenes)
         for (const ChannelInfo& channel : scene.channels)
-            if (Comparison each = comparison_of(study, scene.name, channel.name); each.measured > 0)
+            if (MethodComparison each = comparison_of(study, scene.name, channel.name); each.measured > 0)
                 study.comparisons.push_back(std::move(each));
 }
 
-std::string best_sentence(const Study& study, const Comparison& comparison) {
+std::string best_sentence(const Study& study, const MethodComparison& comparison) {
     const std::string &best = study.variants[comparison.best].name, &second = study.variants[comparison.second].name;
     const Interval& ratio = comparison.ratio;
     const std::string range =

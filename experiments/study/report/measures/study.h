@@ -136,7 +136,7 @@ struct Standing {
 };
 
 /// A scene's channel, variant by variant, at the largest time that all of them reached.
-struct Comparison {
+struct MethodComparison {
     std::string scene, channel;
     double seconds = 0;
     std::vector<Standing> standings;                 ///< as Study::variants; no curve: not measured
@@ -153,7 +153,7 @@ struct Study {
     std::vector<BiasEntry> bias;
     std::vector<WordsEntry> words;
     std::vector<SettingEffect> effects;
-    std::vector<Comparison> comparisons;
+    std::vector<MethodComparison> comparisons;
     std::vector<Omission> omissions;
     std::vector<ErrorSpectrum> spectra;  ///< of the curves of whole images, in their order
 
@@ -182,7 +182,7 @@ std::string block_text(const Study& study, const BiasEntry& entry);
 /// A verdict with its reason: "cannot tell: a bias below 158 % of the mean would be missed".
 std::string verdict_of(const Study& study, const BiasEntry& entry);
 /// Which method a channel is best rendered by, in a sentence.
-std::string best_sentence(const Study& study, const Comparison& comparison);
+std::string best_sentence(const Study& study, const MethodComparison& comparison);
 /// Sets CellErrors::seen, on all cores.
 void measure_as_seen(Study& study);
 /// Sets Study::spectra, on all cores; after judge_curves().

@@ -304,7 +304,7 @@ std::string results_jsonl(const Study& study) {
     for (const CellErrors& row : study.cells) add_errors(lines, row);
     for (const Curve& curve : study.curves) add_curve(lines, curve);
     for (const BiasEntry& entry : study.bias) add_bias(lines, study, entry);
-    for (const Comparison& each : study.comparisons)
+    for (const MethodComparison& each : study.comparisons)
         lines.add(Json{{"kind", "best"},
                        {"scene", each.scene},
                        {"channel", each.channel},

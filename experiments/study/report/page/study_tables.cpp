@@ -142,7 +142,7 @@ std::string comparison_table(const Study& study) {
     Footnotes notes;
     std::string head = "<th>Channel</th><th>Time</th>", rows, scene;
     for (const MethodVariant& variant : study.variants) head += "<th>" + escape_html(variant.name) + "</th>";
-    for (const Comparison& each : study.comparisons) {
+    for (const MethodComparison& each : study.comparisons) {
         if (each.scene != scene && study.experiment->scenes.size() > 1)
             rows += row("<th colspan=\"" + std::to_string(study.variants.size() + 3) + "\">" + escape_html(each.scene) +
                         "</th>");
