@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include "experiments/cli/commands.h"
@@ -90,13 +89,6 @@ constexpr const char* comparison_text =
 awk '{ found = 1; if ($NF + 0 > 0.02) exit 1 } END { exit !found }' comparison
 )text";
 
-Status write_text(const fs::path& file, const std::string& text) {
-    std::ofstream out(file, std::ios::binary);
-    out << text;
-    out.close();
-    return out ? success() : Status(error_at({file.string(), 0, 0}, "cannot write the file"));
-}
-
 Status check_name(const std::string& name) {
     const bool fits = !name.empty() && std::islower(static_cast<unsigned char>(name.front())) &&
                       std::all_of(name.begin(), name.end(),
@@ -130,7 +122,7 @@ int make_plugin(const NewPlugin& wanted) {
                                      {wanted.name + ".cpp", std::string(plugin_template(wanted.kind))},
                                      {"scene.pbrt", scene_text},
                                      {"test.sh", test}})
-        if (Status s = write_text(folder / file, filled(text)); !s) return report_error(s.error());
+        if (Status s = write_text((folder / file).string(), filled(text)); !s) return report_error(s.error());
     print_line(folder.string() + ": a plugin with " + (use.kind == std::string("integrator") ? "an " : "a ") +
                use.kind + " called '" + wanted.name + "'. Build and test it:");
     print_line("  cmake -S " + folder.string() + " -B " + folder.string() + "/build && cmake --build " +

@@ -29,7 +29,8 @@ class Samples {
             for (int row = 0; row < table().row_count(); ++row) {
                 const std::size_t at = static_cast<std::size_t>(row) * components;
                 const double* const now = table().values(id) + at;
-                if (std::memcmp(now, before.data() + at, components * sizeof(double)) != 0) table().edit(id, row);
+                if (std::memcmp(now, before.data() + at, components * sizeof(double)) != 0)
+                    static_cast<void>(table().edit(id, row));
             }
         }
         table_ = nullptr;
