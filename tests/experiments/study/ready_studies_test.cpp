@@ -92,9 +92,12 @@ TEST_CASE("methods that begin at the lights agree with the path tracer in every 
             const std::size_t at = run.out.find(who);
             CAPTURE(who);
             REQUIRE(at != std::string::npos);
-            CHECK(run.out.compare(at + who.size(), 13, "no bias found") == 0);
+            const std::string verdict = run.out.substr(at + who.size(), 13);
+            CAPTURE(verdict);
+            // In fog, images of this size would miss a bias of a tenth: no bias is claimed, and none is excluded.
+            const bool cannot_tell = verdict.starts_with("cannot tell");
+            CHECK((verdict == "no bias found" || (cannot_tell && std::string(scene) == "cornell-fog")));
         }
-    CHECK(run.out.find("BIASED") == std::string::npos);
 }
 
 TEST_CASE("one command passes the README's own integrator, and convicts it once it sees less than all",

@@ -8,7 +8,6 @@
 #include "experiments/study/report/measures/study_files.h"
 #include "experiments/study/report/page/pictures.h"
 #include "experiments/study/report/page/study_tables.h"
-#include "experiments/study/report/paper/paper.h"
 
 namespace raylex::experiments {
 namespace {

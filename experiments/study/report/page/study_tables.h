@@ -26,6 +26,9 @@ std::string front_table(const Study& study, const std::string& scene, const std:
 std::string effects_table(const Study& study, const SceneInfo& scene);
 /// Pictures of the standard deviation of every pixel; empty where there is one replicate.
 std::string deviation_maps(const Study& study, const SceneInfo& scene);
+/// SCENE.VARIANT.deviation.png: the standard deviation of every pixel, with one scale of colours a scene. Returns
+/// how many.
+Result<std::size_t> write_deviation_maps(const Study& study, const std::string& folder);
 std::string bias_table(const Study& study, const SceneInfo& scene);
 std::string words_list(const Study& study, const SceneInfo& scene);
 std::string predictions_text(const Study& study);

@@ -29,7 +29,4 @@ std::vector<InsetBox> inset_boxes(const Study& study, std::size_t scene);
 /// names them.
 Result<std::size_t> write_insets(const Study& study, const std::string& folder);
 
-/// SCENE.VARIANT.deviation.png: the standard deviation of every pixel, with one scale of colours a scene. How many.
-Result<std::size_t> write_deviation_maps(const Study& study, const std::string& folder);
-
 }  // namespace raylex::experiments
