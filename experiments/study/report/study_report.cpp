@@ -12,6 +12,7 @@
 #include "experiments/study/report/measures/study_files.h"
 #include "experiments/study/report/page/assets.h"
 #include "experiments/study/report/page/study_page.h"
+#include "experiments/study/report/page/study_tables.h"
 #include "experiments/study/report/paper/paper.h"
 
 namespace raylex::experiments {
