@@ -31,12 +31,9 @@ void RayRows::gather(const SampleTable& table) {
     coverage_.resize(rows);
     first_.resize(cameras + 1);
     alpha_.resize(cameras);
-    if (any_extra_) {
-        sort_rows(table);
-    } else {
-        std::iota(rows_.begin(), rows_.end(), 0);
-        std::iota(first_.begin(), first_.end(), 0u);
-    }
+    if (!any_extra_) return gather_single_rows(table);
+    ordered_ = 0;
+    sort_rows(table);
     for (std::size_t ray = 0; ray < cameras; ++ray) {
         RgbD transmittance{1.0};
         double before = 1;
@@ -48,6 +45,21 @@ void RayRows::gather(const SampleTable& table) {
         }
         alpha_[ray] = 1.0 - before;
         any_partial_ |= alpha_[ray] != 0 && alpha_[ray] != 1;
+    }
+}
+
+/// Most batches: each ray has its camera row and no other.
+void RayRows::gather_single_rows(const SampleTable& table) {
+    const std::size_t cameras = alpha_.size();
+    if (ordered_ < cameras) {
+        std::iota(rows_.begin(), rows_.end(), 0);
+        std::iota(first_.begin(), first_.end(), 0u);
+    }
+    ordered_ = cameras;
+    for (std::size_t ray = 0; ray < cameras; ++ray) {
+        const double alpha = 1.0 - (RgbD(1.0) - table.opacity[ray]).average();
+        alpha_[ray] = coverage_[ray] = alpha;
+        any_partial_ |= alpha != 0 && alpha != 1;
     }
 }
 

@@ -48,11 +48,13 @@ class RayRows {
         return {list.data() + first_[i], list.data() + first_[i + 1]};
     }
     void sort_rows(const SampleTable& table);
+    void gather_single_rows(const SampleTable& table);
 
     std::vector<int> rows_;
     std::vector<double> coverage_;      // beside rows_
     std::vector<std::uint32_t> first_;  // [camera row] into rows_, one more at the end
     std::vector<double> alpha_;
+    std::size_t ordered_ = 0;  // rays whose entries in rows_ and first_ are those of single rows
     bool any_extra_ = false, any_partial_ = false;
 };
 

@@ -43,7 +43,7 @@ CASES = {
 # A function belongs to the first loop of which it has a word in its name.
 LOOPS = [
     ("sampler", ["Sampler", "draw_sampler_pairs", "sobol_pair"]),
-    ("film", ["FrameBuffer", "FixedSum", "SplatGate", "add_pixel"]),
+    ("film", ["FrameBuffer", "RayRows", "FixedSum", "SplatGate", "add_pixel"]),
     ("channels", ["display::"]),
     ("camera", ["Camera::"]),
     ("media", ["Medium", "transmittance", "optical_depth", "sample_phase", "Phase"]),
