@@ -82,11 +82,11 @@ if grep -E 'refused|is empty' messages; then exit 1; fi
 "$raylex" verify out.exr
 )text";
 constexpr const char* comparison_text =
-    R"text(# The integrator must agree with `path`. The relative squared error (relMSE) of two images of 64 samples is their noise;
-# 0.02 is five times what this scene has.
+    R"text(# The integrator must agree with `path`. The relative squared error (relmse) of two images of 64 samples is their noise;
+# 0.005 is five times what this scene has.
 "$raylex" render "$scene" -o path.exr
-"$raylex" compare out.exr path.exr --metric relMSE | tee comparison
-awk '{ found = 1; if ($NF + 0 > 0.02) exit 1 } END { exit !found }' comparison
+"$raylex" compare out.exr path.exr --metric relmse | tee comparison
+awk '{ found = 1; if ($NF + 0 > 0.005) exit 1 } END { exit !found }' comparison
 )text";
 
 Status check_name(const std::string& name) {
