@@ -58,7 +58,7 @@ enum class Kind {
     raster
 };
 struct Call {
-    Kind kind;
+    Kind kind = Kind::splat_float;
     int channel = 0;
     int row = 0;  ///< of the ray: 0 its camera row, i its i-th extra row; far: none of the batch
     static constexpr int far = 1000;
@@ -96,7 +96,8 @@ inline Program random_program(std::uint64_t seed) {
         Calls calls;
         int extra = 0;
         for (int n = random.below(9); n > 0; --n) {
-            Call call{static_cast<Kind>(random.below(10))};
+            Call call;
+            call.kind = static_cast<Kind>(random.below(10));
             call.channel = random.below(12) == 0 ? invalid_channel : random.below(30) == 0 ? 99 : random.below(11);
             call.row = random.below(40) == 0 ? Call::far : random.below(extra + 1);
             call.value = Rgb(some_value(random), some_value(random), some_value(random));
