@@ -13,7 +13,7 @@ def _names(value):
     return [value] if isinstance(value, str) else list(value)
 
 
-def _channels(lpe, dialect, declared):
+def _channels(lpe, dialect, declared=None):
     tables = [{"name": name, "type": kind} for name, kind in (declared or {}).items()]
     pairs = list(lpe.items() if isinstance(lpe, dict) else lpe or ())
     if not all(isinstance(pair, (tuple, list)) and len(pair) == 2 and all(isinstance(each, str) for each in pair)

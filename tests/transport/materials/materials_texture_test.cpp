@@ -31,7 +31,7 @@ Error build_error(const SceneDescription& scene) {
 float real_at(const TextureTable& table, const std::string& name, float u, float v, const Vec3& p = {}) {
     const Result<TextureId> id = table.named_real(name, {});
     REQUIRE(id.ok());
-    return table.real(*id, {u, v, p, -1, {}});
+    return table.real(*id, {u, v, p, {}, nullptr, {}});
 }
 
 Rgb colour_at(TextureTable& table, const SceneDescription& scene, const std::string& name, float u, float v,
@@ -40,7 +40,7 @@ Rgb colour_at(TextureTable& table, const SceneDescription& scene, const std::str
     set.parameters = {texture("reflectance", name)};
     const Result<TextureId> id = table.rgb_parameter(set, "reflectance", Rgb(0), role, scene.color);
     REQUIRE(id.ok());
-    return table.rgb(*id, {u, v, {}, -1, {}});
+    return table.rgb(*id, {u, v, {}, {}, nullptr, {}});
 }
 
 /// A PFM of 2 x 2: red, green / blue, white from the top, with values that tell the texels apart. PFM rows go bottom
