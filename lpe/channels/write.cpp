@@ -79,7 +79,9 @@ class Writer {
         for (const FileChannel& channel : file_.other_channels) {
             std::vector<std::string> parameters = kept(channel, true);
             const bool has_source = std::any_of(parameters.begin(), parameters.end(), [](const std::string& each) {
-                return each.starts_with("\"string source\"");
+                // As the reader: the declaration's last word is the parameter's name, whatever its type.
+                const std::string_view declared = std::string_view(each).substr(0, each.find('"', 1));
+                return declared == "\"source" || declared.ends_with(" source") || declared.ends_with("\tsource");
             });
             if (!has_source && channel.source.expression != channel.source.name) {
                 parameters.push_back("\"string source\" [" + quoted(channel.source.expression) + "]");

@@ -51,7 +51,7 @@ Rgb texture_colour(const std::string& file, ColorSpace space, SpectrumRole role)
     set.parameters = {raylex::test::texture("reflectance", "image")};
     const auto id = table->rgb_parameter(set, "reflectance", Rgb(0), role, scene.color);
     REQUIRE(id.ok());
-    return table->rgb(*id, {0.5f, 0.5f, {}, -1, {}});
+    return table->rgb(*id, {0.5f, 0.5f, {}, {}, nullptr, {}});
 }
 
 /// Expected values are of matrices from the chromaticities above; ours integrate the whites' spectra, whose

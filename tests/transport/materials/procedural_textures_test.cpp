@@ -111,7 +111,7 @@ TEST_CASE("directionmix goes by the normal along its direction, in the texture's
 }
 
 TEST_CASE("bilerp blends its corners by the mapped texture coordinates", "[textures]") {
-    const auto at = [](const TextureTable& table, Real u, Real v) { return number_at(table, {u, v, {}, -1, {}}); };
+    const auto at = [](const TextureTable& table, Real u, Real v) { return number_at(table, {u, v, {}, {}, nullptr, {}}); };
     const TextureTable table =
         built(real_texture("bilerp", "x", {real("v00", 2), real("v01", 3), real("v10", 5), real("v11", 9)}));
     // Corners and quarters are exact in float.
@@ -140,7 +140,7 @@ TEST_CASE("dots lie where noise puts one, inside their cells, and cover pi 0.35^
             for (int i = 0; i < fine * fine; ++i) {
                 const Real ds = (static_cast<Real>(i % fine) + Real(0.5)) / fine - Real(0.5),
                            dt = (static_cast<Real>(i / fine) + Real(0.5)) / fine - Real(0.5);
-                inside += number_at(table, {(s + ds) / 16, (t + dt) / 16, {}, -1, {}}) == 2;
+                inside += number_at(table, {(s + ds) / 16, (t + dt) / 16, {}, {}, nullptr, {}}) == 2;
             }
             CHECK((inside > 0) == has_dot);
             dots += has_dot;
