@@ -111,7 +111,9 @@ TEST_CASE("directionmix goes by the normal along its direction, in the texture's
 }
 
 TEST_CASE("bilerp blends its corners by the mapped texture coordinates", "[textures]") {
-    const auto at = [](const TextureTable& table, Real u, Real v) { return number_at(table, {u, v, {}, {}, nullptr, {}}); };
+    const auto at = [](const TextureTable& table, Real u, Real v) {
+        return number_at(table, {u, v, {}, {}, nullptr, {}});
+    };
     const TextureTable table =
         built(real_texture("bilerp", "x", {real("v00", 2), real("v01", 3), real("v10", 5), real("v11", 9)}));
     // Corners and quarters are exact in float.
