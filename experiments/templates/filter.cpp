@@ -37,7 +37,7 @@ Result<std::unique_ptr<SampleFilter>> make(const ParameterSet& parameters, const
     std::vector<ChannelId> light;
     for (std::size_t i = 0; i < context.channels.size(); ++i)
         if (context.channels[i].style == ChannelStyle::expression) light.push_back(static_cast<ChannelId>(i));
-    const Result<ChannelId> used = context.add_channel({.name = "@NAME@_factor", .type = ChannelType::real});
+    const Result<ChannelId> used = context.add_channel(declared_channel("@NAME@_factor", ChannelType::real));
     if (!used) return used.error();
     return std::unique_ptr<SampleFilter>(
         std::make_unique<Exposure>(std::exp2(static_cast<double>(stops)), std::move(light), *used));

@@ -176,7 +176,10 @@ RAYLEX_PLUGIN(host) {
                          "a path tracer with light sampling",
                          {{"maxdepth", ParameterType::integer, "5", "scattering events of a path at most"}},
                          make});
-    host.add_channel({.name = "@NAME@_bounces", .type = display::ChannelType::real}, "scattering events of a path");
-    host.add_channel({.name = "@NAME@_glow", .type = display::ChannelType::rgb}, "emitters seen directly, twice");
-    host.add_channel({.name = "@NAME@_glow_again", .type = display::ChannelType::rgb}, "emitters seen directly");
+    host.add_channel(display::declared_channel("@NAME@_bounces", display::ChannelType::real),
+                     "scattering events of a path");
+    host.add_channel(display::declared_channel("@NAME@_glow", display::ChannelType::rgb),
+                     "emitters seen directly, twice");
+    host.add_channel(display::declared_channel("@NAME@_glow_again", display::ChannelType::rgb),
+                     "emitters seen directly");
 }

@@ -45,5 +45,5 @@ RAYLEX_PLUGIN(host) {
                        {"tex2", ParameterType::texture, "0", "the second half"},
                        {"count", ParameterType::integer, "8", "stripes over u from 0 to 1; 1 to 10000"}},
                       make});
-    host.add_channel({.name = "@NAME@_stripe", .type = display::ChannelType::real}, "1 in tex1, 2 in tex2");
+    host.add_channel(display::declared_channel("@NAME@_stripe", display::ChannelType::real), "1 in tex1, 2 in tex2");
 }

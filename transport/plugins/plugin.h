@@ -16,6 +16,7 @@
 // never unloaded. tests/outside/plugins has an example of each kind.
 #pragma once
 
+#include "display/services/channel_settings.h"
 #include "transport/geometry/embree/embree_scene.h"
 #include "transport/integrators/first_hits.h"
 #include "transport/materials/material_inputs.h"

@@ -159,11 +159,12 @@ RAYLEX_PLUGIN(host) {
          {},
          [](const ParameterSet&,
             const display::SampleFilterContext& context) -> Result<std::unique_ptr<display::SampleFilter>> {
-             const auto to = context.add_channel({.name = "three", .type = display::ChannelType::real});
+             const auto to = context.add_channel(display::declared_channel("three", display::ChannelType::real));
              if (!to) return to.error();
              return std::unique_ptr<display::SampleFilter>(std::make_unique<Constant>(*to));
          }});
-    host.add_channel({.name = "deeper_look_ups", .type = display::ChannelType::real}, "look-ups behind the first hit");
-    host.add_channel({.name = "depths_met", .type = display::ChannelType::real},
+    host.add_channel(display::declared_channel("deeper_look_ups", display::ChannelType::real),
+                     "look-ups behind the first hit");
+    host.add_channel(display::declared_channel("depths_met", display::ChannelType::real),
                      "sum of depth + 1 over a path's vertices");
 }
