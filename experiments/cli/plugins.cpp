@@ -10,10 +10,10 @@
 #include "experiments/program/exit_codes.h"
 #include "experiments/report/png_driver.h"
 #include "transport/cameras/camera.h"
-#include "transport/materials/textures/pattern.h"
 #include "transport/media/medium.h"
 #include "transport/plugins/plugin_loader.h"
-#include "transport/samplers/sampler.h"
+#include "transport/scene/sampler.h"
+#include "transport/textures/pattern.h"
 
 namespace raylex::experiments {
 namespace {

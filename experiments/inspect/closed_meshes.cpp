@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "transport/geometry/matrix34.h"
+#include "transport/math/matrix34.h"
 
 namespace raylex::experiments {
 namespace {

@@ -12,7 +12,7 @@
 #include "experiments/job/rendering/effect_report.h"
 #include "experiments/program/console.h"
 #include "transport/render/film.h"
-#include "transport/samplers/sampler.h"
+#include "transport/scene/sampler.h"
 #include "transport/scene/surface_names.h"
 
 namespace raylex::experiments {

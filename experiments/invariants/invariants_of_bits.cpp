@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "experiments/invariants/scene_under_test.h"
-#include "transport/export/pbrt_writer.h"
 #include "transport/import/pbrt/pbrt_importer.h"
+#include "transport/import/pbrt/pbrt_writer.h"
 #include "transport/scene/scene_hash.h"
 
 namespace raylex::experiments {

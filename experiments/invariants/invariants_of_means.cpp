@@ -6,7 +6,7 @@
 
 #include "experiments/invariants/random.h"
 #include "experiments/invariants/scene_under_test.h"
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
 #include "transport/math/sampling.h"
 #include "transport/scene/typed_parameters.h"
 

@@ -5,7 +5,7 @@
 
 #include "display/output/atomic_file.h"
 #include "experiments/invariants/random.h"
-#include "transport/scene/builder/scene_builder.h"
+#include "transport/import/builder/scene_builder.h"
 
 namespace raylex::experiments {
 namespace {

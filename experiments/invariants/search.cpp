@@ -9,7 +9,7 @@
 #include "display/output/atomic_file.h"
 #include "experiments/invariants/random_scene.h"
 #include "experiments/study/run/processes/child_process.h"
-#include "transport/export/pbrt_writer.h"
+#include "transport/import/pbrt/pbrt_writer.h"
 #include "transport/render/clock.h"
 
 namespace raylex::experiments {

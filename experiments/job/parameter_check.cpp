@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "display/buffer/pixel_filter.h"
-#include "transport/import/pbrt/known_parameters.h"
+#include "transport/import/known_parameters.h"
 #include "transport/integrators/integrator.h"
-#include "transport/samplers/sampler.h"
+#include "transport/scene/sampler.h"
 
 namespace raylex::experiments {
 namespace {

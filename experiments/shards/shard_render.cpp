@@ -8,7 +8,7 @@
 #include "experiments/job/sampling_requests.h"
 #include "transport/integrators/integrator.h"
 #include "transport/render/tiles.h"
-#include "transport/samplers/sampler.h"
+#include "transport/scene/sampler.h"
 
 namespace raylex::experiments {
 namespace {

@@ -4,9 +4,9 @@
 #include "transport/lights/light_table.h"
 #include "transport/materials/material.h"
 #include "transport/materials/normal_detail.h"
-#include "transport/materials/textures/pattern.h"
 #include "transport/media/medium.h"
-#include "transport/samplers/sampler.h"
+#include "transport/scene/sampler.h"
+#include "transport/textures/pattern.h"
 
 namespace raylex::transport {
 

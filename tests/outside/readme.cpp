@@ -4,8 +4,8 @@
 
 #include "display/output/reader/exr_reader.h"
 #include "display/output/writer/exr_writer.h"
+#include "transport/import/builder/scene_builder.h"
 #include "transport/render/render.h"
-#include "transport/scene/builder/scene_builder.h"
 
 #include "readme_code.h"
 

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "transport/export/pbrt_writer.h"
+#include "transport/import/builder/scene_builder.h"
 #include "transport/import/pbrt/pbrt_importer.h"
+#include "transport/import/pbrt/pbrt_writer.h"
 #include "transport/render/render.h"
-#include "transport/scene/builder/scene_builder.h"
 
 using namespace raylex;
 using namespace raylex::transport;

@@ -22,11 +22,11 @@
 #include "tests/display/made_atlas.h"
 #include "tests/support/folder.h"
 #include "transport/color/spectrum.h"
-#include "transport/import/images/image.h"
+#include "transport/files/images/image.h"
+#include "transport/files/ply.h"
 #include "transport/import/pbrt/pbrt_importer.h"
-#include "transport/import/shapes/ply.h"
 #include "transport/materials/material.h"
-#include "transport/materials/textures/texture.h"
+#include "transport/textures/texture.h"
 
 namespace raylex::test {
 

@@ -11,7 +11,7 @@
 #include <ctime>
 #include <vector>
 
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
 #include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/render/built_scene.h"
 

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "display/services/elementary.h"
-#include "transport/import/images/image.h"
+#include "transport/files/images/image.h"
 
 namespace raylex::transport {
 namespace {

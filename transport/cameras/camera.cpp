@@ -7,7 +7,7 @@
 #include "display/services/short_number.h"
 #include "transport/cameras/camera_motion.h"
 #include "transport/cameras/perspective.h"
-#include "transport/geometry/matrix34.h"
+#include "transport/math/matrix34.h"
 
 namespace raylex::transport {
 namespace {

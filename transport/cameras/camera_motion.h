@@ -2,8 +2,8 @@
 // it sees from there to where it is at a time, and back.
 #pragma once
 
-#include "transport/geometry/matrix34.h"
 #include "transport/geometry/render_space.h"
+#include "transport/math/matrix34.h"
 #include "transport/scene/motion.h"
 
 namespace raylex::transport {

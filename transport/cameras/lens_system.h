@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "transport/cameras/aperture.h"
-#include "transport/geometry/matrix34.h"
+#include "transport/math/matrix34.h"
 
 namespace raylex::transport {
 

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "transport/cameras/camera.h"
-#include "transport/geometry/matrix34.h"
+#include "transport/math/matrix34.h"
 
 namespace raylex::transport {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "transport/scene/scene_description.h"
+#include "transport/color/color_context.h"
 
 namespace raylex::transport {
 

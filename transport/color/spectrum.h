@@ -23,9 +23,9 @@
 #include <vector>
 
 #include "display/services/parameters.h"
+#include "transport/color/color_context.h"
 #include "transport/color/spectral_data.h"
 #include "transport/math/real.h"
-#include "transport/scene/scene_description.h"
 
 namespace raylex::transport {
 

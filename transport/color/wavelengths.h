@@ -17,9 +17,9 @@
 #include <array>
 
 #include "display/services/rgb.h"
+#include "transport/color/color_context.h"
 #include "transport/color/spectral_data.h"
 #include "transport/math/vec.h"
-#include "transport/scene/scene_description.h"
 
 namespace raylex::transport {
 

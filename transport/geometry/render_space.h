@@ -11,7 +11,7 @@
 // has the origin added back in double.
 #pragma once
 
-#include "transport/geometry/matrix34.h"
+#include "transport/math/matrix34.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::transport {

@@ -3,7 +3,7 @@
 
 #include <emmintrin.h>
 
-#include "transport/geometry/matrix34.h"
+#include "transport/math/matrix34.h"
 
 namespace raylex::transport {
 

@@ -1,7 +1,7 @@
 // How a primitive of an area light draws points by the image that it shows.
 #pragma once
 
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
 #include "transport/lights/images/emission_image.h"
 #include "transport/lights/light.h"
 

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
 #include "transport/lights/light.h"
 #include "transport/math/sampling.h"
 

@@ -9,7 +9,7 @@
 #include "display/services/short_number.h"
 #include "transport/color/color_space.h"
 #include "transport/color/spectrum.h"
-#include "transport/import/images/image.h"
+#include "transport/files/images/image.h"
 #include "transport/lights/light_factories.h"
 
 namespace raylex::transport {

@@ -7,7 +7,7 @@
 
 #include <array>
 
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
 #include "transport/lights/light.h"
 
 namespace raylex::transport {

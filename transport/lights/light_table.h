@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "display/services/registry.h"
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
 #include "transport/lights/images/emission_image.h"
 #include "transport/lights/images/environment.h"
 #include "transport/lights/images/intensity_image.h"

@@ -2,7 +2,7 @@
 // (SpotLight::I takes a direction in the light's space), and an ellipse across its axis in the world.
 #pragma once
 
-#include "transport/geometry/matrix34.h"
+#include "transport/math/matrix34.h"
 #include "transport/math/vec.h"
 
 namespace raylex::transport {

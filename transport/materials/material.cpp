@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "transport/materials/material_inputs.h"
-#include "transport/materials/textures/pattern.h"
 #include "transport/scene/used_surfaces.h"
+#include "transport/textures/pattern.h"
 
 namespace raylex::transport {
 

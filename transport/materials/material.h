@@ -18,8 +18,8 @@
 #include "transport/materials/bsdf/bsdf.h"
 #include "transport/materials/closures/closure.h"
 #include "transport/materials/normal_detail.h"
-#include "transport/materials/textures/texture.h"
 #include "transport/scene/scene_description.h"
+#include "transport/textures/texture.h"
 
 namespace raylex::transport {
 

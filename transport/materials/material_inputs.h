@@ -9,7 +9,7 @@
 #include "transport/materials/bsdf/dielectric.h"
 #include "transport/materials/bsdf/facet_albedo.h"
 #include "transport/materials/material.h"
-#include "transport/materials/textures/parameter_reader.h"
+#include "transport/textures/parameter_reader.h"
 
 namespace raylex::transport {
 

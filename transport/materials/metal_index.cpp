@@ -6,7 +6,7 @@
 
 #include "display/services/elementary.h"
 #include "transport/color/spectrum.h"
-#include "transport/materials/bsdf/fresnel.h"
+#include "transport/math/fresnel.h"
 
 namespace raylex::transport {
 namespace {

@@ -7,7 +7,7 @@
 #pragma once
 
 #include "transport/geometry/surface_point.h"
-#include "transport/materials/textures/texture.h"
+#include "transport/textures/texture.h"
 
 namespace raylex::transport {
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "transport/geometry/matrix34.h"
 #include "transport/geometry/ray.h"
-#include "transport/media/voxel_grid.h"
+#include "transport/math/matrix34.h"
+#include "transport/math/voxel_grid.h"
 
 namespace raylex::transport {
 

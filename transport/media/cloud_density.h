@@ -2,7 +2,7 @@
 #pragma once
 
 #include "transport/math/vec.h"
-#include "transport/media/voxel_grid.h"
+#include "transport/math/voxel_grid.h"
 
 namespace raylex::transport {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "transport/geometry/matrix34.h"
-#include "transport/media/voxel_grid.h"
+#include "transport/math/matrix34.h"
+#include "transport/math/voxel_grid.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::transport {

@@ -1,7 +1,7 @@
 // What media of all types read from their parameters.
 #pragma once
 
-#include "transport/geometry/matrix34.h"
+#include "transport/math/matrix34.h"
 #include "transport/media/medium.h"
 
 namespace raylex::transport {

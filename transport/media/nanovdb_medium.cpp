@@ -1,7 +1,7 @@
 // pbrt-v4's "nanovdb" medium: densities, and perhaps temperatures, from a file.
 #include <algorithm>
 
-#include "transport/import/nanovdb_file.h"
+#include "transport/files/nanovdb_file.h"
 #include "transport/media/grid_media.h"
 #include "transport/media/medium_parameters.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "display/services/elementary.h"
-#include "transport/materials/bsdf/fresnel.h"
+#include "transport/math/fresnel.h"
 
 namespace raylex::transport {
 

@@ -10,7 +10,7 @@
 #include "display/services/foresight/foresight.h"
 #include "display/services/samples/lpe_services.h"
 #include "lpe/channels/lobe_slots.h"
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
 #include "transport/lights/light_table.h"
 #include "transport/materials/material.h"
 #include "transport/media/medium.h"

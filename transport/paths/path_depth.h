@@ -16,7 +16,7 @@
 
 #include <cstdint>
 
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
 #include "transport/geometry/surface_point.h"
 #include "transport/media/medium.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
 #include "transport/materials/closures/closure.h"
 
 namespace raylex::transport {

@@ -17,7 +17,7 @@
 #pragma once
 
 #include "display/services/channel_settings.h"
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
 #include "transport/integrators/first_hits.h"
 #include "transport/materials/material_inputs.h"
 #include "transport/math/sampling.h"

@@ -16,8 +16,8 @@
 #include "transport/integrators/integrator.h"
 #include "transport/lights/light_table.h"
 #include "transport/materials/material.h"
-#include "transport/materials/textures/pattern.h"
 #include "transport/media/medium.h"
+#include "transport/textures/pattern.h"
 
 namespace raylex::transport {
 

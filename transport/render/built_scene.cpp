@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <set>
 
-#include "transport/materials/textures/tee.h"
 #include "transport/render/clock.h"
 #include "transport/render/dark_lights.h"
+#include "transport/textures/tee.h"
 
 namespace raylex::transport {
 

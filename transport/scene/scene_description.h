@@ -9,13 +9,12 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "display/services/parameters.h"
+#include "transport/color/color_context.h"
 #include "transport/math/transform.h"
 #include "transport/math/vec.h"
 #include "transport/scene/effect_set.h"
@@ -105,26 +104,6 @@ struct SceneLight : SceneEntity {
 /// AreaLightSource: one per directive, shared by the shapes that follow it.
 struct SceneAreaLight : SceneEntity {
     std::string group;
-};
-
-enum class ColorSpace : std::uint8_t { srgb, dci_p3, rec2020, aces2065_1 };
-
-/// From what the scene's numbers mean to what transport computes in. rgb values and textures of the scene stand in
-/// `scene_space`; `rendering_from_scene` (row-major) takes them to the rendering space, the identity by default.
-/// Turns RGB triples as an image file stores them (8-bit values over 255) into linear RGB of the scene's colour space.
-using FileColorConversion = std::function<void(std::span<float> rgb)>;
-
-struct ColorContext {
-    ColorSpace scene_space = ColorSpace::srgb;
-    std::array<std::array<double, 3>, 3> rendering_from_scene{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    /// From light in the scene to what the film records of it, in scene_space: exposure and white balance, which stand
-    /// in the colours of all lights (color/film_sensor.h). Before rendering_from_scene.
-    std::array<std::array<double, 3>, 3> sensor{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    /// From that to what the film's "maxcomponentvalue" bounds the largest component of.
-    std::array<std::array<double, 3>, 3> measured{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    /// How the colours of an image texture's file are read, unless its texture has an "encoding" of its own. Empty: as
-    /// pbrt does, sRGB for 8-bit files and the values themselves for float files. Called once per file.
-    std::function<Result<FileColorConversion>(const std::string& path)> file_color;
 };
 
 struct SceneDescription {

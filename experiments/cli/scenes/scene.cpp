@@ -14,9 +14,9 @@
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/interrupt.h"
 #include "experiments/program/tint.h"
-#include "transport/export/pbrt_writer.h"
-#include "transport/import/input_file.h"
+#include "transport/files/input_file.h"
 #include "transport/import/pbrt/pbrt_importer.h"
+#include "transport/import/pbrt/pbrt_writer.h"
 
 namespace raylex::experiments {
 namespace {

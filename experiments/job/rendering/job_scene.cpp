@@ -10,6 +10,7 @@
 #include "experiments/job/parameter_check.h"
 #include "experiments/job/rendering/provenance.h"
 #include "transport/color/color_space.h"
+#include "transport/import/apply_effects.h"
 #include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/integrators/integrator.h"
 #include "transport/plugins/plugin_loader.h"

@@ -12,8 +12,8 @@
 #include "experiments/job/job.h"
 #include "experiments/job/text/json.h"
 #include "experiments/python/bindings/bindings.h"
-#include "transport/export/pbrt_writer.h"
 #include "transport/import/pbrt/pbrt_importer.h"
+#include "transport/import/pbrt/pbrt_writer.h"
 #include "transport/plugins/plugin_loader.h"
 #include "transport/render/built_scene.h"
 

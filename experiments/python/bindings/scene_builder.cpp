@@ -1,4 +1,4 @@
-// Scenes from arrays: transport/scene/builder/scene_builder.h with Python's values as parameters.
+// Scenes from arrays: transport/import/builder/scene_builder.h with Python's values as parameters.
 #include "experiments/python/bindings/scene_builder.h"
 
 #include <pybind11/stl.h>

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "experiments/python/bindings/scene_parameters.h"
-#include "transport/scene/builder/scene_builder.h"
+#include "transport/import/builder/scene_builder.h"
 
 namespace raylex::python {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "transport/color/spectral_data.h"
-#include "transport/import/pbrt/known_types.h"
+#include "transport/import/known_types.h"
 
 namespace raylex::python {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "experiments/python/bindings/arrays.h"
-#include "transport/import/pbrt/known_parameters.h"
-#include "transport/scene/builder/scene_builder.h"
+#include "transport/import/builder/scene_builder.h"
+#include "transport/import/known_parameters.h"
 
 namespace raylex::python {
 

@@ -8,8 +8,8 @@
 #include "experiments/stability/probes/probes.h"
 #include "lpe/channels/lobe_slots.h"
 #include "lpe/truth.h"
+#include "transport/import/builder/scene_builder.h"
 #include "transport/render/built_scene.h"
-#include "transport/scene/builder/scene_builder.h"
 
 namespace raylex::experiments {
 namespace {

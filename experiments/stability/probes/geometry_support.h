@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "experiments/stability/probe.h"
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
 #include "transport/math/sampling.h"
 #include "transport/samplers/pixel_sampler.h"
 

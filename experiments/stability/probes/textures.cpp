@@ -3,7 +3,7 @@
 
 #include "experiments/stability/probes/draws.h"
 #include "experiments/stability/probes/probes.h"
-#include "transport/materials/textures/image_sampler.h"
+#include "transport/textures/image_sampler.h"
 
 namespace raylex::experiments {
 namespace {

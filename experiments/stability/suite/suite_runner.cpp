@@ -15,7 +15,7 @@
 #include "experiments/stability/suite/scene_measure.h"
 #include "experiments/study/run/processes/child_process.h"
 #include "experiments/study/run/processes/messages.h"
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
 #include "transport/render/clock.h"
 
 namespace raylex::experiments {

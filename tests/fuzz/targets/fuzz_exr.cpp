@@ -1,7 +1,7 @@
 // Any bytes as an OpenEXR file, read as layers and as a texture.
 #include "display/output/reader/exr_reader.h"
 #include "tests/fuzz/fuzz.h"
-#include "transport/import/images/image_readers.h"
+#include "transport/files/images/image_readers.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const fuzz::AllocationMeter meter(fuzz::file_bytes);

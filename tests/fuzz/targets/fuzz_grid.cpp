@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "tests/fuzz/fuzz.h"
-#include "transport/import/nanovdb_file.h"
+#include "transport/files/nanovdb_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace raylex::transport;

@@ -1,6 +1,6 @@
 // Any bytes as an image file: what is read has as many samples as its size says.
 #include "tests/fuzz/fuzz.h"
-#include "transport/import/images/image_readers.h"
+#include "transport/files/images/image_readers.h"
 
 using namespace raylex::transport;
 

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "transport/export/pbrt_writer.h"
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
+#include "transport/import/builder/scene_builder.h"
+#include "transport/import/pbrt/pbrt_writer.h"
 #include "transport/math/sampling.h"
 #include "transport/render_support.h"
 #include "transport/samplers/pixel_sampler.h"
-#include "transport/scene/builder/scene_builder.h"
 #include "transport/scene/scene_hash.h"
 
 using namespace raylex;

@@ -5,10 +5,10 @@
 #include <set>
 
 #include "tests/support/budget_guard.h"
-#include "transport/export/pbrt_writer.h"
-#include "transport/geometry/matrix34.h"
-#include "transport/geometry/shapes/displacement.h"
+#include "transport/embree/displacement.h"
+#include "transport/import/pbrt/pbrt_writer.h"
 #include "transport/import_support.h"
+#include "transport/math/matrix34.h"
 #include "transport/scene/scene_hash.h"
 
 using namespace raylex;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "support/skip.h"
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
 #include "transport/math/sampling.h"
 #include "transport/samplers/pixel_sampler.h"
 

@@ -1,8 +1,8 @@
 // Light among what moves: integrators against one another, threads, files, errors.
 #include "tests/transport/replicates.h"
-#include "transport/export/pbrt_writer.h"
+#include "transport/import/builder/scene_builder.h"
 #include "transport/import/pbrt/pbrt_importer.h"
-#include "transport/scene/builder/scene_builder.h"
+#include "transport/import/pbrt/pbrt_writer.h"
 #include "transport/scene/effects/effects.h"
 #include "transport/scene/scene_hash.h"
 

@@ -2,6 +2,7 @@
 #include "display/services/elementary.h"
 #include "tests/transport/replicates.h"
 #include "transport/geometry/shapes/instance_motion.h"
+#include "transport/import/apply_effects.h"
 #include "transport/math/animated_transform.h"
 #include "transport/scene/effects/effects.h"
 

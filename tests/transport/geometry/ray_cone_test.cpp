@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "transport/cameras/camera.h"
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
 #include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/paths/vertex.h"
 

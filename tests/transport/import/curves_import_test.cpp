@@ -1,7 +1,7 @@
 // Curves in scene files: what they become, and what is refused or said of them.
 #include <catch2/catch.hpp>
 
-#include "transport/geometry/embree/embree_scene.h"
+#include "transport/embree/embree_scene.h"
 #include "transport/render_support.h"
 
 using namespace raylex;

@@ -8,9 +8,9 @@
 #include "tests/transport/import_support.h"
 #include "tests/transport/lit_scene.h"
 #include "tests/transport/materials_scene.h"
-#include "transport/import/images/image.h"
-#include "transport/materials/textures/image_mean.h"
-#include "transport/materials/textures/texture.h"
+#include "transport/files/images/image.h"
+#include "transport/textures/image_mean.h"
+#include "transport/textures/texture.h"
 
 using namespace raylex;
 using namespace raylex::transport;

@@ -9,11 +9,11 @@
 
 #include "tests/support/budget_guard.h"
 #include "tests/transport/import_support.h"
-#include "transport/import/images/image.h"
-#include "transport/import/shapes/ply.h"
+#include "transport/files/images/image.h"
+#include "transport/files/ply.h"
 #include "transport/materials/material.h"
-#include "transport/materials/textures/texture.h"
 #include "transport/scene/used_surfaces.h"
+#include "transport/textures/texture.h"
 
 using namespace import_test;
 using namespace raylex::transport;

@@ -8,7 +8,7 @@
 
 #include "tests/support/paths.h"
 #include "tests/transport/import_support.h"
-#include "transport/import/images/image.h"
+#include "transport/files/images/image.h"
 
 using namespace import_test;
 using raylex::transport::Image;

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "tests/transport/import_support.h"
-#include "transport/import/images/image.h"
+#include "transport/files/images/image.h"
 
 using namespace import_test;
 using raylex::transport::Image;

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "tests/transport/import_support.h"
-#include "transport/import/shapes/ply.h"
+#include "transport/files/ply.h"
 
 using namespace import_test;
 using namespace raylex::transport;

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <set>
 
-#include "transport/geometry/matrix34.h"
 #include "transport/import/shapes/loop_subdivision.h"
 #include "transport/import_support.h"
+#include "transport/math/matrix34.h"
 
 using namespace raylex;
 using namespace raylex::transport;

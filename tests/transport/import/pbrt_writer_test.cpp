@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "transport/export/pbrt_values.h"
-#include "transport/export/pbrt_writer.h"
+#include "transport/import/pbrt/pbrt_values.h"
+#include "transport/import/pbrt/pbrt_writer.h"
 #include "transport/import_support.h"
 #include "transport/render/render.h"
 #include "transport/scene/scene_hash.h"

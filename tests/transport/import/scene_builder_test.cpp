@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <limits>
 
-#include "transport/export/pbrt_writer.h"
+#include "transport/import/builder/scene_builder.h"
+#include "transport/import/pbrt/pbrt_writer.h"
 #include "transport/import_support.h"
 #include "transport/render/render.h"
-#include "transport/scene/builder/scene_builder.h"
 #include "transport/scene/scene_hash.h"
 
 using namespace import_test;

@@ -1,5 +1,5 @@
-#include "transport/samplers/sampler.h"
 #include "transport/samplers/sampler_batch.h"
+#include "transport/scene/sampler.h"
 
 #include <catch2/catch.hpp>
 

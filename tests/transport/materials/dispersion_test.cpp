@@ -7,7 +7,7 @@
 
 #include "transport/color/color_space.h"
 #include "transport/color/wavelengths.h"
-#include "transport/materials/bsdf/fresnel.h"
+#include "transport/math/fresnel.h"
 
 using namespace render_test;
 using namespace raylex::transport;

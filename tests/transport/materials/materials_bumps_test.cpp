@@ -2,8 +2,8 @@
 #include <bit>
 
 #include "transport/materials/material.h"
-#include "transport/materials/textures/pattern.h"
 #include "transport/replicates.h"
+#include "transport/textures/pattern.h"
 
 using namespace render_test;
 using raylex::Result;

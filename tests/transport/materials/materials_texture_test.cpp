@@ -7,7 +7,7 @@
 #include <random>
 
 #include "tests/transport/materials_scene.h"
-#include "transport/materials/textures/texture.h"
+#include "transport/textures/texture.h"
 
 using namespace raylex;
 using namespace raylex::transport;

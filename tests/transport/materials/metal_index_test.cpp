@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "transport/color/spectrum.h"
-#include "transport/materials/bsdf/fresnel.h"
 #include "transport/materials/metal_index.h"
+#include "transport/math/fresnel.h"
 
 using namespace raylex;
 using namespace raylex::transport;

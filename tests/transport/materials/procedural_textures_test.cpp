@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "tests/transport/materials_scene.h"
-#include "transport/materials/textures/texture.h"
 #include "transport/math/noise.h"
+#include "transport/textures/texture.h"
 
 using namespace raylex;
 using namespace raylex::transport;

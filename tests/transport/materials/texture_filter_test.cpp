@@ -1,8 +1,8 @@
 // Images over footprints: levels, look-ups, footprints of cones, and images of them against many samples.
 #include "tests/transport/render_support.h"
-#include "transport/materials/textures/image_filter.h"
 #include "transport/paths/footprints.h"
 #include "transport/scene/effects/effects.h"
+#include "transport/textures/image_filter.h"
 
 using namespace render_test;
 using raylex::transport::Image;

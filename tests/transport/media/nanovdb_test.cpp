@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "transport/color/spectrum.h"
-#include "transport/import/nanovdb_file.h"
+#include "transport/files/nanovdb_file.h"
 
 using namespace grid_media_test;
 using import_test::contains;

@@ -8,6 +8,7 @@
 
 #include "tests/transport/render_support.h"
 #include "transport/color/spectrum.h"
+#include "transport/import/apply_effects.h"
 #include "transport/scene/effects/effects.h"
 #include "transport/scene/scene_hash.h"
 

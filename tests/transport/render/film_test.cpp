@@ -7,12 +7,12 @@
 
 #include "tests/transport/image_file.h"
 #include "transport/color/camera_sensors.h"
-#include "transport/color/film_sensor.h"
 #include "transport/color/spectral_data.h"
 #include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/integrators/integrator.h"
 #include "transport/render/film.h"
 #include "transport/render_support.h"
+#include "transport/scene/film_sensor.h"
 #include "transport/scene/typed_parameters.h"
 
 using namespace raylex;

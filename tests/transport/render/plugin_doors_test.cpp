@@ -9,7 +9,7 @@
 #include "tests/transport/materials_support.h"
 #include "transport/materials/material.h"
 #include "transport/materials/material_inputs.h"
-#include "transport/materials/textures/pattern.h"
+#include "transport/textures/pattern.h"
 
 using namespace raylex;
 using namespace raylex::transport;

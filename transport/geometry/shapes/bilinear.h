@@ -1,7 +1,7 @@
 // Bilinear patches in double: P(u, v) interpolates p00, p10, p01, p11 (pbrt-v4's order), planar or not.
 #pragma once
 
-#include "transport/geometry/matrix34.h"
+#include "transport/math/matrix34.h"
 
 namespace raylex::transport {
 

@@ -14,9 +14,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "transport/geometry/matrix34.h"
 #include "transport/geometry/ray.h"
 #include "transport/geometry/surface_point.h"
+#include "transport/math/matrix34.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::transport {

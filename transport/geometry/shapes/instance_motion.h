@@ -9,8 +9,8 @@
 #include <functional>
 #include <vector>
 
-#include "transport/geometry/matrix34.h"
 #include "transport/geometry/render_space.h"
+#include "transport/math/matrix34.h"
 
 namespace raylex::transport {
 

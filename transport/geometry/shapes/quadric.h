@@ -4,7 +4,7 @@
 // Parameters and (u, v) are pbrt-v4's ("Physically Based Rendering", 4th edition, chapter 6).
 #pragma once
 
-#include "transport/geometry/matrix34.h"
+#include "transport/math/matrix34.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::transport {

@@ -17,7 +17,7 @@
 
 #include <algorithm>
 
-#include "transport/geometry/matrix34.h"
+#include "transport/math/matrix34.h"
 
 namespace raylex::transport {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "transport/scene/builder/scene_builder.h"
+#include "transport/import/builder/scene_builder.h"
 
 namespace raylex::transport {
 

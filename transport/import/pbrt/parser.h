@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "display/services/parameters.h"
-#include "transport/import/tokenizer.h"
+#include "transport/files/tokenizer.h"
 
 namespace raylex::transport {
 

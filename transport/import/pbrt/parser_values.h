@@ -2,7 +2,7 @@
 #pragma once
 
 #include "display/services/parameters.h"
-#include "transport/import/tokenizer.h"
+#include "transport/files/tokenizer.h"
 
 namespace raylex::transport {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "transport/import/input_file.h"
+#include "transport/files/input_file.h"
 #include "transport/import/pbrt/parser.h"
 #include "transport/import/pbrt/scene_reader.h"
 

@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "transport/import/input_file.h"
+#include "transport/files/input_file.h"
+#include "transport/import/builder/scene_builder.h"
+#include "transport/import/known_parameters.h"
 #include "transport/import/pbrt/graphics_state.h"
-#include "transport/import/pbrt/known_parameters.h"
 #include "transport/import/pbrt/parser.h"
-#include "transport/scene/builder/scene_builder.h"
 
 namespace raylex::transport {
 

@@ -7,8 +7,8 @@
 #include <tuple>
 #include <utility>
 
-#include "transport/geometry/matrix34.h"
 #include "transport/import/shapes/shape_parameters.h"
+#include "transport/math/matrix34.h"
 
 namespace raylex::transport {
 namespace {

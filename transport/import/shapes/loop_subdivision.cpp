@@ -14,8 +14,8 @@
 
 #include "display/services/elementary.h"
 #include "lpe/budgets.h"
-#include "transport/geometry/matrix34.h"
 #include "transport/import/shapes/shape_parameters.h"
+#include "transport/math/matrix34.h"
 
 namespace raylex::transport {
 namespace {

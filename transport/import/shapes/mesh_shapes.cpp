@@ -4,10 +4,10 @@
 #include <cmath>
 #include <filesystem>
 
-#include "transport/geometry/matrix34.h"
+#include "transport/files/ply.h"
 #include "transport/geometry/shapes/placed_mesh.h"
-#include "transport/import/shapes/ply.h"
 #include "transport/import/shapes/shape_parameters.h"
+#include "transport/math/matrix34.h"
 
 namespace raylex::transport {
 

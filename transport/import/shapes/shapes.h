@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "display/services/registry.h"
-#include "transport/import/input_file.h"
+#include "transport/files/input_file.h"
 #include "transport/scene/scene_description.h"
 
 namespace raylex::transport {

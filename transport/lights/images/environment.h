@@ -14,8 +14,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "transport/geometry/matrix34.h"
 #include "transport/lights/images/pixel_distribution.h"
+#include "transport/math/matrix34.h"
 #include "transport/math/octahedral.h"
 #include "transport/math/real.h"
 

@@ -3,9 +3,9 @@
 // what is drawn by pixel is drawn in proportion to the intensity (a projection's within the solid angle of one pixel).
 #pragma once
 
-#include "transport/geometry/matrix34.h"
 #include "transport/lights/images/pixel_distribution.h"
 #include "transport/lights/images/rgb_image.h"
+#include "transport/math/matrix34.h"
 
 namespace raylex::transport {
 

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "transport/geometry/matrix34.h"
 #include "transport/lights/images/rgb_image.h"
+#include "transport/math/matrix34.h"
 
 namespace raylex::transport {
 

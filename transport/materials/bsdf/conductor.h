@@ -3,9 +3,9 @@
 // Single scattering between facets, as in pbrt-v4 (book, 4th edition, 9.3 and 9.6): rough metals lose some energy.
 #pragma once
 
-#include "transport/materials/bsdf/fresnel.h"
 #include "transport/materials/bsdf/microfacet.h"
 #include "transport/materials/bsdf/scatter.h"
+#include "transport/math/fresnel.h"
 
 namespace raylex::transport {
 

@@ -4,9 +4,9 @@
 // outside: a direction with z > 0 travels in the outer medium.
 #pragma once
 
-#include "transport/materials/bsdf/fresnel.h"
 #include "transport/materials/bsdf/microfacet.h"
 #include "transport/materials/bsdf/scatter.h"
+#include "transport/math/fresnel.h"
 
 namespace raylex::transport {
 

@@ -5,8 +5,8 @@
 #include <mutex>
 
 #include "display/services/elementary.h"
-#include "transport/materials/bsdf/fresnel.h"
 #include "transport/materials/bsdf/scatter.h"
+#include "transport/math/fresnel.h"
 
 namespace raylex::transport {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "display/services/elementary.h"
-#include "transport/materials/bsdf/fresnel.h"
 #include "transport/materials/bsdf/lobes.h"
+#include "transport/math/fresnel.h"
 #include "transport/math/sampling.h"
 
 namespace raylex::transport {

@@ -5,7 +5,7 @@
 
 #include "display/services/elementary.h"
 #include "transport/color/spectrum.h"
-#include "transport/import/tensor_file.h"
+#include "transport/files/tensor_file.h"
 #include "transport/materials/bsdf/conductor.h"
 #include "transport/materials/bsdf/microfacet.h"
 

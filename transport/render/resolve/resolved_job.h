@@ -15,7 +15,7 @@
 #include "transport/render/film.h"
 #include "transport/render/render.h"
 #include "transport/render/tiles.h"
-#include "transport/samplers/sampler.h"
+#include "transport/scene/sampler.h"
 
 namespace raylex::transport {
 

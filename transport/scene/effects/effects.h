@@ -1,7 +1,7 @@
 // Which effects a scene calls for, why, and how one is left out.
 //
 //     const EffectFindings found = analyse_effects(scene);  // before anything is built
-//     if (Status s = apply_effects(scene, choices); !s) return s.error();
+//     if (Status s = apply_effects(scene, choices); !s) return s.error();  // import/apply_effects.h
 //
 // What a scene does not call for costs nothing beyond a test: its loops do not run. A choice overrules that, to see
 // what an effect costs. Off: the scene is changed so that it does not call for the effect (EffectInfo::without), and
@@ -66,9 +66,5 @@ using EffectFindings = std::array<EffectFinding, effect_count>;  // [Effect]
 
 /// Looks at the whole scene once. Names that nothing has are left to the build to refuse.
 EffectFindings analyse_effects(const SceneDescription& scene);
-
-/// Takes out of `scene` what is forced off and called for, and notes what is forced on. Errors: an image whose mean is
-/// wanted and cannot be read.
-Status apply_effects(SceneDescription& scene, const EffectChoices& choices);
 
 }  // namespace raylex::transport

@@ -10,7 +10,7 @@
 #include "display/services/registry.h"
 #include "experiments/python/bindings/bindings.h"
 #include "experiments/python/bindings/run_control.h"
-#include "transport/materials/textures/parameter_reader.h"
+#include "transport/textures/parameter_reader.h"
 
 namespace raylex::python {
 

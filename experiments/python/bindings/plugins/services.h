@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "experiments/python/bindings/arrays.h"
-#include "transport/materials/textures/texture.h"
+#include "transport/textures/texture.h"
 
 namespace raylex::python {
 

@@ -1,4 +1,4 @@
-// Textures in Python: patterns (transport/materials/textures/pattern.h) that are asked for a batch of hits at once.
+// Textures in Python: patterns (transport/textures/pattern.h) that are asked for a batch of hits at once.
 #include <cstring>
 #include <unordered_map>
 
@@ -6,7 +6,7 @@
 #include "experiments/python/bindings/plugins/plugin_parts.h"
 #include "experiments/python/bindings/plugins/python_object.h"
 #include "experiments/python/bindings/plugins/services.h"
-#include "transport/materials/textures/pattern.h"
+#include "transport/textures/pattern.h"
 
 namespace raylex::python {
 

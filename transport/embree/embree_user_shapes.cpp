@@ -1,0 +1,84 @@
+// Quadrics and bilinear patches for Embree: it finds their boxes, the equations are solved here, in double.
+#include <algorithm>
+#include <limits>
+
+#include "transport/embree/embree_device.h"
+
+namespace raylex::transport {
+namespace {
+
+RTCBounds outward(const DVec3& lower, const DVec3& upper) {
+    const auto down = [](double v) { return next_down(static_cast<float>(v)); };
+    const auto up = [](double v) { return next_up(static_cast<float>(v)); };
+    RTCBounds b{};
+    b.lower_x = down(lower.x);
+    b.lower_y = down(lower.y);
+    b.lower_z = down(lower.z);
+    b.upper_x = up(upper.x);
+    b.upper_y = up(upper.y);
+    b.upper_z = up(upper.z);
+    return b;
+}
+
+void bound_user_shape(const RTCBoundsFunctionArguments* args) {
+    const ShapeGeometry& shape = *static_cast<const UserShape*>(args->geometryUserPtr)->shape;
+    DVec3 lower, upper;
+    if (shape.kind == ShapeKind::bilinear_mesh) {
+        const BilinearPatch patch = shape.patch(args->primID);
+        lower = upper = patch.p00;
+        for (const DVec3& p : {patch.p10, patch.p01, patch.p11}) {
+            lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
+            upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
+        }
+    } else {
+        shape.quadric.bounds(lower, upper);
+    }
+    *args->bounds_o = outward(lower, upper);
+}
+
+bool intersect_user_shape(const ShapeGeometry& shape, unsigned primitive, const RTCRay& ray, double& t, double& u,
+                          double& v) {
+    return shape.intersect(primitive, {ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z},
+                           {ray.tnear, ray.tfar}, t, u, v);
+}
+
+void intersect_user(const RTCIntersectFunctionNArguments* args) {
+    if (!args->valid[0]) return;
+    const auto* user = static_cast<const UserShape*>(args->geometryUserPtr);
+    auto* rayhit = reinterpret_cast<RTCRayHit*>(args->rayhit);  // N is 1: closest hits are asked for one by one
+    if (!(rayhit->ray.mask & user->mask)) return;
+    double t, u, v;
+    if (!intersect_user_shape(*user->shape, args->primID, rayhit->ray, t, u, v)) return;
+    rayhit->ray.tfar = static_cast<float>(t);
+    rayhit->hit.u = static_cast<float>(u);
+    rayhit->hit.v = static_cast<float>(v);
+    rayhit->hit.primID = args->primID;
+    rayhit->hit.geomID = args->geomID;
+    rayhit->hit.instID[0] = args->context->instID[0];
+}
+
+/// Streams of shadow rays come several at a time.
+void occlude_user(const RTCOccludedFunctionNArguments* args) {
+    const auto* user = static_cast<const UserShape*>(args->geometryUserPtr);
+    for (unsigned i = 0; i < args->N; ++i) {
+        if (!args->valid[i]) continue;
+        const RTCRay ray = rtcGetRayFromRayN(args->ray, args->N, i);
+        if (!(ray.mask & user->mask)) continue;
+        double t, u, v;
+        if (intersect_user_shape(*user->shape, args->primID, ray, t, u, v))
+            RTCRayN_tfar(args->ray, args->N, i) = -infinity;
+    }
+}
+
+}  // namespace
+
+RTCGeometry new_user_geometry(RTCDevice device, unsigned primitives) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, primitives);
+    rtcSetGeometryBoundsFunction(geometry, bound_user_shape, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, intersect_user);
+    rtcSetGeometryOccludedFunction(geometry, occlude_user);
+    return geometry;
+}
+
+}  // namespace raylex::transport

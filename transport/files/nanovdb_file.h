@@ -1,0 +1,31 @@
+// Grids of NanoVDB files (K. Museth 2021, "NanoVDB: A GPU-Friendly and Portable VDB Data Structure"), read by the
+// library's own headers after raylex has seen that nothing in them leads out of the file.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lpe/result.h"
+#include "transport/math/matrix34.h"
+#include "transport/math/voxel_grid.h"
+
+namespace raylex::transport {
+
+struct NanoVdbGrid {
+    VoxelGrid values;
+    std::array<int, 3> origin{};  ///< index-space coordinates of the first point of cell (0, 0, 0)
+    DVec3 lower, upper;  ///< index space: the box of active voxels, each reaching to the next one's coordinates
+    Matrix4 world_from_index{};
+    BadValues bad;
+};
+
+/// The grid called `name` of the file at `path`; none where the file has no such grid. Errors name the file: one that
+/// is damaged or of another version, a grid that is not of numbers, budgets.
+Result<std::optional<NanoVdbGrid>> read_nanovdb_grid(const std::string& path, const std::string& name,
+                                                     bool may_be_negative);
+
+/// The names of all grids in a file, in its order. Errors as above.
+Result<std::vector<std::string>> nanovdb_grid_names(const std::string& path);
+
+}  // namespace raylex::transport

@@ -1,0 +1,14 @@
+// Applies a user's choices about effects to a scene before the scene is built (scene/effects/effects.h).
+#pragma once
+
+#include "lpe/result.h"
+#include "transport/scene/effects/effects.h"
+
+namespace raylex::transport {
+
+/// Removes from `scene` every effect that is forced off and that the scene calls for, and records the effects that are
+/// forced on. Reads the image of a texture where the mean of the image stands for the texture. Errors: such an image
+/// cannot be read.
+Status apply_effects(SceneDescription& scene, const EffectChoices& choices);
+
+}  // namespace raylex::transport
