@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -92,8 +93,8 @@ const std::vector<Folders> inside = {
     {"transport/lights/images", "transport/lights"},
     {"transport/import/shapes", "transport/import", "transport/import/builder", "transport/import/pbrt"},
     {"transport/paths", "transport/paths/subpaths"},
-    {"transport/integrators/pilots", "transport/integrators/methods"},
-    {"transport/render/resolve", "transport/render/stages", "transport/render/schedules", "transport/render/loop"},
+    {"transport/render/resolve", "transport/render/pilots", "transport/render/stages", "transport/render/schedules",
+     "transport/render/loop"},
     {"experiments/python/bindings", "experiments/python/bindings/plugins"},
 };
 
@@ -139,4 +140,25 @@ TEST_CASE("a folder includes nothing that stands above it", "[layout]") {
         }
     }
     CHECK(files > 400);
+}
+
+TEST_CASE("integrators decide nothing by what channels take", "[layout]") {
+    // Liveness, pruning, pilots and the shares of techniques belong to paths/ and render/. Lobes of the field's prose,
+    // such as "exact shares" of lobes, are no code and are not meant.
+    const std::regex banned(
+        R"(\b(is_live\w*|LiveLights|live_lights|Pruned|prunes|[Pp]ilot\w*|TechniqueShares|\w+_share|foresight)\b)");
+    const fs::path root = raylex::test::source_dir();
+    std::size_t files = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(root / "transport/integrators")) {
+        if (!entry.is_regular_file()) continue;
+        ++files;
+        std::ifstream in(entry.path());
+        std::size_t number = 0;
+        for (std::string line; std::getline(in, line);) {
+            ++number;
+            CAPTURE(entry.path().filename().string(), number, line);
+            CHECK_FALSE(std::regex_search(line, banned));
+        }
+    }
+    CHECK(files > 10);
 }

@@ -32,55 +32,6 @@ void reject_power(ThreadServices& services, const display::CameraRow& row, const
     services.raster->lpe().contribute(to_float(power), {}, tracker);
 }
 
-Vec3 camera_position(const IntegratorContext& context) {
-    return context.camera->generate({0, 0, {0.5f, 0.5f}}).origin;
-}
-
-Result<std::uint32_t> read_max_depth(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {
-    auto depth = entity.parameters.integer_or("maxdepth", 5);
-    if (!depth) return depth.error();
-    if (max_depth) *depth = *max_depth;
-    if (*depth < 0)
-        return error_at(entity.location,
-                        "'maxdepth' is " + std::to_string(*depth) + "; expected 0 or more scattering events");
-    return static_cast<std::uint32_t>(std::min<std::int64_t>(*depth, 1'000'000));
-}
-
-Result<DepthParameters> read_depth_parameters(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {
-    auto depth = read_max_depth(entity, max_depth);
-    if (!depth) return depth.error();
-    auto roulette = read_roulette(entity);
-    if (!roulette) return roulette.error();
-    return DepthParameters{*depth, *roulette};
-}
-
-Result<Real> read_roulette(const SceneEntity& entity) {
-    auto roulette = entity.parameters.boolean_or("roulette", true);
-    if (!roulette) return roulette.error();
-    auto below = entity.parameters.real_or("rrthreshold", double{default_roulette_below});
-    if (!below) return below.error();
-    if (!(*below >= 0 && *below <= 1))
-        return error_at(entity.location, "'rrthreshold' is " + std::to_string(*below) +
-                                             "; expected at most 1, and 0 where paths never end at random");
-    return *roulette ? static_cast<Real>(*below) : Real(0);
-}
-
-ParameterDescription describe_roulette(const std::string& who) {
-    return {"roulette", ParameterType::boolean, "true", "end weak " + who + " at random from the second bounce"};
-}
-
-ParameterDescription describe_roulette_threshold() {
-    return {"rrthreshold", ParameterType::real, "0.25",
-            "throughput below which roulette is played (pbrt-v4: always 1); 0: never"};
-}
-
-std::vector<ParameterDescription> describe_depth_parameters(const std::string& who) {
-    using T = ParameterType;
-    return {{"maxdepth", T::integer, "5", "scattering events at most; emission seen after the last still counts"},
-            describe_roulette(who),
-            describe_roulette_threshold()};
-}
-
 SceneEntity integrator_for(const std::optional<SceneEntity>& asked, const SceneEntity& of_scene) {
     if (!asked) return of_scene;
     SceneEntity entity = *asked;

@@ -29,8 +29,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -41,68 +39,28 @@
 #include <vector>
 
 #include "display/services/registry.h"
-#include "display/services/samples/display_services.h"
-#include "display/services/samples/lpe_services.h"
-#include "display/services/samples/raster_splats.h"
-#include "geoaovs/geoaovs.h"
+#include "transport/integrators/integrator_parameters.h"
 #include "transport/paths/counters.h"
-#include "transport/paths/event_table.h"
+#include "transport/paths/path_context.h"
 #include "transport/paths/subpath.h"
-#include "transport/samplers/pixel_sampler.h"
 
 namespace raylex::transport {
 
-class Camera;
-
 /// What prepare() gets; the pointers live as long as the render.
-struct IntegratorContext {
-    SceneView scene;
-    const EventTable* events = nullptr;
-    const geoaovs::GeometricAovs* aovs = nullptr;
+struct IntegratorContext : PathContext {
     std::span<const display::ChannelDefinition> channels;
-    bool pattern_channels = false;    ///< some channel is written by patterns or materials: first hits must be shaded
-    Real world_to_camera[3][4] = {};  ///< rigid part, for geoaovs::ShadingBatch
-    Vec2 pixel_size;                  ///< of a pixel on the plane at distance 1 before the camera
-    bool beauty = true;               ///< false: what no channel can accept need not be simulated (Law 4)
-    int batch_capacity = 0;           ///< most rays of one batch
-    const Camera* camera = nullptr;
-    int width = 0, height = 0;  ///< of the image
-    Vec2 filter_radius;         ///< how far around the image light still counts, in pixels
-    std::uint32_t tiles = 1;    ///< that CameraBatch::tile counts
+    std::uint32_t tiles = 1;  ///< that CameraBatch::tile counts
     std::uint64_t seed = 0;
-    const display::LpeSetup* lpe = nullptr;  ///< for LPE services of its own, on a table of its own
     display::LpeServices::Attribution attribution = display::LpeServices::Attribution::exact;
-};
-
-/// Camera rays of one call. ray i belongs to row i and draws from samplers[i].
-struct CameraBatch {
-    std::span<const Ray> rays;
-    std::span<const PixelSampler> samplers;
-    std::span<const display::CameraRow> rows;
-    /// Whose pixels they are. Within an iteration of a synchronous integrator, no two threads hold batches of one tile.
-    std::uint32_t tile = 0;
-    bool startup = false;  ///< not of the image: see Integrator::starts_up
-    /// What light along each ray counts for; empty where all count alike. Integrators with the trait camera_weights.
-    std::span<const Real> weights{};
-};
-
-struct ThreadServices {
-    display::DisplayServices& display;
-    display::LpeServices& lpe;
-    display::RasterSplats* raster = nullptr;   ///< for integrators with the trait raster_splats; else null
-    const std::atomic<bool>* leave = nullptr;  ///< set when the render ends without waiting for batches; null: never
-    bool left = false;                         ///< this batch is not finished: the engine drops what came of it
-
-    /// Whether to leave the batch as it is and return at once. To be asked in every loop that scenes can make endless:
-    /// once for each scattering event of a batch costs nothing that can be measured.
-    [[nodiscard]] bool leaving() {
-        left = left || (leave != nullptr && leave->load(std::memory_order_relaxed));
-        return left;
-    }
 };
 
 /// Base of an integrator's per-thread state.
 struct IntegratorThread {
+    IntegratorThread() = default;
+    /// For paths of at most `max_depth` scattering events; longer paths than 1,024 share the histogram's last slot.
+    explicit IntegratorThread(std::uint32_t max_depth) {
+        counters.path_lengths.assign(std::min(max_depth, 1024u) + 1, 0);
+    }
     virtual ~IntegratorThread() = default;
     IntegratorCounters counters;
 };
@@ -144,6 +102,19 @@ struct IntegratorTraits {
     bool camera_weights = false;
 };
 
+class Integrator;
+
+/// How the paths of an integrator may be planned where channels alone decide how rays are spent (path_plan.h).
+struct PlanRequest {
+    /// Makes integrators that follow such paths alone, for trials of a plan; empty: the integrator follows no plan.
+    std::function<std::unique_ptr<Integrator>()> make_trial;
+    LightChoice light_choice = LightChoice::mis;
+    bool lights_by_receiver = true;  ///< LightChooser::by_receiver()
+    bool splits = false;             ///< paths may be split
+    bool roulette = false;           ///< roulette may be played by what channels still expect
+    Real roulette_below = 0;         ///< WalkOptions::roulette_below; 0: no ray may be left out at random
+};
+
 class Integrator {
   public:
     virtual ~Integrator() = default;
@@ -151,8 +122,8 @@ class Integrator {
     virtual Status prepare(const IntegratorContext& context) = 0;
     /// After prepare(): what of this scene the integrator does not find, as warnings for the user.
     [[nodiscard]] virtual std::vector<std::string> omissions() const { return {}; }
-    /// The rays that prepare() traced to learn what the render had better do; none of them is of the image.
-    [[nodiscard]] virtual std::uint64_t pilot_rays() const { return 0; }
+    /// Before prepare(): what the render may plan for the integrator's camera subpaths. By default nothing.
+    [[nodiscard]] virtual PlanRequest plan_request() const { return {}; }
     [[nodiscard]] virtual std::unique_ptr<IntegratorThread> make_thread_state() const {
         return std::make_unique<IntegratorThread>();
     }
@@ -179,26 +150,6 @@ Registry<IntegratorFactory>& integrator_registry();
 
 /// A light subpath's power is no number: counted and logged (Law 6) as a splat of `row`'s.
 void reject_power(ThreadServices& services, const display::CameraRow& row, const Rgb& power);
-/// Where the camera stands: the middle of its lens.
-[[nodiscard]] Vec3 camera_position(const IntegratorContext& context);
-
-/// The parameter "maxdepth" of in-tree integrators, `max_depth` first; 5 without, at most a million.
-Result<std::uint32_t> read_max_depth(const SceneEntity& entity, std::optional<std::int64_t> max_depth);
-
-/// The parameters "roulette" and "rrthreshold": the throughput below which paths end at random, 0 where none does.
-Result<Real> read_roulette(const SceneEntity& entity);
-/// What the registry says of them; `who` ends: "paths", "subpaths".
-ParameterDescription describe_roulette(const std::string& who);
-ParameterDescription describe_roulette_threshold();
-
-/// The parameters "maxdepth", "roulette" and "rrthreshold", for integrators that have no others.
-struct DepthParameters {
-    std::uint32_t max_depth = 5;  ///< scattering events at most
-    Real roulette_below = default_roulette_below;
-};
-Result<DepthParameters> read_depth_parameters(const SceneEntity& entity, std::optional<std::int64_t> max_depth);
-std::vector<ParameterDescription> describe_depth_parameters(const std::string& who);
-
 /// The integrator that `asked` names, with the scene's parameters that both have and `asked` does not give: "maxdepth"
 /// most of all. Without `asked`, the scene's own.
 SceneEntity integrator_for(const std::optional<SceneEntity>& asked, const SceneEntity& of_scene);

@@ -31,7 +31,11 @@ struct IntegratorCounters {
     PrunedCounts pruned{};                    ///< [Pruned]
     std::vector<std::uint64_t> path_lengths;  ///< [scattering events]
     void count(Pruned cause, std::uint64_t times = 1) { pruned[static_cast<std::size_t>(cause)] += times; }
+    /// No channel takes any light of so many paths: none was begun.
+    void leave_out_paths(std::uint64_t paths) { count(Pruned::paths, paths); }
     void add(const IntegratorCounters& other);
+    /// Adds the counts of a part of an integrator, and sets them to zero there.
+    void take(IntegratorCounters& part);
     /// A path of so many scattering events has ended; the longest share the last slot.
     void count_length(std::uint32_t events) { ++path_lengths[std::min<std::size_t>(events, path_lengths.size() - 1)]; }
 };
@@ -44,6 +48,13 @@ inline void IntegratorCounters::add(const IntegratorCounters& other) {
     for (std::size_t i = 0; i < pruned_causes; ++i) pruned[i] += other.pruned[i];
     if (path_lengths.size() < other.path_lengths.size()) path_lengths.resize(other.path_lengths.size());
     for (std::size_t i = 0; i < other.path_lengths.size(); ++i) path_lengths[i] += other.path_lengths[i];
+}
+
+inline void IntegratorCounters::take(IntegratorCounters& part) {
+    add(part);
+    const std::size_t slots = part.path_lengths.size();
+    part = IntegratorCounters();
+    part.path_lengths.assign(slots, 0);
 }
 
 }  // namespace raylex::transport

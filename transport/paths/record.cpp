@@ -24,8 +24,8 @@ display::Foresight::Ahead Record::ahead_of_channels(std::uint32_t row, std::int3
     return events_->foresight().after(trackers_[row], events_->scatterings(label, material));
 }
 
-bool Record::worth_colliding(std::uint32_t row, std::int32_t medium) const {
-    return takes_all(row) || worth_scattering(row, events_->medium_label(medium), 0);
+bool Record::is_live_in_medium(std::uint32_t row, std::int32_t medium) const {
+    return takes_all(row) || is_live_lobe(row, events_->medium_label(medium), 0);
 }
 
 Record::Worth Record::worth_connecting(std::uint32_t row, std::int32_t label, const LobeList& lobes,

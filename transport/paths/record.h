@@ -82,21 +82,25 @@ class Record {
     template <class Value>
     void say(std::uint32_t row, std::int32_t label, UserLobe lobe, const Rgb& throughput, Value value) const;
 
-    /// Whether anything that the subpath may still meet counts.
-    [[nodiscard]] bool worth(std::uint32_t row) const {
+    /// Whether anything counts that the subpath may still meet.
+    [[nodiscard]] bool is_live(std::uint32_t row) const {
         return takes_all(row) || (lpe_->live(trackers_[row]) && events_->foresight().of(trackers_[row]).anything);
     }
     /// What of it may once it is scattered at its vertex, as the material there scatters.
     [[nodiscard]] display::Foresight::Ahead ahead(std::uint32_t row, std::int32_t label, std::int32_t material) const {
         return takes_all(row) ? display::Foresight::Ahead() : ahead_of_channels(row, label, material);
     }
-    /// The same of one lobe.
-    [[nodiscard]] bool worth_scattering(std::uint32_t row, std::int32_t label, LobeId lobe) const {
+    /// Whether anything counts that the subpath may meet at its vertex or behind it, as the material there scatters.
+    [[nodiscard]] bool is_live(std::uint32_t row, std::int32_t label, std::int32_t material) const {
+        return ahead(row, label, material).anything;
+    }
+    /// Whether anything counts that the subpath may meet behind its vertex, scattered there by this lobe.
+    [[nodiscard]] bool is_live_lobe(std::uint32_t row, std::int32_t label, LobeId lobe) const {
         const lpe::EventClass event = events_->scatter(label, lobe);
         return lpe_->live(trackers_[row]) && events_->foresight().after(trackers_[row], {&event, 1}).anything;
     }
-    /// The same, one collision with the medium's particles further.
-    [[nodiscard]] bool worth_colliding(std::uint32_t row, std::int32_t medium) const;
+    /// Whether anything counts that the subpath may meet behind a collision with a particle of this medium.
+    [[nodiscard]] bool is_live_in_medium(std::uint32_t row, std::int32_t medium) const;
     /// Whether beauty takes all of it, so that no question about its worth saves anything, or nobody wants to save.
     [[nodiscard]] bool takes_all(std::uint32_t row) const {
         return lpe_->takes_all(trackers_[row]) || !events_->prunes();
@@ -209,8 +213,8 @@ class LightRecord {
     void pass_straight(std::uint32_t row, std::int32_t label) {
         if (words_) word_[row] = lpe_->prepend(*words_, word_[row], events_->straight(label));
     }
-    /// Whether anything counts that it may become by scatterings, where others meet it (Law 4).
-    [[nodiscard]] bool worth(std::uint32_t row) const {
+    /// Whether anything counts that the subpath may become by further scatterings (Law 4).
+    [[nodiscard]] bool is_live(std::uint32_t row) const {
         return takes_all() || (words_ && language_->foresight().of(*words_, word_[row]).goes_on);
     }
     /// What of it may once its current vertex scatters as the material there does.
@@ -221,9 +225,19 @@ class LightRecord {
         return language_->foresight().after(*words_, word_[row], events_->scatterings(label, material),
                                             events_->with_density(label, material).size());
     }
-    /// Whether a camera subpath may be joined with `end`: where they stand, and what scatters there.
-    [[nodiscard]] bool worth_joining(const Record& camera, std::uint32_t row, std::int32_t label, std::int32_t material,
-                                     const LightEnd& end, std::int32_t material_of_end) const {
+    /// Whether anything counts that the subpath brings from its vertex or behind it, as the material there scatters.
+    [[nodiscard]] bool is_live(std::uint32_t row, std::int32_t label, std::int32_t material) const {
+        return ahead(row, label, material).anything();
+    }
+    /// Whether anything counts that the subpath brings from behind a collision with a particle of this medium.
+    [[nodiscard]] bool is_live_in_medium(std::uint32_t row, std::int32_t medium) const {
+        return is_live(row, events_->medium_label(medium), SurfacePoint::no_material);
+    }
+    /// Whether anything counts of a connection of a camera subpath with `end`, as the materials of both vertices
+    /// scatter.
+    [[nodiscard]] bool is_live_connection(const Record& camera, std::uint32_t row, std::int32_t label,
+                                          std::int32_t material, const LightEnd& end,
+                                          std::int32_t material_of_end) const {
         return camera.takes_all(row) || !words_ ||
                language_->foresight().joins(camera.tracker(row), events_->with_density(label, material), *end.words,
                                             end.word, events_->with_density(end.label, material_of_end));

@@ -10,24 +10,12 @@
 #include <vector>
 
 #include "display/services/samples/lpe_services.h"
+#include "transport/paths/path_plan.h"
 #include "transport/paths/subpath.h"
 #include "transport/paths/vertex.h"
 #include "transport/samplers/pixel_sampler.h"
 
 namespace raylex::transport {
-
-/// How paths are split that beauty does not ask for.
-struct SplitPlan {
-    /// From a path's first vertex that scatters in more than single directions, if a word may go on there. A power of
-    /// two.
-    std::uint8_t rays = 1;
-    /// So many specular vertices behind it both reflect and transmit, instead of one of the two.
-    std::uint8_t both_lobes = 0;
-    /// What of two rays is followed, to measure what each brings; all of them for images.
-    enum class Only : std::uint8_t { all, first, second, none } only = Only::all;
-
-    [[nodiscard]] bool any() const { return rays > 1 || both_lobes > 0; }
-};
 
 /// Numbers that choose the first and the last of a closure's lobes.
 inline Real lobe_number(std::uint32_t branch) {

@@ -46,6 +46,9 @@ struct Subpath {
     bool any_non_specular = false;  ///< of its scatterings
     bool from_infinity = false;
     bool one_wavelength = false;  ///< has met an interface whose index depends on it (path_wavelengths.h)
+
+    /// The expected number of rays that leave the vertex in directions with a density.
+    [[nodiscard]] Real expected_rays() const { return ray_share * static_cast<Real>(rays); }
 };
 
 /// What each vertex of a subpath draws, from `first` + scattering events so far * `stride` on, and what each ray draws.

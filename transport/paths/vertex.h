@@ -6,6 +6,7 @@
 
 #include "transport/embree/embree_scene.h"
 #include "transport/materials/closures/closure.h"
+#include "transport/paths/event_table.h"
 
 namespace raylex::transport {
 
@@ -71,6 +72,16 @@ inline Ray ray_from(const VertexBatch& vertices, std::size_t j, const Vec3& dire
             ? point.position
             : offset_ray_origin(point.position, point.geometric_normal, vertices.sources[j].offset.here, direction);
     return ray;
+}
+
+/// Bump and normal maps turn the shading normals of `points`, whose `random_key` is set. Closures, lights and AOVs all
+/// see the normals that the maps give.
+inline void apply_bump(const SceneView& scene, std::span<const Hit> hits, std::span<SurfacePoint> points) {
+    for (std::size_t j = 0; j < hits.size(); ++j) {
+        const NormalDetail& detail = scene.materials->normal_detail(*scene.textures, points[j]);
+        if (detail.empty()) continue;
+        detail.apply(*scene.textures, scene.geometry->tangents(hits[j], points[j]), hits[j].cone.width, points[j]);
+    }
 }
 
 }  // namespace raylex::transport

@@ -18,9 +18,9 @@
 
 #include "display/services/channel_settings.h"
 #include "transport/embree/embree_scene.h"
-#include "transport/integrators/first_hits.h"
 #include "transport/materials/material_inputs.h"
 #include "transport/math/sampling.h"
+#include "transport/paths/first_hits.h"
 #include "transport/plugins/plugin_host.h"
 #include "transport/plugins/plugin_stamp.h"
 

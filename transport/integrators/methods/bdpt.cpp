@@ -1,126 +1,251 @@
 #include "transport/integrators/methods/bdpt.h"
 
 #include <algorithm>
+#include <cmath>
 
-#include "transport/integrators/first_hits.h"
-#include "transport/integrators/methods/bdpt_state.h"
-#include "transport/paths/subpaths/transmittance.h"
+#include "transport/paths/subpaths/direct_light.h"
+#include "transport/paths/subpaths/light_subpaths.h"
 
 namespace raylex::transport {
+namespace {
 
-IntegratorTraits Bdpt::traits() const {
-    IntegratorTraits traits;
-    traits.emitter_samples = true;
-    traits.light_samples = true;
-    traits.holdouts = true;
-    traits.user_events = true;
-    traits.max_depth = std::uint64_t{parameters_.max_depth} * (count_mirrors_ ? 1 : 2);  // as many mirrors first
-    traits.media = true;
-    traits.first_hits = traits.cutouts = true;
-    traits.saved_state = SavedState::none;
-    traits.raster_splats = true;
-    traits.pixel_samples = true;
-    return traits;
-}
+/// A light subpath's vertex, kept for the camera subpath of its row.
+struct LightVertex : LightSubpathVertex {
+    static constexpr std::uint32_t none = 0xffffffffu;
+    SurfacePoint point;
+    Bsdf bsdf;
+    std::uint32_t previous = none;  ///< of the same subpath
+};
 
-Status Bdpt::prepare(const IntegratorContext& context) {
-    context_ = context;
-    view_ = {context.camera, context.width, context.height, context.filter_radius};
-    const EventTable& events = *context.events;
-    if (events.any()) language_.emplace(*context.lpe, events);
-    const LightLanguage* const language = language_ ? &*language_ : nullptr;
-    using Ahead = display::LightForesight::Ahead;
-    emitters_ = choose_live_lights(context.scene, events, language, LightChoice::light_sampling, &Ahead::goes_on);
-    sampled_ = choose_live_lights(context.scene, events, language, LightChoice::mis, &Ahead::joins);
-    sampled_terminals_ = 0;
-    for (std::uint32_t light = 0; light < context.scene.lights->lights().size(); ++light)
-        if (sampled_.probability(Vec3(), light) > 0)
-            sampled_terminals_ |= events.foresight().bit_of(events.terminal(light));
-    can_sample_lights_ = !sampled_.empty();
-    none_joins_ = !can_sample_lights_ && !LightChooser(context.scene.lights->lights(), LightChoice::mis, {}).empty();
-    can_emit_ = parameters_.max_depth > 0 && !emitters_.empty() && (context.beauty || events.any());
-    not_begun_ = !can_emit_ && parameters_.max_depth > 0 && !context.scene.lights->lights().empty();
-    if (can_emit_) media_of_lights_ = media_of_lights(context.scene, camera_position(context));
-    return success();
-}
+struct BdptThread final : IntegratorThread {
+    BdptThread(const PathContext& context, const LightEmitters& emitters, const WalkOptions& of_light,
+               const WalkOptions& of_camera)
+        : IntegratorThread(of_camera.max_depth),
+          light(context, emitters, of_light),
+          camera(context, of_camera),
+          connections(context.scene),
+          splats(context),
+          last_vertex(static_cast<std::size_t>(context.batch_capacity)) {}
 
-std::unique_ptr<IntegratorThread> Bdpt::make_thread_state() const {
-    WalkOptions walk{parameters_.max_depth, parameters_.roulette_below, true};
-    walk.counts_first_specular = count_mirrors_;
-    LightSubpathOptions of_light;
-    of_light.walk = walk;
-    of_light.language = language_ ? &*language_ : nullptr;
-    of_light.emitters = &emitters_;
-    of_light.sampled = &sampled_;
-    of_light.media_of_lights = media_of_lights_;
-    CameraSubpathOptions of_camera = camera_subpath_options(context_, walk);
-    of_camera.first_depth = first_depth_;
-    return std::make_unique<BdptThread>(context_.scene, *context_.events, of_camera, of_light,
-                                        static_cast<std::size_t>(context_.batch_capacity));
-}
+    LightSubpaths light;
+    CameraSubpaths camera;
+    Connections connections;  // s >= 1
+    CameraConnections splats;
+    std::vector<LightVertex> light_vertices;  // of all rows
+    std::vector<std::uint32_t> last_vertex;   // by row, in light_vertices
+};
+
+class Bdpt final : public Integrator {
+  public:
+    explicit Bdpt(const BdptParameters& parameters) : parameters_(parameters) {}
+    [[nodiscard]] IntegratorTraits traits() const override {
+        IntegratorTraits traits;
+        traits.emitter_samples = traits.light_samples = traits.holdouts = traits.user_events = true;
+        traits.media = traits.first_hits = traits.cutouts = true;
+        // As many mirrors first.
+        traits.max_depth = std::uint64_t{parameters_.depth.max_depth} * (parameters_.count_mirrors ? 1 : 2);
+        traits.saved_state = SavedState::none;
+        traits.raster_splats = traits.pixel_samples = true;
+        return traits;
+    }
+    Status prepare(const IntegratorContext& context) override {
+        context_ = context;
+        emitters_ = LightEmitters(context_, parameters_.depth.max_depth);
+        direct_light_ = DirectLight(context_, emitters_.language());
+        return success();
+    }
+    [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override {
+        WalkOptions options;
+        options.max_depth = parameters_.depth.max_depth;
+        options.roulette_below = parameters_.depth.roulette_below;
+        options.densities = true;
+        options.counts_first_specular = parameters_.count_mirrors;
+        options.sampled = &direct_light_.chooser();
+        WalkOptions of_camera = options;
+        of_camera.first_depth = parameters_.first_depth;
+        return std::make_unique<BdptThread>(context_, emitters_, options, of_camera);
+    }
+    void integrate(const CameraBatch& batch, IntegratorThread& thread, ThreadServices& services) const override;
+
+  private:
+    void keep_light_vertices(BdptThread& thread) const;
+    void report_lights(CameraSubpaths& camera) const;
+    void report(const CameraSubpaths& camera, std::uint32_t row, const Rgb& throughput, const Rgb& emitted,
+                const LightSample& at, Real light_pdf, const Vec3& towards) const;
+    [[nodiscard]] Real weight_of_light_sample(const CameraSubpaths& camera, std::size_t j, const LightSample& sample,
+                                              const BsdfEvaluation& f) const;
+    void connect_vertices(BdptThread& thread, std::size_t j) const;
+
+    BdptParameters parameters_;
+    IntegratorContext context_;
+    LightEmitters emitters_;
+    DirectLight direct_light_;
+};
 
 void Bdpt::integrate(const CameraBatch& batch, IntegratorThread& state, ThreadServices& services) const {
     auto& thread = static_cast<BdptThread&>(state);
-    if (!trace_light(batch, thread, services)) return;
     CameraSubpaths& camera = thread.camera;
-    Ends ends{{}, *this, camera};
-    camera.begin(batch.rays, batch.samplers, services.lpe, thread.counters);
-    while (camera.going()) {
-        if (services.leaving()) return;
-        camera.advance(services.display, ends);
-        write_first_hits(context_, camera.vertices(), camera.first_entries(), thread.first_hits, services.display);
-        const VertexBatch& v = camera.vertices();
-        if (can_sample_lights_) camera.draw_light_pairs();
-        for (std::size_t j = 0; j < v.count; ++j) {
-            if (!camera.can_connect(j)) continue;
-            const display::Foresight::Ahead ahead =
-                camera.record().ahead(v.rows[j], v.sources[j].label, v.points[j].material);
-            if (!ahead.anything) continue;
-            if (can_sample_lights_) sample_light(thread, j, ahead);
-            else if (none_joins_) thread.counters.count(Pruned::light_samples);
-            join_vertices(thread, j);
-        }
-        thread.joins.report(camera, thread.counters);
+    thread.light_vertices.clear();
+    std::fill_n(thread.last_vertex.begin(), batch.rays.size(), LightVertex::none);
+    thread.light.begin(batch, services, thread.counters);
+    while (thread.light.advance(services)) {
+        keep_light_vertices(thread);
+        thread.light.scatter();
+    }
+    if (services.left) return;
+    camera.begin(batch, services, thread.counters);
+    while (camera.advance(services)) {
+        report_lights(camera);
+        direct_light_.report_hidden_environments(camera);
+        direct_light_.sample(camera, thread.connections,
+                             [&](std::size_t j, const LightSample& sample, const BsdfEvaluation& f) {
+                                 return weight_of_light_sample(camera, j, sample, f);
+                             });
+        for (std::size_t j = 0; j < camera.vertices().count; ++j) connect_vertices(thread, j);
+        thread.connections.report(camera);
         camera.scatter();
     }
-    connect_to_camera(batch, thread, services);  // last: splats cannot be taken back
-}
-
-bool Bdpt::trace_light(const CameraBatch& batch, BdptThread& thread, ThreadServices& services) const {
-    thread.light_vertices.clear();
-    thread.invalid_powers.clear();
-    std::fill_n(thread.last_vertex.begin(), batch.rays.size(), LightVertex::none);
-    if (!can_emit_) {
-        thread.counters.count(Pruned::light_paths, not_begun_ ? batch.rays.size() : 0);
-        return true;
+    if (services.left) return;
+    for (const LightVertex& y : thread.light_vertices) {  // t = 1
+        const Rgb power = y.one_wavelength ? y.power * thread.light.wavelength_weight(y.row) : y.power;
+        thread.splats.add(y, y.point, y.bsdf, power, thread.light.depth_limit(), batch.samplers[y.row],
+                          thread.counters);
     }
-    LightSubpaths& light = thread.light;
-    light.begin(batch.rays, batch.samplers, services.lpe, thread.counters);
-    while (light.going()) {
-        if (services.leaving()) return false;
-        light.advance(services.display);
-        keep_light_vertices(thread);
-        light.scatter([&](std::uint32_t row, const Rgb& power) { thread.invalid_powers.emplace_back(row, power); });
-    }
-    return true;
+    thread.splats.splat(batch.rows, services, thread.counters);
+    for (const InvalidPower& each : thread.light.invalid_powers())
+        reject_power(services, batch.rows[each.row], each.power);
 }
 
 void Bdpt::keep_light_vertices(BdptThread& thread) const {
     const VertexBatch& v = thread.light.vertices();
-    const EmbreeScene& geometry = *context_.scene.geometry;
     for (std::size_t j = 0; j < v.count; ++j) {
         if (!v.bsdfs[j].has_density()) continue;
-        const display::LightForesight::Ahead ahead = thread.light.ahead(j);
-        const std::uint32_t row = v.rows[j];
-        const Subpath& path = thread.light.path(row);
         const auto index = static_cast<std::uint32_t>(thread.light_vertices.size());
-        const bool holdout = j < v.surfaces && geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
-        thread.light_vertices.push_back({v.points[j], v.bsdfs[j], v.sources[j].offset, row, path.depth,
-                                         thread.light.vertex_depth(j), thread.light.end(j), thread.last_vertex[row],
-                                         ahead, holdout, path.one_wavelength, path.beta, thread.light.sums(row)});
-        if (ahead.joins) thread.last_vertex[row] = index;
+        std::uint32_t& last = thread.last_vertex[v.rows[j]];
+        thread.light_vertices.push_back({thread.light.vertex(j), v.points[j], v.bsdfs[j], last});
+        if (thread.light_vertices.back().ahead.joins) last = index;
     }
 }
+
+/// s = 0: light that camera subpaths have met by themselves.
+void Bdpt::report_lights(CameraSubpaths& camera) const {
+    const SceneView& scene = context_.scene;
+    const LightTable& lights = *scene.lights;
+    for (const EscapedRay& e : camera.escaped()) {
+        const Subpath& path = camera.path(e.row);
+        camera.sums(e.row).arrive(path.specular ? 1 : static_cast<double>(path.pdf), static_cast<double>(path.cosine));
+        for (const std::uint32_t light : lights.environments()) {
+            LightSample at;
+            at.light = light;
+            at.infinite = true;
+            at.wi = e.direction;
+            report(camera, e.row, camera.throughput(e.row), lights.environment_radiance(light, path.from, e.direction),
+                   at, lights.environment_density(direct_light_.chooser(), light, path.from, e.direction),
+                   -e.direction);
+        }
+    }
+    for (const EmitterHit& e : camera.emitters()) {
+        const Subpath& path = camera.path(e.row);
+        LightSample at;
+        at.light = e.light;
+        at.target = e.point.position;
+        at.target_normal = e.point.geometric_normal;
+        at.uv = {e.hit.u, e.hit.v};
+        const Real light_pdf =
+            path.depth > 0 ? lights.density(direct_light_.chooser(), *scene.geometry, path.from, at) : 0;
+        report(camera, e.row, e.throughput, e.emitted, at, light_pdf, e.point.wo);
+    }
+}
+
+/// `light_pdf`: the density with which a light sample finds the light. Light leaves `at` in the direction `towards`.
+void Bdpt::report(const CameraSubpaths& camera, std::uint32_t row, const Rgb& throughput, const Rgb& emitted,
+                  const LightSample& at, Real light_pdf, const Vec3& towards) const {
+    if ((throughput * emitted).is_black()) return;
+    const Subpath& path = camera.path(row);
+    Real weight = 1;
+    if (path.depth > 0) {  // what the camera sees directly no other strategy finds
+        EmissionDensity emission;
+        if (emitters_.any())
+            emission =
+                context_.scene.lights->emission_density(emitters_.chooser(), *context_.scene.geometry, at, towards);
+        const double pdf = path.specular ? 1 : static_cast<double>(path.pdf);
+        weight = StrategySums::weight(camera.sums(row).others_at_light(static_cast<double>(light_pdf) / pdf,
+                                                                       static_cast<double>(emission.position),
+                                                                       static_cast<double>(emission.direction)));
+    }
+    camera.report(row, at.light, throughput, emitted, weight, !path.specular && light_pdf > 0);
+}
+
+/// s = 1. The other strategies: the camera subpath meets the light by itself, or light subpaths begin there.
+Real Bdpt::weight_of_light_sample(const CameraSubpaths& camera, std::size_t j, const LightSample& sample,
+                                  const BsdfEvaluation& f) const {
+    const VertexBatch& v = camera.vertices();
+    const SurfacePoint& point = v.points[j];
+    const LightTable& lights = *context_.scene.lights;
+    const Light& light = lights.lights()[sample.light];
+    const double pdf = static_cast<double>(sample.pdf);
+    const StrategySums::Wide met = light.is_delta() ? 0 : StrategySums::squared(static_cast<double>(f.pdf) / pdf);
+    if (!emitters_.any()) return StrategySums::weight(met);
+    const EmissionDensity emission =
+        lights.emission_density(emitters_.chooser(), *context_.scene.geometry, sample, -sample.wi);
+    const double near = sample.infinite ? 1 : 1 / static_cast<double>(length_squared(sample.target - point.position));
+    const double light_cosine = light.is_area() ? std::abs(dot(sample.target_normal, sample.wi)) : 1;
+    const double to_light = light.is_area() ? light_cosine * near : 1;
+    const double begun = to_light > 0 ? static_cast<double>(emission.position) / (pdf * to_light) : 0;
+    const double cosine = static_cast<double>(point.cosine(sample.wi));
+    const auto pdf_reverse = static_cast<double>(v.bsdfs[j].pdf(sample.wi, point.wo));
+    return StrategySums::weight(
+        met + StrategySums::squared(begun) *
+                  camera.sums(v.rows[j]).others(static_cast<double>(emission.direction) * cosine * near, pdf_reverse));
+}
+
+/// s, t >= 2: vertex j of the camera subpath with all vertices of the light subpath of its row.
+void Bdpt::connect_vertices(BdptThread& thread, std::size_t j) const {
+    CameraSubpaths& camera = thread.camera;
+    if (!camera.can_connect(j)) return;
+    const VertexBatch& v = camera.vertices();
+    const std::uint32_t row = v.rows[j];
+    const Subpath& path = camera.path(row);
+    const SurfacePoint& point = v.points[j];
+    const DepthLimit& limit = camera.depth_limit();
+    const VertexDepth length = camera.vertex_depth(j);
+    for (std::uint32_t i = thread.last_vertex[row]; i != LightVertex::none; i = thread.light_vertices[i].previous) {
+        const LightVertex& y = thread.light_vertices[i];
+        if (!limit.allows(length.least + y.length.least)) continue;
+        if (!thread.light.is_live_connection(camera, j, y, y.point.material)) continue;
+        const Vec3 between = y.point.position - point.position;
+        const Real d2 = length_squared(between);
+        if (!(d2 > 0)) continue;
+        const Vec3 direction = between / std::sqrt(d2);
+        if (limit.has_bodies() && !limit.allows(length.before + limit.event(length, point, direction) +
+                                                y.length.before + limit.event(y.length, y.point, -direction)))
+            continue;
+        const JoinedScattering x = evaluate_scattering<TransportMode::radiance>(v.bsdfs[j], point, direction);
+        if (x.f.value.is_black()) continue;
+        const JoinedScattering z = evaluate_scattering<TransportMode::importance>(y.bsdf, y.point, -direction);
+        if (z.f.value.is_black()) continue;
+        const double near = 1 / static_cast<double>(d2);
+        const double at_camera = static_cast<double>(point.cosine(direction)) * near,
+                     at_light = static_cast<double>(y.point.cosine(direction)) * near;
+        VertexJoin join;
+        join.j = j;
+        join.f = &x.f;
+        join.weight = StrategySums::weight(
+            camera.sums(row).others(static_cast<double>(z.f.pdf) * at_camera, static_cast<double>(x.pdf_reverse)) +
+            y.sums.others(static_cast<double>(x.f.pdf) * at_light, static_cast<double>(z.pdf_reverse)));
+        join.unweighted = path.beta * x.f.value * z.f.value * y.power * (1 / d2);
+        if (path.one_wavelength || y.one_wavelength) join.unweighted *= thread.light.wavelength_weight(row);
+        join.end = y.end;
+        join.end.lobes = z.f.lobes;
+        join.light_vertices = y.depth + 2;
+        join.shadow_ray =
+            segment_to(offset_ray_origin(point.position, point.geometric_normal, v.sources[j].offset.here, direction),
+                       y.point.position, y.point.geometric_normal, y.offset);
+        thread.connections.add_join(camera, join);
+    }
+}
+
+}  // namespace
 
 std::unique_ptr<Integrator> make_bdpt_integrator(const BdptParameters& parameters) {
     return std::make_unique<Bdpt>(parameters);
@@ -132,14 +257,15 @@ Registry<IntegratorFactory>::Entry bdpt_entry() {
                          "false: ideal mirrors and glass that the camera sees first do not count towards maxdepth, so "
                          "that a mirror shows what is seen without it (pbrt's sppm)"});
     return {
-        "bdpt", "bidirectional path tracing: subpaths from camera and lights, joined at every vertex",
+        "bdpt", "bidirectional path tracing: subpaths from camera and lights, connected at every vertex",
         std::move(described),
         [](const SceneEntity& entity, std::optional<std::int64_t> max_depth) -> Result<std::unique_ptr<Integrator>> {
-            auto parameters = read_depth_parameters(entity, max_depth);
-            if (!parameters) return parameters.error();
-            auto count_mirrors = entity.parameters.boolean_or("countmirrors", true);
-            if (!count_mirrors) return count_mirrors.error();
-            return make_bdpt_integrator({*parameters, 0, *count_mirrors});
+            IntegratorParameters read(entity);
+            BdptParameters parameters;
+            parameters.depth = read_depth_parameters(read, max_depth);
+            parameters.count_mirrors = read.boolean("countmirrors", true);
+            if (read.error()) return *read.error();
+            return make_bdpt_integrator(parameters);
         }};
 }
 

@@ -1,24 +1,20 @@
 // `bdpt`: bidirectional path tracing (Veach 1997, chapter 10). Every camera sample makes a subpath from the camera and
-// one from a light and joins every vertex of one with every vertex of the other.
+// one from a light, and connects every vertex of one with every vertex of the other.
 //
 // With s vertices from the light and t from the camera, a path is found
 //     s = 0          when the camera subpath meets a light by itself;
 //     s = 1          by a light sample, drawn anew for each vertex (next event estimation);
 //     t = 1          when a light subpath's vertex is connected to the camera: a splat through the pixel filter;
-//     s, t >= 2      by joining two vertices;
+//     s, t >= 2      by connecting two vertices;
 // t = 0 is left out: no ray meets a pinhole, and hardly any a lens. Light that the camera sees directly is found by s =
 // 0 alone. Each strategy has the weight of the power heuristic over all that could have made the path
 // (paths/strategies.h).
 //
-// Words. The camera subpath's tracker goes on over the join and back along the light subpath's events to its light, so
-// that every channel takes exact shares whatever found the path (Law 5).
+// Path strings. The camera subpath's tracker goes on over the connection and back along the light subpath's events to
+// its light, so that every channel takes exact shares whatever found the path (Law 5).
 //
-// Media: collisions are vertices like others, with a phase function for a closure and 1 for a cosine; light subpaths
-// begin in the medium that their light stands in (media_of_lights). Light that media emit is found by camera subpaths
-// alone (s = 0).
-//
-// Without beauty, what no channel can take of a subpath, a join or a light sample is left out (Law 4): the weights of
-// what is left stay, since all strategies that find a word are left out together.
+// Media: collisions are vertices like others, with a phase function for a closure and 1 for a cosine. Light subpaths
+// begin in the medium around their light. Light that media emit is found by camera subpaths alone (s = 0).
 //
 // The prefixes nothruput, unoccluded and shadows look at lights found and sampled by camera subpaths (s < 2), as with
 // `path`.
@@ -30,12 +26,11 @@ namespace raylex::transport {
 
 struct BdptParameters {
     DepthParameters depth;
-    /// What is found, or said by surfaces, before so many scattering events is left to others (not a parameter).
-    std::uint32_t first_depth = 0;
-    bool count_mirrors = true;  ///< WalkOptions::counts_first_specular
+    std::uint32_t first_depth = 0;  ///< WalkOptions::first_depth (not a parameter)
+    bool count_mirrors = true;      ///< WalkOptions::counts_first_specular
 };
 
-/// The integrator itself, for others that are made of it.
+/// The integrator itself, for integrators that are made of it.
 std::unique_ptr<Integrator> make_bdpt_integrator(const BdptParameters& parameters);
 
 /// The registry's entry: parameters maxdepth, countmirrors, roulette, rrthreshold.

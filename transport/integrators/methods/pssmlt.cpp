@@ -241,7 +241,7 @@ void Pssmlt::integrate(const CameraBatch& batch, IntegratorThread& state, Thread
         return;
     }
     camera_->integrate(batch, *thread.camera, services);
-    if (not_begun_) thread.counters.count(Pruned::paths, batch.rays.size());
+    if (!chains_ && parameters_.max_depth > 0) thread.counters.leave_out_paths(batch.rays.size());
     if (mean_ > 0) {
         if (!group.started && !services.left) start(group, batch.tile, thread, services);
         for (std::size_t left = batch.rays.size(); left > 0 && !services.left;) {

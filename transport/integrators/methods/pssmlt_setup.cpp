@@ -8,52 +8,27 @@ namespace raylex::transport {
 namespace {
 
 Result<std::unique_ptr<Integrator>> make_pssmlt(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {
+    IntegratorParameters read(entity);
     PssmltParameters p;
-    auto depth = read_max_depth(entity, max_depth);
-    if (!depth) return depth.error();
-    p.max_depth = *depth;
-    auto large = entity.parameters.real_or("largestepprobability", 0.3),
-         sigma = entity.parameters.real_or("sigma", 0.01);
-    if (!large) return large.error();
-    if (!sigma) return sigma.error();
-    if (!(*large > 0 && *large <= 1))
-        return error_at(entity.location,
-                        "'largestepprobability' is " + std::to_string(*large) +
-                            "; expected more than 0 and at most 1: without large steps a chain may never "
-                            "leave where it began");
-    if (!(*sigma > 0 && *sigma <= 1))
-        return error_at(entity.location,
-                        "'sigma' is " + std::to_string(*sigma) + "; expected more than 0 and at most 1");
-    p.large_step_probability = static_cast<Real>(*large);
-    p.sigma = static_cast<Real>(*sigma);
-    auto chains = entity.parameters.integer_or("chains", 1000),
-         samples = entity.parameters.integer_or("bootstrapsamples", 100'000);
-    if (!chains) return chains.error();
-    if (!samples) return samples.error();
-    if (*chains < 1 || *chains > 1'000'000)
-        return error_at(entity.location, "'chains' is " + std::to_string(*chains) + "; expected 1 to a million");
-    if (*samples < 1 || *samples > 1'000'000'000)
-        return error_at(entity.location,
-                        "'bootstrapsamples' is " + std::to_string(*samples) + "; expected 1 to a thousand million");
-    p.chains = static_cast<std::uint32_t>(*chains);
-    p.bootstrap_samples = static_cast<std::uint32_t>(*samples);
-    auto roulette = read_roulette(entity);
-    if (!roulette) return roulette.error();
-    p.roulette_below = *roulette;
-    auto integrator = entity.parameters.choice_or("integrator", "path", {"path", "bdpt"});
-    if (!integrator) return integrator.error();
-    p.bidirectional = *integrator == "bdpt";
-    auto target = entity.parameters.string_or("target", "beauty");
-    if (!target) return target.error();
-    for (std::size_t begin = 0; begin <= target->size();) {
-        const std::size_t end = std::min(target->find(',', begin), target->size());
+    p.max_depth = read.max_depth(max_depth);
+    p.large_step_probability = read.fraction("largestepprobability", Real(0.3),
+                                             ": without large steps a chain may never leave where it began");
+    p.sigma = read.fraction("sigma", Real(0.01));
+    p.chains = static_cast<std::uint32_t>(read.integer("chains", 1000, 1, 1'000'000));
+    p.bootstrap_samples = static_cast<std::uint32_t>(read.integer("bootstrapsamples", 100'000, 1, 1'000'000'000));
+    p.roulette_below = read.roulette_below();
+    p.bidirectional = read.choice("integrator", {"path", "bdpt"}, 0) == 1;
+    const std::string target = read.string("target", "beauty");
+    if (read.error()) return *read.error();
+    for (std::size_t begin = 0; begin <= target.size();) {
+        const std::size_t end = std::min(target.find(',', begin), target.size());
         if (end == begin)
             return error_at(entity.location,
-                            "'target' is '" + *target + "'; expected beauty, or names of channels between commas");
-        p.target.push_back(target->substr(begin, end - begin));
+                            "'target' is '" + target + "'; expected beauty, or names of channels between commas");
+        p.target.push_back(target.substr(begin, end - begin));
         begin = end + 1;
     }
-    if (*target == "beauty") p.target.clear();
+    if (target == "beauty") p.target.clear();
     p.location = entity.location;
     return std::unique_ptr<Integrator>(std::make_unique<Pssmlt>(p));
 }
@@ -64,7 +39,7 @@ Registry<IntegratorFactory>::Entry pssmlt_entry() {
     using T = ParameterType;
     return {"pssmlt",
             "Metropolis light transport in primary sample space, over path or bdpt",
-            {{"maxdepth", T::integer, "5", "scattering events at most; emission seen after the last still counts"},
+            {describe_max_depth(),
              {"largestepprobability", T::real, "0.3", "share of steps that draw a new path"},
              {"sigma", T::real, "0.01", "standard deviation of the other steps, in each number of the path"},
              {"chains", T::integer, "1000", "Markov chains; at least one is run for each 16 x 16 tile"},
@@ -136,10 +111,7 @@ Status Pssmlt::prepare(const IntegratorContext& context) {
     down_ = static_cast<Real>(context.height) + 2 * reach.y;
     area_share_ = static_cast<double>(across_) * static_cast<double>(down_) /
                   (static_cast<double>(context.width) * static_cast<double>(context.height));
-    const EventTable& events = *context.events;
-    chains_ =
-        parameters_.max_depth > 0 && (context.beauty || (events.any() && events.foresight().at_camera().scatters));
-    not_begun_ = parameters_.max_depth > 0 && !chains_ && events.any();
+    chains_ = parameters_.max_depth > 0 && context.takes_scattered_light();
     groups_ = std::vector<ChainGroup>(context.tiles);
     const std::size_t each = std::max<std::size_t>(1, (parameters_.chains + context.tiles / 2) / context.tiles);
     for (ChainGroup& group : groups_) group.chains.resize(each);

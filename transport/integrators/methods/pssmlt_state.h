@@ -83,14 +83,10 @@ struct PssmltThread final : IntegratorThread {
           samplers(rows.size()),
           bootstrap_numbers(rows.size()) {}
 
-    /// Of its parts, which begin anew.
+    /// Adds the counts of its parts.
     void take_counters() {
-        for (IntegratorThread* part : {camera.get(), path.get()}) {
-            counters.add(part->counters);
-            const std::size_t slots = part->counters.path_lengths.size();
-            part->counters = IntegratorCounters();
-            part->counters.path_lengths.assign(slots, 0);
-        }
+        counters.take(camera->counters);
+        counters.take(path->counters);
     }
 
     // Paths of the chains on trial: they reach the image by splats only.
@@ -112,7 +108,7 @@ class Pssmlt final : public Integrator {
     explicit Pssmlt(const PssmltParameters& parameters);
     [[nodiscard]] IntegratorTraits traits() const override;
     Status prepare(const IntegratorContext& context) override;
-    [[nodiscard]] std::uint64_t pilot_rays() const override { return camera_->pilot_rays() + path_->pilot_rays(); }
+    [[nodiscard]] PlanRequest plan_request() const override { return path_->plan_request(); }
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override;
     [[nodiscard]] bool synchronous() const override { return true; }
     [[nodiscard]] bool starts_up() const override { return true; }
@@ -148,7 +144,6 @@ class Pssmlt final : public Integrator {
     Real left_ = 0, top_ = 0, across_ = 0, down_ = 0;  // of the raster where light still counts
     double area_share_ = 1;                            // of it over the image
     bool chains_ = true;                               // are run
-    bool not_begun_ = false;                           // chains, which no word asks for
     double mean_ = 0, bootstrap_mean_ = 0;             // b, and what the bootstrap alone made of it
     mutable std::vector<ChainGroup> groups_;           // [tile]; each has one thread at a time
 };

@@ -6,11 +6,16 @@
 
 namespace raylex::transport {
 
-void CameraConnections::add(const CameraView& view, const DepthLimit& limit, const LightSubpathEnd& end,
-                            const Vec2& lens) {
-    const SurfacePoint& point = *end.point;
+void CameraConnections::add(const LightSubpathVertex& vertex, const SurfacePoint& point, const Bsdf& bsdf,
+                            const Rgb& throughput, const DepthLimit& limit, const PixelSampler& sampler,
+                            IntegratorCounters& counters) {
+    if (!vertex.ahead.seen) return counters.count(Pruned::joins);
+    const CameraView view = context_.view();
+    const SubpathDimensions& dimensions = subpath_dimensions<TransportMode::importance>;
+    const Vec2 lens =
+        view.camera->has_lens() ? sampler.get_2d(dimensions.of(vertex.depth, camera_lens_dimension)) : Vec2{0, 0};
     CameraConnection seen;
-    if (!end.bsdf->has_density() || !view.camera->connect(point.position, lens, end.time, seen)) return;
+    if (!bsdf.has_density() || !view.camera->connect(point.position, lens, vertex.time, seen)) return;
     const auto reached = [](Real position, Real radius, int size) {
         return position > 0.5f - radius && position < static_cast<Real>(size) - 0.5f + radius;
     };
@@ -19,36 +24,38 @@ void CameraConnections::add(const CameraView& view, const DepthLimit& limit, con
     const Vec3 way = seen.position - point.position;
     // A camera no farther from the surface's plane than rounding may have moved that sees it edge-on: nothing. What the
     // rounded cosine would give instead no other strategy finds, and near the camera it adds up.
-    if (abs_dot(way, point.geometric_normal) < end.offset.here) return;
+    if (abs_dot(way, point.geometric_normal) < vertex.offset.here) return;
     const Vec3 to_camera = normalize(way);
-    if (!limit.allows(end.length.before + limit.event(end.length, point, to_camera))) return;
-    const JoinedScattering scattering =
-        evaluate_scattering<TransportMode::importance, false>(*end.bsdf, point, to_camera);
+    if (!limit.allows(vertex.length.before + limit.event(vertex.length, point, to_camera))) return;
+    const JoinedScattering scattering = evaluate_scattering<TransportMode::importance, false>(bsdf, point, to_camera);
     const BsdfEvaluation& f = scattering.f;
     if (f.value.is_black()) return;
     const Real image_share = 1 / (static_cast<Real>(view.width) * static_cast<Real>(view.height));
-    const Rgb unweighted = end.power * f.value * (seen.importance * image_share);
+    const Rgb unweighted = throughput * f.value * (seen.importance * image_share);
     Rgb value = unweighted;
-    if (end.sums != nullptr) {
+    if (vertex.weighted) {
         const Real cosine = point.cosine(to_camera);
         value *= StrategySums::weight(
-            end.sums->others(view.density(seen.importance, cosine), static_cast<double>(scattering.pdf_reverse)));
+            vertex.sums.others(view.density(seen.importance, cosine), static_cast<double>(scattering.pdf_reverse)));
     }
     if (value.is_black()) return;
-    pending_.push_back({end.row, seen.x, seen.y, end.depth + 2, end.holdout, value, unweighted, end.key, end.end,
-                        segment_to(seen.position, point.position, point.geometric_normal, end.offset)});
+    pending_.push_back({vertex.row, seen.x, seen.y, vertex.depth + 2, vertex.holdout, value, unweighted, vertex.key,
+                        vertex.end, segment_to(seen.position, point.position, point.geometric_normal, vertex.offset)});
     pending_.back().end.lobes = f.lobes;
-    pending_.back().from_camera.time = end.time;
+    pending_.back().from_camera.time = vertex.time;
     // From the surface: what bounds the intersector's rounding there would not do for a ray that comes from afar.
     Ray ray;
-    ray.origin = offset_ray_origin(point.position, point.geometric_normal, end.offset.here, to_camera);
+    ray.origin = offset_ray_origin(point.position, point.geometric_normal, vertex.offset.here, to_camera);
     ray.direction = seen.position - ray.origin;
     ray.t_max = end_of_segment;
-    ray.time = end.time;
+    ray.time = vertex.time;
     shadow_rays_.push_back(ray);
 }
 
-void CameraConnections::drop_dead(const Record& record, IntegratorCounters& counters) {
+/// Leaves out what no channel accepts (Law 4): without beauty, and without cutouts, whose events come before.
+void CameraConnections::drop_dead(ThreadServices& services, IntegratorCounters& counters) {
+    Record record(*context_.events);
+    record.begin(services.lpe);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < pending_.size(); ++i) {
         if (!record.worth_splatting(pending_[i].row, pending_[i].end)) {
@@ -62,11 +69,13 @@ void CameraConnections::drop_dead(const Record& record, IntegratorCounters& coun
     shadow_rays_.resize(kept);
 }
 
-void CameraConnections::splat(const SceneView& scene, const EventTable& events,
-                              std::span<const display::CameraRow> rows, display::RasterSplats& raster,
+void CameraConnections::splat(std::span<const display::CameraRow> rows, ThreadServices& services,
                               IntegratorCounters& counters) {
+    const SceneView& scene = context_.scene;
     const EmbreeScene& geometry = *scene.geometry;
-    Record record(events);
+    if (!context_.beauty && !geometry.has_alpha()) drop_dead(services, counters);
+    display::RasterSplats& raster = *services.raster;
+    Record record(*context_.events);
     record.begin(raster.lpe());
     const std::size_t count = pending_.size();
     counters.shadow_rays += count;

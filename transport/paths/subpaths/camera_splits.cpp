@@ -15,16 +15,18 @@ bool has_two_lobes(const Bsdf& bsdf, const Vec3& wo) {
 
 }  // namespace
 
+/// Sets at how many rays the subpath leaves vertex j. Called before light is sampled there.
 void CameraSubpaths::split(std::size_t j) {
-    const VertexBatch& v = vertices();
+    const VertexBatch& v = vertices_;
     const std::uint32_t row = v.rows[j];
-    Subpath& path = walk_.path(row);
-    if (!walk_.may_scatter(j) || record_.takes_all(row)) return;
+    Subpath& path = paths_[row];
+    const SplitPlan& splits = context_.plan->splits;
+    if (!may_scatter(j) || record_.takes_all(row)) return;
     if (v.bsdfs[j].has_density()) {
         if (path.split || !record_.ahead(row, v.sources[j].label, v.points[j].material).scatters) return;
         path.split = true;
-        path.rays = options_.splits.rays;
-    } else if (path.split && path.followed < options_.splits.both_lobes && has_two_lobes(v.bsdfs[j], v.points[j].wo)) {
+        path.rays = splits.rays;
+    } else if (path.split && path.followed < splits.both_lobes && has_two_lobes(v.bsdfs[j], v.points[j].wo)) {
         ++path.followed;
         path.all_lobes = true;
     }
@@ -49,20 +51,21 @@ void SplitVertices::drop_finished() {
 }
 
 void CameraSubpaths::follow_only(std::uint32_t row) {
-    if (options_.splits.only == SplitPlan::Only::none) walk_.path(row).rays = 0;
+    const SplitPlan& splits = context_.plan->splits;
+    if (splits.only == SplitPlan::Only::none) paths_[row].rays = 0;
     else
         branch_samplers_[row] =
-            branch_samplers_[row].branch(options_.splits.only == SplitPlan::Only::first ? 0 : 1, options_.splits.rays);
+            branch_samplers_[row].branch(splits.only == SplitPlan::Only::first ? 0 : 1, splits.rays);
 }
 
 void CameraSubpaths::keep_split_vertices() {
-    const VertexBatch& v = walk_.vertices();
+    const VertexBatch& v = vertices_;
     SplitVertices* level = nullptr;
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
-        const Subpath& path = walk_.path(row);
+        const Subpath& path = paths_[row];
         if (SplitVertices::branches(path) == 1) continue;
-        if (options_.splits.only != SplitPlan::Only::all && !path.all_lobes) {
+        if (context_.plan->splits.only != SplitPlan::Only::all && !path.all_lobes) {
             follow_only(row);
             continue;
         }
@@ -89,7 +92,7 @@ void CameraSubpaths::keep_split_vertices() {
 }
 
 bool CameraSubpaths::go_back() {
-    while (!walk_.going() && levels_in_use_ > 0) {
+    while (!going() && levels_in_use_ > 0) {
         SplitVertices& level = *levels_[levels_in_use_ - 1];
         level.drop_finished();
         if (level.vertices.count == 0) {
@@ -99,16 +102,16 @@ bool CameraSubpaths::go_back() {
         const std::uint32_t branch = level.next++;
         for (std::size_t k = 0; k < level.vertices.count; ++k) {
             const std::uint32_t row = level.vertices.rows[k];
-            walk_.path(row) = level.paths[k];
+            paths_[row] = level.paths[k];
             record_.go_back(row, level.trackers[k]);
             branch_samplers_[row] = level.samplers[k].branch(branch, SplitVertices::branches(level.paths[k]));
         }
-        walk_.counters().branches += level.vertices.count;
-        walk_.exchange_vertices(level.vertices);
-        scatter_branch(branch);
-        walk_.exchange_vertices(level.vertices);
+        counters().branches += level.vertices.count;
+        std::swap(vertices_, level.vertices);
+        scatter_vertices<true>(branch);
+        std::swap(vertices_, level.vertices);
     }
-    return walk_.going();
+    return going();
 }
 
 }  // namespace raylex::transport

@@ -96,8 +96,9 @@ void Connections::report_one(const Record& record, std::size_t i, Arrival& arriv
     record.add(tracker, p.technique, arrival);
 }
 
-void Connections::report(const CameraSubpaths& subpaths, IntegratorCounters& counters) {
+void Connections::report(CameraSubpaths& subpaths) {
     const std::size_t count = pending_.size();
+    IntegratorCounters& counters = subpaths.counters();
     counters.pruned[static_cast<std::size_t>(Pruned::shadow_rays)] += std::exchange(not_worth_, 0);
     if (count == 0) return;
     const Record& record = subpaths.record();

@@ -10,25 +10,6 @@
 
 namespace raylex::transport {
 
-/// A light sample from vertex j, by the pair that CameraSubpaths::draw_light_pairs() has drawn, with what the emitter's
-/// own cutout leaves of it. False where nothing can arrive.
-inline bool draw_light_sample(const SceneView& scene, const LightChooser& chooser, const CameraSubpaths& subpaths,
-                              std::size_t j, LightSample& sample) {
-    const LightTable& lights = *scene.lights;
-    const std::uint32_t row = subpaths.vertices().rows[j];
-    const SurfacePoint& point = subpaths.vertices().points[j];
-    const PixelSampler& sampler = subpaths.sampler(row);
-    constexpr const SubpathDimensions& dimensions = subpath_dimensions<TransportMode::radiance>;
-    const std::uint32_t depth = subpaths.path(row).depth;
-    const Real u_choice = chooser.needs_number() ? sampler.get_1d(dimensions.of(depth, light_choice_dimension)) : 0.0f;
-    if (!lights.sample(chooser, *scene.geometry, {point.position, point.shading_normal}, u_choice,
-                       subpaths.light_pair(j), sample))
-        return false;
-    if (!subpaths.can_connect(j, sample.wi)) return false;
-    if (scene.tests_alpha()) sample.radiance *= emitter_opacity(scene, sample, point.position);
-    return true;
-}
-
 /// A vertex of a camera subpath joined with one of a light subpath.
 struct VertexJoin {
     std::size_t j = 0;                  ///< in the camera subpaths' vertices
@@ -52,7 +33,7 @@ class Connections {
                           const BsdfEvaluation& f, Real weight);
     void add_join(const CameraSubpaths& subpaths, const VertexJoin& join);
     /// Traces all shadow rays, reports what arrives, and forgets it. Shadow rays left out until then are counted too.
-    void report(const CameraSubpaths& subpaths, IntegratorCounters& counters);
+    void report(CameraSubpaths& subpaths);
 
   private:
     static constexpr std::uint32_t no_end = 0xffffffffu, no_light = 0xffffffffu;

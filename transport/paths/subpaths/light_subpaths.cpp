@@ -2,47 +2,57 @@
 
 #include <cmath>
 
+#include "transport/paths/subpaths/live_lights.h"
 #include "transport/paths/subpaths/transmittance.h"
 
 namespace raylex::transport {
 
-LightSubpaths::LightSubpaths(const SceneView& scene, const EventTable& events, const LightSubpathOptions& options,
-                             std::size_t capacity)
-    : scene_(scene),
-      options_(options),
-      walk_(scene, events, options.walk, capacity),
-      record_(events, options.language, capacity) {
-    if (options.walk.densities) origins_.resize(capacity);
+LightEmitters::LightEmitters(const PathContext& context, std::uint32_t max_depth) {
+    const EventTable& events = *context.events;
+    if (events.any()) language_ = std::make_shared<const LightLanguage>(*context.lpe, events);
+    chooser_ = choose_live_lights(context.scene, events, language(), LightChoice::light_sampling,
+                                  &display::LightForesight::Ahead::goes_on);
+    any_ = max_depth > 0 && !chooser_.empty() && (context.beauty || events.any());
+    none_is_live_ = !any_ && max_depth > 0 && !context.scene.lights->lights().empty();
+    const Vec3 middle_of_lens = context.camera->generate({0, 0, {0.5f, 0.5f}}).origin;
+    if (any_) media_ = media_of_lights(context.scene, middle_of_lens);
 }
 
-void LightSubpaths::begin(std::span<const Ray> camera_rays, std::span<const PixelSampler> samplers,
-                          display::LpeServices& lpe, IntegratorCounters& counters) {
-    walk_.begin(samplers, counters);
-    record_.begin(lpe);
+LightSubpaths::LightSubpaths(const PathContext& context, const LightEmitters& emitters, const WalkOptions& options)
+    : Walk(context, options,
+           LightRecord(*context.events, emitters.language(), static_cast<std::size_t>(context.batch_capacity))),
+      emitters_(emitters) {
+    if (options.densities) origins_.resize(paths_.size());
+}
+
+void LightSubpaths::begin(const CameraBatch& batch, ThreadServices& services, IntegratorCounters& counters) {
+    Walk::begin(batch.samplers, counters);
+    if (!emitters_.any()) return counters.count(Pruned::light_paths, emitters_.none_is_live() ? batch.rays.size() : 0);
+    record_.begin(services.lpe);
     const LightTable& lights = *scene_.lights;
-    const LightChooser& emitters = *options_.emitters;
-    const bool own_choice = emitters.needs_number();
-    for (std::size_t i = 0; i < samplers.size(); ++i) {
+    const LightChooser& chooser = emitters_.chooser();
+    const bool own_choice = chooser.needs_number();
+    for (std::size_t i = 0; i < batch.samplers.size(); ++i) {
         const auto row = static_cast<std::uint32_t>(i);
-        const PixelSampler& sampler = samplers[i];
-        walk_.path(row) = Subpath();
+        const PixelSampler& numbers = batch.samplers[i];
+        paths_[row] = Subpath();
         EmissionSample s;
-        if (lights.sample_emission(emitters, *scene_.geometry,
-                                   own_choice ? sampler.get_1d(light_dimensions + emitter_dimension) : 0.0f,
-                                   sampler.get_2d(light_dimensions + origin_dimension),
-                                   sampler.get_2d(light_dimensions + direction_dimension), s))
-            start(row, s, camera_rays[i].time);
+        if (lights.sample_emission(chooser, *scene_.geometry,
+                                   own_choice ? numbers.get_1d(light_dimensions + emitter_dimension) : 0.0f,
+                                   numbers.get_2d(light_dimensions + origin_dimension),
+                                   numbers.get_2d(light_dimensions + direction_dimension), s))
+            start(row, s, batch.rays[i].time);
         else counters.count_length(0);
     }
 }
 
 void LightSubpaths::start(std::uint32_t row, const EmissionSample& s, Real time) {
-    Subpath& path = walk_.path(row);
+    Subpath& path = paths_[row];
     const Light& light = scene_.lights->lights()[s.from.light];
     Rgb power = s.power;
     if (!s.from.infinite) power *= emitter_opacity(scene_, s.from, s.from.target + s.direction);
-    if (!options_.media_of_lights.empty()) {
-        path.medium = options_.media_of_lights[s.from.light];
+    if (!emitters_.media().empty()) {
+        path.medium = emitters_.media()[s.from.light];
         if (light.is_area())
             path.medium =
                 scene_.geometry->shapes()[light.shape].medium_towards(s.from.target_normal, s.direction, path.medium);
@@ -54,15 +64,19 @@ void LightSubpaths::start(std::uint32_t row, const EmissionSample& s, Real time)
     path.specular = false;
     path.from = light.is_area() ? s.from.target : s.origin;
     record_.leave_light(row, s.from.light);
-    if (power.is_black() || !worth(row)) return walk_.finish(row);
-    if (options_.walk.densities) {
+    if (power.is_black()) return finish(row);
+    if (!record_.is_live(row)) {
+        counters().count(Pruned::light_paths);
+        return finish(row);
+    }
+    if (options_.densities) {
         const EmissionDensity density =
-            scene_.lights->emission_density(*options_.emitters, *scene_.geometry, s.from, s.direction);
+            scene_.lights->emission_density(emitters_.chooser(), *scene_.geometry, s.from, s.direction);
         path.pdf = density.direction;
         path.cosine = light.is_area() ? std::abs(dot(s.from.target_normal, s.direction)) : 1;
         path.from_infinity = s.from.infinite;
         origins_[row] = s.from;
-        StrategySums& sums = walk_.sums(row);
+        StrategySums& sums = sums_[row];
         sums = StrategySums();
         sums.previous = static_cast<double>(density.position);
         sums.tail = light.is_delta() ? 0 : 1;  // camera subpaths find what is not a delta light by themselves
@@ -71,59 +85,42 @@ void LightSubpaths::start(std::uint32_t row, const EmissionSample& s, Real time)
     ray.origin = s.origin;
     ray.direction = s.direction;
     ray.time = time;
-    walk_.push(row, ray);
+    push(row, ray);
 }
 
-/// What the medium lets pass of light that comes from infinitely far away to where its ray begins.
+/// The part of light from infinitely far away that the medium lets pass to the point where its ray begins.
 Rgb LightSubpaths::from_infinity(std::uint32_t row, const EmissionSample& s) const {
-    const Medium& medium = (*scene_.media)[walk_.path(row).medium];
+    const Medium& medium = (*scene_.media)[paths_[row].medium];
     if (medium.grid == nullptr) return transmittance(medium, infinity);
-    const FlightNumbers numbers(walk_.sampler(row).key(Walk<TransportMode::importance>::dimensions.connections), 1);
+    const FlightNumbers numbers(sampler(row).key(dimensions.connections), 1);
     return medium.grid->transmittance({s.origin, -s.direction, infinity}, numbers);
 }
 
-struct LightSubpaths::Visitor : WalkVisitor {
-    LightSubpaths& self;
+bool LightSubpaths::advance(ThreadServices& services) {
+    if (!going() || services.leaving()) return false;
+    Walk::advance(services.display);
+    return true;
+}
 
-    /// Whether a subpath out of a portal's sky has come through the portal: before that its light is nobody's.
-    [[nodiscard]] bool is_in(std::uint32_t row, const Vec3& point, const Vec3& forward) const {
-        const Subpath& path = self.path(row);
-        return path.depth > 0 || self.scene_.lights->lights()[path.light].kind != LightKind::portal_environment ||
-               !self.scene_.lights->environment_radiance(path.light, point, -forward).is_black();
-    }
-    bool collides(std::uint32_t row, Real distance, const Ray& ray) {
-        return is_in(row, ray.origin + ray.direction * distance, ray.direction);
-    }
-    bool arrives(std::size_t j) {
-        const VertexBatch& v = self.vertices();
-        if (!is_in(v.rows[j], v.points[j].position, v.rays[j].direction)) return false;
-        // Joined with camera subpaths, which see another surface there (ShapeGeometry::faces_rays).
-        if (self.options_.walk.densities && self.scene_.geometry->shapes()[v.hits[j].shape].faces_rays) return false;
-        const bool worth = self.ahead(j).anything();
-        if (!worth) self.walk_.counters().count(Pruned::light_paths);
-        return worth;
-    }
-    bool worth_colliding(std::uint32_t row) {
-        const std::int32_t label = self.record_.events().medium_label(self.path(row).medium);
-        return self.record_.ahead(row, label, SurfacePoint::no_material).anything();
-    }
-    void passes_cutout(std::size_t j) {
-        self.record_.pass_straight(self.vertices().rows[j], self.vertices().sources[j].label);
-    }
-    /// The strategy that joins at the light has the density of a light sample and not of an emission.
-    void first_vertex(std::uint32_t row, const SurfacePoint& point, Real /*time*/, StrategySums& sums) {
-        const LightSample& origin = self.origins_[row];
-        const LightTable& lights = *self.scene_.lights;
-        const auto sampled =
-            static_cast<double>(lights.density(*self.options_.sampled, *self.scene_.geometry, point.position, origin));
-        const bool area = lights.lights()[origin.light].is_area();
-        sums.join = StrategySums::squared(sampled * (area ? sums.to_previous : 1) / sums.previous);
-    }
-};
-
-void LightSubpaths::advance(display::DisplayServices& display) {
-    Visitor visitor{{}, *this};
-    walk_.advance(display, visitor);
+LightSubpathVertex LightSubpaths::vertex(std::size_t j) const {
+    const VertexBatch& v = vertices_;
+    const std::uint32_t row = v.rows[j];
+    const EmbreeScene& geometry = *scene_.geometry;
+    LightSubpathVertex vertex;
+    vertex.row = row;
+    vertex.depth = path(row).depth;
+    vertex.length = vertex_depth(j);
+    vertex.offset = v.sources[j].offset;
+    vertex.holdout = j < v.surfaces && geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
+    vertex.power = path(row).beta;
+    vertex.one_wavelength = path(row).one_wavelength;
+    vertex.end = record_.end(row, v.sources[j].label);
+    vertex.ahead = record_.ahead(row, v.sources[j].label, v.points[j].material);
+    vertex.time = v.hits[j].time;
+    vertex.key = scene_.media->any_grids() ? sampler(row).key(dimensions.connections + vertex.depth) : 0;
+    if (options_.densities) vertex.sums = sums_[row];
+    vertex.weighted = options_.densities;
+    return vertex;
 }
 
 }  // namespace raylex::transport

@@ -48,6 +48,20 @@ LiveLights::LiveLights(const SceneView& scene, const EventTable& events, LightCh
     std::stable_sort(sets_.begin(), sets_.end(), [](const Set& a, const Set& b) { return a.lights < b.lights; });
 }
 
+LiveLights LiveLights::alike_everywhere(const SceneView& scene, const EventTable& events,
+                                        const LightLanguage* language) {
+    const std::span<const Light> lights = scene.lights->lights();
+    LiveLights live;
+    LightChooser& chooser = live.choosers_[all];
+    chooser = choose_live_lights(scene, events, language, LightChoice::mis, &display::LightForesight::Ahead::joins);
+    std::uint64_t sampled = 0;
+    for (std::uint32_t light = 0; light < lights.size(); ++light)
+        if (chooser.probability(Vec3(), light) > 0) sampled |= events.foresight().bit_of(events.terminal(light));
+    live.sets_.push_back({~sampled, 0, none});
+    live.none_is_live_ = chooser.empty() && !LightChooser(lights, LightChoice::mis).empty();
+    return live;
+}
+
 LightChooser choose_live_lights(const SceneView& scene, const EventTable& events, const LightLanguage* language,
                                 LightChoice choice, bool display::LightForesight::Ahead::*wanted) {
     const std::span<const Light> lights = scene.lights->lights();

@@ -17,8 +17,13 @@ class LiveLights {
     /// `by_receiver`: LightChooser::by_receiver().
     LiveLights(const SceneView& scene, const EventTable& events, LightChoice choice, bool by_receiver);
 
-    /// The number of the chooser for a vertex with this ahead of it: that among the fewest lights, of those that are
-    /// among all that count.
+    /// For methods whose weights cannot depend on where a path stands: one choice for all vertices with light ahead,
+    /// among the lights that connections may meet by `language` (null: all).
+    static LiveLights alike_everywhere(const SceneView& scene, const EventTable& events, const LightLanguage* language);
+    /// Whether no light is chosen because no channel takes any of their light.
+    [[nodiscard]] bool none_is_live() const { return none_is_live_; }
+
+    /// The number of the smallest set of lights that contains every light still live behind a vertex.
     [[nodiscard]] std::uint8_t of(const display::Foresight::Ahead& ahead) const {
         for (const Set& set : sets_)
             if ((ahead.terminals & ~set.terminals) == 0) return set.chooser;
@@ -35,10 +40,11 @@ class LiveLights {
     };
     std::vector<Set> sets_;  // ascending by lights
     std::vector<LightChooser> choosers_{2};
+    bool none_is_live_ = false;
 };
 
-/// For methods whose weights cannot depend on where a path stands: one chooser for all vertices, among the lights of
-/// which `language` says this: `joins` where light is sampled, `goes_on` where light subpaths begin. Null: all.
+/// One chooser for all vertices, among the lights for which `language` has `wanted`: `joins` where light is sampled,
+/// `goes_on` where light subpaths begin. Null: all lights.
 LightChooser choose_live_lights(const SceneView& scene, const EventTable& events, const LightLanguage* language,
                                 LightChoice choice, bool display::LightForesight::Ahead::*wanted);
 

@@ -125,7 +125,7 @@ FinishedLoop RenderLoop::finish() {
     statistics.build_seconds = job.scene.build_seconds;
     statistics.build_cpu_seconds = job.scene.build_cpu_seconds;
     statistics.prepare_seconds = state_.prepared.seconds;
-    statistics.pilot_rays = state_.prepared.job.integrator().pilot_rays();
+    statistics.pilot_rays = state_.prepared.paths->rays;
     statistics.prepare_cpu_seconds = state_.prepared.cpu_seconds;
     statistics.render_seconds = state_.session_seconds();
     state_.collect(statistics);

@@ -34,6 +34,7 @@ CameraHits::CameraHits(const PreparedJob& prepared)
     context.events = &events_;
     context.lpe = &no_channels_;
     context.beauty = false;
+    context.plan = nullptr;
     if (const Status status = path_->prepare(context); !status) throw std::runtime_error(status.error().message);
     thread_ = path_->make_thread_state();
 }

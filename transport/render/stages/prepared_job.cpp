@@ -48,6 +48,7 @@ IntegratorContext PreparedJob::context() const {
     context.seed = job.sampling.seed;
     context.lpe = job.channels.lpe.get();
     context.attribution = job.channels.attribution;
+    context.plan = paths ? &paths->plan : nullptr;
     return context;
 }
 
@@ -67,6 +68,8 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
     prepared.events = std::make_unique<const EventTable>(*job.channels.lpe, job.scene.view(), job.settings.lobe_slots,
                                                          job.settings.prune && !*counts, regularizes);
     prepared.aovs = std::make_unique<const geoaovs::GeometricAovs>(job.channels.list);
+    prepared.paths =
+        std::make_unique<const PlannedPaths>(make_path_plan(prepared.context(), job.integrator().plan_request()));
     if (Status s = job.integrator().prepare(prepared.context()); !s) return s.error();
     for (std::string& omission : job.integrator().omissions())
         job.warnings.push_back(error_at({}, std::move(omission)));

@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "transport/render/pilots/make_path_plan.h"
 #include "transport/render/resolve/resolved_job.h"
 
 namespace raylex::transport {
@@ -19,6 +20,7 @@ class PreparedJob {
     ResolvedJob job;
     std::unique_ptr<const EventTable> events;
     std::unique_ptr<const geoaovs::GeometricAovs> aovs;
+    std::unique_ptr<const PlannedPaths> paths;
     double seconds = 0, cpu_seconds = 0;  ///< that it took
 
   private:

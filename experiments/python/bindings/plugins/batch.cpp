@@ -123,7 +123,7 @@ std::shared_ptr<Points> Batch::trace(std::vector<Ray> rays, std::vector<std::uin
             made->points[i].random_key = camera().samplers[made->rows[i]].key(key);
             made->points[i].services = {&display(), static_cast<std::int32_t>(made->rows[i]), depth_ - 1};
         }
-        if (scene().materials->turns_normals()) transport::turn_normals(scene(), made->hits, made->points);
+        if (scene().materials->turns_normals()) transport::apply_bump(scene(), made->hits, made->points);
         scene().materials->shade(*scene().textures, made->points, made->bsdfs);
     });
     if (!first) return made;

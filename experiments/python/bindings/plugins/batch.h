@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "experiments/python/bindings/arrays.h"
-#include "transport/integrators/first_hits.h"
 #include "transport/integrators/integrator.h"
+#include "transport/paths/first_hits.h"
 
 namespace raylex::python {
 

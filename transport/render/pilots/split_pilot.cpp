@@ -1,11 +1,11 @@
-#include "transport/integrators/pilots/split_pilot.h"
+#include "transport/render/pilots/split_pilot.h"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
 
-#include "transport/integrators/pilots/pilot_paths.h"
+#include "transport/render/pilots/pilot_paths.h"
 
 namespace raylex::transport {
 namespace {
@@ -18,8 +18,8 @@ constexpr std::uint8_t most_both_lobes = 2;
 constexpr double dearest_lobes = 1.15;  // than one of each pair
 
 /// What one way to follow paths brings: [channel][pixel of the grid] of the last round.
-struct Trial {
-    std::unique_ptr<Integrator> integrator;
+struct SplitTrial {
+    PathTrial path;
     std::unique_ptr<IntegratorThread> thread;
     std::vector<double> found;
     [[nodiscard]] double cost() const { return pilot_cost(thread->counters); }
@@ -61,9 +61,9 @@ class SplitPilot {
     [[nodiscard]] std::uint64_t rays() const { return rays_; }
 
   private:
-    [[nodiscard]] Trial make(std::uint8_t both_lobes, SplitPlan::Only only) const;
-    void follow(Trial& trial);
-    void add(const Trial& none, const Trial& first, const Trial& second);
+    [[nodiscard]] SplitTrial make(std::uint8_t both_lobes, SplitPlan::Only only) const;
+    void follow(SplitTrial& trial);
+    void add(const SplitTrial& none, const SplitTrial& first, const SplitTrial& second);
     [[nodiscard]] std::uint32_t finds() const;
     void find_variances();
 
@@ -76,22 +76,22 @@ class SplitPilot {
     std::uint64_t rays_ = 0;
 };
 
-Trial SplitPilot::make(std::uint8_t both_lobes, SplitPlan::Only only) const {
-    Trial trial;
-    trial.integrator = trials_.trial({2, both_lobes, only}, PilotPaths::most_depth);
-    trial.thread = trial.integrator->make_thread_state();
+SplitTrial SplitPilot::make(std::uint8_t both_lobes, SplitPlan::Only only) const {
+    SplitTrial trial;
+    trial.path = trials_.make({2, both_lobes, only});
+    trial.thread = trial.path.integrator->make_thread_state();
     trial.found.resize(paths_.channels().size() * grid * grid);
     return trial;
 }
 
-void SplitPilot::follow(Trial& trial) {
-    paths_.follow(*trial.integrator, *trial.thread, [&](std::size_t first, std::size_t count) {
+void SplitPilot::follow(SplitTrial& trial) {
+    paths_.follow(*trial.path.integrator, *trial.thread, [&](std::size_t first, std::size_t count) {
         for (std::size_t c = 0; c < paths_.channels().size(); ++c)
             for (std::size_t i = 0; i < count; ++i) trial.found[c * grid * grid + first + i] = paths_.value(c, i);
     });
 }
 
-void SplitPilot::add(const Trial& none, const Trial& first, const Trial& second) {
+void SplitPilot::add(const SplitTrial& none, const SplitTrial& first, const SplitTrial& second) {
     for (std::size_t c = 0; c < paths_.channels().size(); ++c)
         for (std::size_t pixel = 0; pixel < std::size_t{grid} * grid; ++pixel) {
             const std::size_t at = c * grid * grid + pixel;
@@ -116,18 +116,18 @@ std::uint32_t SplitPilot::finds() const {
 }
 
 void SplitPilot::run() {
-    Trial none = make(0, SplitPlan::Only::none), first = make(0, SplitPlan::Only::first),
-          second = make(0, SplitPlan::Only::second);
+    SplitTrial none = make(0, SplitPlan::Only::none), first = make(0, SplitPlan::Only::first),
+               second = make(0, SplitPlan::Only::second);
     sums_.assign(paths_.channels().size(), Sums{std::vector<double>(grid * grid), std::vector<double>(grid * grid)});
     const std::uint32_t most = std::max(paths_.most_rounds(most_rounds), fewest_rounds);
     for (rounds_ = 0; rounds_ < most; ++rounds_) {
         const std::uint64_t rays = none.rays() + first.rays() + second.rays();
         if (rounds_ >= fewest_rounds && (finds() >= enough_finds || rays >= most_pilot_rays)) break;
         paths_.begin(rounds_);
-        for (Trial* each : {&none, &first, &second}) follow(*each);
+        for (SplitTrial* each : {&none, &first, &second}) follow(*each);
         add(none, first, second);
     }
-    for (const Trial* each : {&none, &first, &second}) rays_ += each->rays();
+    for (const SplitTrial* each : {&none, &first, &second}) rays_ += each->rays();
     const double paths = double{grid} * grid * rounds_;
     costs_.before = none.cost() / paths;
     costs_.behind = (first.cost() + second.cost()) / (2 * paths) - costs_.before;
@@ -135,7 +135,7 @@ void SplitPilot::run() {
 }
 
 Costs SplitPilot::costs(std::uint8_t both_lobes) {
-    Trial trial = make(both_lobes, SplitPlan::Only::first);
+    SplitTrial trial = make(both_lobes, SplitPlan::Only::first);
     for (std::uint32_t round = 0; round < fewest_rounds; ++round) {
         paths_.begin(round);
         follow(trial);

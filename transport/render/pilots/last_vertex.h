@@ -6,12 +6,6 @@
 
 namespace raylex::transport {
 
-/// Shares of last vertices that take a light sample and that trace a scattering ray. The weights of multiple importance
-/// sampling go by the densities times these shares, so that neither technique has to find what the other leaves out.
-struct TechniqueShares {
-    Real light = 1, ray = 1;
-};
-
 /// The shares with the least product of cost (rays) and mean relative variance, where nothing but a light can follow
 /// the first vertex (Law 4), by a pilot of a few thousand paths of one scattering: both cost a ray, and often one finds
 /// nearly all of the light. Each of a fixed set of shares is judged by the same samples: its variance is two integrals

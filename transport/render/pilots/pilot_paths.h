@@ -6,20 +6,28 @@
 #include <vector>
 
 #include "transport/integrators/integrator.h"
-#include "transport/paths/roulette.h"
-#include "transport/paths/splits.h"
 
 namespace raylex::transport {
+
+/// An integrator that follows a plan on trial.
+struct PathTrial {
+    std::unique_ptr<PathPlan> plan;
+    std::unique_ptr<Integrator> integrator;  ///< ready to integrate
+};
 
 /// Makes integrators for pilots.
 class PathTrials {
   public:
-    /// Ready to integrate, of at most `most_depth` scattering events. With a watch paths do not end at random.
-    [[nodiscard]] virtual std::unique_ptr<Integrator> trial(const SplitPlan& plan, std::uint32_t most_depth,
-                                                            PathWatch* watch = nullptr) const = 0;
+    /// All with these shares. Both references must outlive the object.
+    PathTrials(const IntegratorContext& context, const PlanRequest& request, const TechniqueShares& shares)
+        : context_(context), request_(request), shares_(shares) {}
+    /// Paths are bounded by PilotPaths::most_depth. With a watch they do not end at random.
+    [[nodiscard]] PathTrial make(const SplitPlan& splits, PathWatch* watch = nullptr) const;
 
-  protected:
-    ~PathTrials() = default;
+  private:
+    const IntegratorContext& context_;
+    const PlanRequest& request_;
+    const TechniqueShares shares_;
 };
 
 /// In scattering rays with what is done where they hit, as measured on cornell-grey and caustic-ball.

@@ -1,4 +1,4 @@
-#include "transport/integrators/pilots/roulette_pilot.h"
+#include "transport/render/pilots/roulette_pilot.h"
 
 #include <algorithm>
 #include <array>
@@ -35,8 +35,8 @@ class RoulettePilot final : public PathWatch {
   public:
     RoulettePilot(const IntegratorContext& context, const PathTrials& trials, const SplitChoice& splits, Real below)
         : paths_(context),
-          integrator_(trials.trial({}, PilotPaths::most_depth, this)),
-          thread_(integrator_->make_thread_state()),
+          trial_(trials.make({}, this)),
+          thread_(trial_.integrator->make_thread_state()),
           rays_(splits.plan.rays),
           noise_(splits.noise),
           below_(static_cast<double>(below)),
@@ -80,7 +80,7 @@ class RoulettePilot final : public PathWatch {
     [[nodiscard]] double find_best();
 
     PilotPaths paths_;
-    std::unique_ptr<Integrator> integrator_;
+    PathTrial trial_;
     std::unique_ptr<IntegratorThread> thread_;
     const double rays_, noise_, below_;
     const std::size_t channels_;
@@ -96,7 +96,7 @@ class RoulettePilot final : public PathWatch {
 
 void RoulettePilot::follow(std::uint32_t round) {
     paths_.begin(round);
-    paths_.follow(*integrator_, *thread_, [&](std::size_t first, std::size_t count) { keep(first, count); });
+    paths_.follow(*trial_.integrator, *thread_, [&](std::size_t first, std::size_t count) { keep(first, count); });
 }
 
 void RoulettePilot::keep(std::size_t first, std::size_t count) {

@@ -1,11 +1,26 @@
-#include "transport/integrators/pilots/pilot_paths.h"
+#include "transport/render/pilots/pilot_paths.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "transport/cameras/camera.h"
 #include "transport/paths/subpaths/camera_subpaths.h"
 
 namespace raylex::transport {
+
+PathTrial PathTrials::make(const SplitPlan& splits, PathWatch* watch) const {
+    PathTrial trial{std::make_unique<PathPlan>(), request_.make_trial()};
+    trial.plan->shares = shares_;
+    trial.plan->splits = splits;
+    trial.plan->watch = watch;
+    trial.plan->most_depth = PilotPaths::most_depth;
+    IntegratorContext context = context_;
+    context.scene.general_code = {};  // the cost of effects that are forced on changes no choice, as it changes no bit
+    context.plan = trial.plan.get();
+    if (const Status status = trial.integrator->prepare(context); !status)
+        throw std::runtime_error(status.error().message);
+    return trial;
+}
 
 double pilot_cost(const IntegratorCounters& counters) {
     return camera_ray_cost * static_cast<double>(counters.camera_rays) + static_cast<double>(counters.scattering_rays) +

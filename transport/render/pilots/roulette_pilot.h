@@ -1,8 +1,8 @@
 // Which paths end at random, by what the requested channels may still receive of them.
 #pragma once
 
-#include "transport/integrators/pilots/pilot_paths.h"
-#include "transport/integrators/pilots/split_pilot.h"
+#include "transport/render/pilots/pilot_paths.h"
+#include "transport/render/pilots/split_pilot.h"
 
 namespace raylex::transport {
 

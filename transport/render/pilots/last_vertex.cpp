@@ -1,4 +1,4 @@
-#include "transport/integrators/pilots/last_vertex.h"
+#include "transport/render/pilots/last_vertex.h"
 
 #include <algorithm>
 #include <array>
@@ -76,7 +76,7 @@ class Pilot {
     [[nodiscard]] bool media_scatter() {
         record_.begin(lpe_, 1);
         for (std::int32_t medium = 0; medium < static_cast<std::int32_t>(scene_.media->size()); ++medium)
-            if ((*scene_.media)[medium].scatters && record_.worth_colliding(0, medium)) return true;
+            if ((*scene_.media)[medium].scatters && record_.is_live_in_medium(0, medium)) return true;
         return false;
     }
     [[nodiscard]] std::uint64_t rays() const { return rays_ + counters_.shadow_rays; }

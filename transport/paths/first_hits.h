@@ -1,13 +1,11 @@
-// What every integrator that starts at the camera does: from the render's needs to its camera subpaths, and from first
-// hits to the shading batch that geometric AOVs read.
+// From first hits to the shading batch that geometric AOVs read.
 #pragma once
 
 #include <cstdint>
 #include <span>
 
 #include "geoaovs/geoaovs.h"
-#include "transport/integrators/integrator.h"
-#include "transport/paths/subpaths/camera_subpaths.h"
+#include "transport/paths/path_context.h"
 #include "transport/paths/vertex.h"
 
 namespace raylex::transport {
@@ -24,19 +22,15 @@ struct FirstHits {
     std::span<const Bsdf> bsdfs;
 };
 
-/// What camera subpaths of this render are to do.
-CameraSubpathOptions camera_subpath_options(const IntegratorContext& context, const WalkOptions& walk);
-
 /// Geometric AOVs of the vertices `which`, by way of `batch`.
-void write_first_hits(const IntegratorContext& context, const VertexBatch& vertices,
-                      std::span<const std::uint32_t> which, geoaovs::ShadingBatch& batch,
-                      display::DisplayServices& display);
+void write_first_hits(const PathContext& context, const VertexBatch& vertices, std::span<const std::uint32_t> which,
+                      geoaovs::ShadingBatch& batch, display::DisplayServices& display);
 
 /// Makes `batch` these hits. Only the columns that the render's AOVs read are filled.
-void describe_first_hits(const IntegratorContext& context, const FirstHits& first, geoaovs::ShadingBatch& batch);
+void describe_first_hits(const PathContext& context, const FirstHits& first, geoaovs::ShadingBatch& batch);
 
 /// How far `position` lies from the nearest of the edges (start and end by turns), in pixels of the image; infinity
 /// when there is none. Edges that pass behind the camera are cut.
-Real edge_distance(const IntegratorContext& context, const Vec3& position, std::span<const Vec3> edges);
+Real edge_distance(const PathContext& context, const Vec3& position, std::span<const Vec3> edges);
 
 }  // namespace raylex::transport

@@ -1,4 +1,4 @@
-#include "transport/integrators/first_hits.h"
+#include "transport/paths/first_hits.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ void fill(std::span<const std::uint32_t> which, std::vector<Number>& column, Val
     for (std::size_t i = 0; i < which.size(); ++i) to[i] = static_cast<Number>(value(which[i]));
 }
 
-Vec3 camera_point(const IntegratorContext& context, const Vec3& p) {
+Vec3 camera_point(const PathContext& context, const Vec3& p) {
     Vec3 result;
     for (int r = 0; r < 3; ++r) {
         const Real* m = context.world_to_camera[r];
@@ -48,7 +48,7 @@ Vec3 plain_normal(const SceneView& scene, const Ray& ray, const Hit& hit, const 
 
 }  // namespace
 
-Real edge_distance(const IntegratorContext& context, const Vec3& position, std::span<const Vec3> edges) {
+Real edge_distance(const PathContext& context, const Vec3& position, std::span<const Vec3> edges) {
     const Vec3 p = camera_point(context, position);
     if (!(p.z > 0)) return infinity;
     const auto image = [&](const Vec3& q) {
@@ -70,27 +70,14 @@ Real edge_distance(const IntegratorContext& context, const Vec3& position, std::
     return nearest;
 }
 
-CameraSubpathOptions camera_subpath_options(const IntegratorContext& context, const WalkOptions& walk) {
-    CameraSubpathOptions options;
-    options.walk = walk;
-    options.keep_first_hits = context.aovs->inputs() != 0 || context.pattern_channels;
-    // With beauty all of them are shaded for their light: nobody need ask for each.
-    options.shade_first_hits =
-        context.beauty || context.pattern_channels || (context.aovs->inputs() & (in::albedo | in::outside_ior)) != 0;
-    options.light_can_be_hit = context.scene.lights->any_to_hit() || context.scene.media->any_emits();
-    options.view = {context.camera, context.width, context.height, context.filter_radius};
-    std::copy(&context.world_to_camera[0][0], &context.world_to_camera[0][0] + 12, &options.world_to_camera[0][0]);
-    return options;
-}
-
-void write_first_hits(const IntegratorContext& context, const VertexBatch& v, std::span<const std::uint32_t> which,
+void write_first_hits(const PathContext& context, const VertexBatch& v, std::span<const std::uint32_t> which,
                       geoaovs::ShadingBatch& batch, display::DisplayServices& display) {
     if (context.aovs->inputs() == 0 || which.empty()) return;
     describe_first_hits(context, {which, v.rows, v.rays, v.hits, v.points, v.sources, v.bsdfs}, batch);
     context.aovs->write(batch, display);
 }
 
-void describe_first_hits(const IntegratorContext& context, const FirstHits& first, geoaovs::ShadingBatch& batch) {
+void describe_first_hits(const PathContext& context, const FirstHits& first, geoaovs::ShadingBatch& batch) {
     const geoaovs::Inputs wanted = context.aovs->inputs();
     const std::span<const std::uint32_t> which = first.which;
     const SurfacePoint* const points = first.points.data();

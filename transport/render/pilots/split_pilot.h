@@ -1,7 +1,7 @@
 // Into how many rays paths are split.
 #pragma once
 
-#include "transport/integrators/pilots/pilot_paths.h"
+#include "transport/render/pilots/pilot_paths.h"
 
 namespace raylex::transport {
 

@@ -1,0 +1,77 @@
+#include "transport/paths/subpaths/direct_light.h"
+
+#include "transport/paths/subpaths/transmittance.h"
+
+namespace raylex::transport {
+
+DirectLight::DirectLight(const PathContext& context, LightChoice choice, bool by_receiver, PathStrategy strategy)
+    : context_(&context), lights_(context.scene, *context.events, choice, by_receiver), strategy_(strategy) {}
+
+DirectLight::DirectLight(const PathContext& context, const LightLanguage* language)
+    : context_(&context), lights_(LiveLights::alike_everywhere(context.scene, *context.events, language)) {}
+
+bool DirectLight::draw(CameraSubpaths& camera, std::size_t j, LightSample& sample) const {
+    const SceneView& scene = context_->scene;
+    const VertexBatch& v = camera.vertices();
+    const std::uint32_t row = v.rows[j];
+    const SurfacePoint& point = v.points[j];
+    const PixelSampler& sampler = camera.sampler(row);
+    const std::uint32_t depth = camera.path(row).depth;
+    std::uint8_t lights = chooser().empty() ? LiveLights::none : LiveLights::all;
+    TechniqueShares shares;
+    if (!camera.record().takes_all(row)) {
+        const display::Foresight::Ahead ahead = camera.record().ahead(row, v.sources[j].label, point.material);
+        lights = lights_.of(ahead);
+        if (!ahead.scatters && lights != LiveLights::none && context_->plan != nullptr) shares = context_->plan->shares;
+        camera.choose_techniques(row, lights, shares);
+    }
+    IntegratorCounters& counters = camera.counters();
+    if (lights == LiveLights::none) {
+        counters.count(Pruned::light_samples);
+        return false;
+    }
+    if (shares.light < 1 && !(sampler.get_random(light_technique_dimensions + depth) < shares.light)) {
+        counters.count(Pruned::light_samples_left_to_rays);
+        return false;
+    }
+    const LightChooser& chosen = lights_[lights];
+    constexpr const SubpathDimensions& dimensions = subpath_dimensions<TransportMode::radiance>;
+    const Real u_choice = chosen.needs_number() ? sampler.get_1d(dimensions.of(depth, light_choice_dimension)) : 0.0f;
+    if (!scene.lights->sample(chosen, *scene.geometry, {point.position, point.shading_normal}, u_choice, camera.pair(j),
+                              sample))
+        return false;
+    if (!camera.can_connect(j, sample.wi)) return false;
+    if (scene.tests_alpha()) sample.radiance *= emitter_opacity(scene, sample, point.position);
+    sample.pdf *= shares.light;
+    return strategy_ != PathStrategy::scattering || sample.delta;
+}
+
+Real DirectLight::density(const Subpath& path, const EmitterHit& hit) const {
+    if (path.specular || strategy_ == PathStrategy::scattering) return 0;
+    const SceneView& scene = context_->scene;
+    return path.light_share * scene.lights->density(lights_[path.lights], *scene.geometry, hit.light,
+                                                    {path.from, path.from_normal}, hit.point, hit.hit);
+}
+
+Real DirectLight::density(const Subpath& path, std::uint32_t light, const Vec3& direction) const {
+    if (path.specular || strategy_ == PathStrategy::scattering) return 0;
+    return path.light_share *
+           context_->scene.lights->environment_density(lights_[path.lights], light, path.from, direction);
+}
+
+void DirectLight::report_hidden_environments(const CameraSubpaths& camera) const {
+    const LightTable& lights = *context_->scene.lights;
+    const Record& record = camera.record();
+    for (const SurfaceArrival& at : camera.arrivals()) {
+        const Subpath& path = camera.path(at.row);
+        if (path.specular) continue;
+        for (const std::uint32_t light : lights.environments()) {
+            if (lights.environment_density(chooser(), light, path.from, at.direction) > 0) continue;
+            const Rgb emitted = lights.environment_radiance(light, path.from, at.direction);
+            record.arrive(at.row, record.events().terminal(light), {0, path.depth + 2},
+                          {Rgb(), emitted, at.throughput * emitted, 0});
+        }
+    }
+}
+
+}  // namespace raylex::transport

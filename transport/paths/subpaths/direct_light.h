@@ -1,0 +1,69 @@
+// Next event estimation: which light a vertex samples, whether it samples one at all, with which density, and light
+// that does not arrive.
+//
+//     direct_light.sample(camera, connections, weight);
+//     connections.report(camera);
+#pragma once
+
+#include "transport/paths/subpaths/connect.h"
+#include "transport/paths/subpaths/live_lights.h"
+
+namespace raylex::transport {
+
+/// How emitters are found. `mis` for images. The others estimate the same integral alone, for experiments and tests:
+/// `light` leaves area lights to light sampling (emitters seen directly or by delta lobes excepted), `scattering`
+/// leaves all but delta lights to scattering.
+enum class PathStrategy : std::uint8_t { mis, light, scattering };
+
+/// Tables for a whole render, shared by all threads. Every vertex samples among the lights of which a channel can still
+/// take something (Law 4). Where only a light can follow a vertex, the plan's shares decide whether it takes a light
+/// sample.
+class DirectLight {
+  public:
+    DirectLight() = default;
+    /// `by_receiver`: where there are many lights they are chosen by what each can send to the vertex. `context` must
+    /// outlive the object.
+    DirectLight(const PathContext& context, LightChoice choice, bool by_receiver, PathStrategy strategy);
+    /// For methods whose weights cannot depend on where a path stands: one choice for all vertices, among the lights
+    /// that connections may meet by `language` (null: all).
+    DirectLight(const PathContext& context, const LightLanguage* language);
+
+    /// Queues a light sample for every vertex that can be connected with light. `weight(j, sample, f)` gives the weight
+    /// of multiple importance sampling of a sample that is not of a delta light or has several strategies; `f` is what
+    /// vertex j scatters towards the sample.
+    template <class Weight>
+    void sample(CameraSubpaths& camera, Connections& connections, Weight weight) const;
+    /// The density, per steradian, with which a light sample from where the subpath was scattered finds the emitter
+    /// that the subpath has met; 0 where light sampling does not find it.
+    [[nodiscard]] Real density(const Subpath& path, const EmitterHit& hit) const;
+    /// The density, per steradian, with which a light sample from where the subpath was scattered finds the infinite
+    /// light in `direction`; 0 where light sampling does not find it.
+    [[nodiscard]] Real density(const Subpath& path, std::uint32_t light, const Vec3& direction) const;
+    /// Reports infinite lights that light sampling leaves to scattering as blocked, where a surface hides them.
+    void report_hidden_environments(const CameraSubpaths& camera) const;
+    /// The choice among all lights that are sampled.
+    [[nodiscard]] const LightChooser& chooser() const { return lights_[LiveLights::all]; }
+
+  private:
+    /// Decides whether vertex j takes a light sample and draws it. False: there is none.
+    bool draw(CameraSubpaths& camera, std::size_t j, LightSample& sample) const;
+
+    const PathContext* context_ = nullptr;
+    LiveLights lights_;
+    PathStrategy strategy_ = PathStrategy::mis;
+};
+
+template <class Weight>
+void DirectLight::sample(CameraSubpaths& camera, Connections& connections, Weight weight) const {
+    if (chooser().empty() && !lights_.none_is_live()) return;
+    camera.draw_light_pairs();
+    const VertexBatch& v = camera.vertices();
+    for (std::size_t j = 0; j < v.count; ++j) {
+        LightSample light;
+        if (!camera.can_connect(j) || !draw(camera, j, light)) continue;
+        const BsdfEvaluation f = v.bsdfs[j].evaluate(v.points[j].wo, light.wi);
+        if (!f.value.is_black()) connections.add_light_sample(camera, j, light, f, weight(j, light, f));
+    }
+}
+
+}  // namespace raylex::transport

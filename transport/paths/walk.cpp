@@ -1,0 +1,489 @@
+#include "transport/paths/walk.h"
+
+#include <limits>
+
+#include "transport/math/make_at.h"
+#include "transport/media/medium.h"
+#include "transport/paths/splits.h"
+#include "transport/paths/walk_media.h"
+
+namespace raylex::transport {
+
+template <TransportMode mode>
+Walk<mode>::Walk(const PathContext& context, const WalkOptions& options, PathRecord record)
+    : context_(context),
+      scene_(context.scene),
+      options_(options),
+      record_(std::move(record)),
+      paths_(static_cast<std::size_t>(context.batch_capacity)),
+      depth_limit_(*scene_.media, options.max_depth),
+      in_media_(scene_.asks_for_media()),
+      has_footprints_(mode == TransportMode::radiance && scene_.materials->filters_images()),
+      pairs_(paths_.size()),
+      wavelengths_(scene_, paths_.size()) {
+    const std::size_t capacity = paths_.size();
+    if (options.densities) sums_.resize(capacity);
+    queue_.reserve(capacity);
+    vertices_.reserve(capacity);
+    if (has_footprints_) vertices_.footprints.resize(capacity);
+    first_entries_.resize(capacity);
+    needs_closure_.resize(capacity);
+    if (in_media_) collisions_.resize(capacity);
+    if constexpr (mode == TransportMode::radiance) {
+        namespace in = geoaovs::inputs;
+        const geoaovs::Inputs inputs = context.aovs->inputs();
+        wants_first_hits_ = inputs != 0 || context.pattern_channels;
+        // With beauty all of them are shaded for their light, and no test of each is needed.
+        skips_first_closures_ = wants_first_hits_ && !context.beauty && !context.pattern_channels &&
+                                (inputs & (in::albedo | in::outside_ior)) == 0;
+        light_can_be_hit_ = scene_.lights->any_to_hit() || scene_.media->any_emits();
+    }
+}
+
+template <TransportMode mode>
+void Walk<mode>::begin(std::span<const PixelSampler> samplers, IntegratorCounters& counters) {
+    samplers_ = samplers;
+    counters_ = &counters;
+    queue_.count = 0;
+    passes_.clear();
+    invalid_powers_.clear();
+    if (wavelengths_.any()) wavelengths_.draw(samplers);
+}
+
+template <TransportMode mode>
+void Walk<mode>::advance(display::DisplayServices& display) {
+    trace(display);
+    keep_live_vertices(display);
+    shade();
+    if (in_media_) append_collisions();
+}
+
+/// Closest hits become vertices, without closures.
+template <TransportMode mode>
+void Walk<mode>::trace(display::DisplayServices& display) {
+    const EmbreeScene& geometry = *scene_.geometry;
+    VertexBatch& v = vertices_;
+    const std::size_t count = queue_.count;
+    queue_.count = 0;
+    collision_count_ = 0;
+    escaped_.clear();
+    emitters_.clear();
+    arrivals_.clear();
+    geometry.intersect({queue_.rays.data(), count}, {v.hits.data(), count});
+    v.count = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t row = queue_.rows[i];
+        const Ray& ray = queue_.rays[i];
+        if (in_media_ && paths_[row].medium >= 0 && !traverse_medium(row, ray, v.hits[i].t, display)) continue;
+        if (!v.hits[i].valid()) {
+            if (mode == TransportMode::radiance && paths_[row].depth >= options_.first_depth)
+                escaped_.push_back({row, ray.direction});
+            finish(row);
+            continue;
+        }
+        v.rows[v.count] = row;
+        v.rays[v.count] = ray;
+        v.hits[v.count] = v.hits[i];
+        ++v.count;
+    }
+    geometry.surfaces({v.rays.data(), v.count}, {v.hits.data(), v.count}, {v.points.data(), v.count},
+                      {v.sources.data(), v.count});
+}
+
+/// The densities of a vertex follow from those of the vertex before it. Densities of sampled distances in media are
+/// left out: a path of given vertices has them in every strategy, but for the transmittance along the segment that is
+/// connected (strategies.h).
+template <TransportMode mode>
+void Walk<mode>::arrive(std::uint32_t row, const SurfacePoint& point, Real time) {
+    if (!options_.densities) return;
+    const Subpath& path = paths_[row];
+    StrategySums& sums = sums_[row];
+    const double near = path.from_infinity ? 1 : 1 / static_cast<double>(length_squared(point.position - path.from));
+    const double pdf = path.specular ? 1 : static_cast<double>(path.pdf);
+    sums.arrive(pdf * static_cast<double>(point.cosine(point.wo)) * near,
+                path.from_infinity ? 1 : static_cast<double>(path.cosine) * near);
+    if (path.depth > 0) return;
+    if constexpr (mode == TransportMode::radiance)
+        sums.forward = context_.view().density(context_.camera->importance(point.position, path.from, time),
+                                               point.cosine(point.wo));
+    else sums.join = first_join(row, point);
+}
+
+/// The strategy that connects at the light has the density of a light sample and not of an emission: the square of
+/// their ratio.
+template <TransportMode mode>
+StrategySums::Wide Walk<mode>::first_join(std::uint32_t row, const SurfacePoint& point) const {
+    const LightSample& origin = origins_[row];
+    const LightTable& lights = *scene_.lights;
+    const auto sampled =
+        static_cast<double>(lights.density(*options_.sampled, *scene_.geometry, point.position, origin));
+    const bool area = lights.lights()[origin.light].is_area();
+    return StrategySums::squared(sampled * (area ? sums_[row].to_previous : 1) / sums_[row].previous);
+}
+
+/// Alpha test and liveness: the vertices that stay need a closure.
+template <TransportMode mode>
+void Walk<mode>::keep_live_vertices(display::DisplayServices& display) {
+    VertexBatch& v = vertices_;
+    const bool cutouts = scene_.tests_alpha();
+    const std::span<const ShapeGeometry> shapes = scene_.geometry->shapes();
+    std::size_t kept = 0;
+    first_count_ = 0;
+    for (std::size_t j = 0; j < v.count; ++j) {
+        const std::uint32_t row = v.rows[j];
+        const Subpath& path = paths_[row];
+        SurfacePoint& point = v.points[j];
+        const ShapeGeometry& shape = shapes[v.hits[j].shape];
+        arrive(row, point, v.hits[j].time);
+        // Strategies that come there from the light find another point. They leave it alone, and have no weight here.
+        if (mode == TransportMode::radiance && options_.densities && shape.faces_rays)
+            sums_[row].forward = std::numeric_limits<double>::infinity();
+        if (cutouts && shape.alpha >= 0 && passes_cutout(j, shape)) continue;
+        bool live = true;
+        if constexpr (mode == TransportMode::radiance) {
+            if (path.depth == 0) record_first_hit(display, j);
+            meet_emitter(j, shape);
+            if (record_.wants_blocked_light()) arrivals_.push_back({row, v.rays[j].direction, throughput(row)});
+            const bool first_hit = wants_first_hits_ && path.depth == 0;
+            if (!first_hit || skips_first_closures_) live = is_live_vertex(j);
+            if (!live && !first_hit) {
+                finish(row);
+                continue;
+            }
+            if (!live) counters_->count(Pruned::closures);
+            point.services = {&display, static_cast<std::int32_t>(row), path.depth};
+        } else if (!is_through_portal(row, point.position, v.rays[j].direction) ||
+                   (options_.densities && shape.faces_rays) || !is_live_vertex(j)) {
+            finish(row);
+            continue;
+        }
+        needs_closure_[kept] = live ? 1 : 0;
+        point.random_key = samplers_[row].key(dimensions.of(path.depth, dimensions.key));
+        if (is_camera_ray(path)) first_entries_[first_count_++] = static_cast<std::uint32_t>(kept);
+        v.keep(j, kept++);
+    }
+    v.surfaces = v.count = kept;
+}
+
+/// Alpha test: closest hit first, then one counter-based choice. In expectation this is alpha blending, as in pbrt.
+template <TransportMode mode>
+bool Walk<mode>::passes_cutout(std::size_t j, const ShapeGeometry& shape) {
+    const std::uint32_t row = vertices_.rows[j];
+    const SurfacePoint& point = vertices_.points[j];
+    if (shape.interface) meet_emitter(j, shape);  // no ray stops at an interface
+    const Real u = samplers_[row].get_random(dimensions.cutouts + paths_[row].segment);
+    if (u < scene_.opacity(shape, point)) return false;
+    const Vec3& direction = vertices_.rays[j].direction;
+    CutoutPass pass{row, vertices_.sources[j].label, paths_[row].medium, vertices_.hits[j].t,
+                    ray_from(vertices_, j, direction)};
+    // What a cutout takes away of a surface is no border between media either.
+    if (in_media_ && shape.border) pass.medium = shape.medium_towards(point.geometric_normal, direction, pass.medium);
+    pass.onward.origin = straight_ray_origin(vertices_.rays[j], pass.t, point.position, point.geometric_normal,
+                                             vertices_.sources[j].offset.here);
+    passes_.push_back(pass);
+    return true;
+}
+
+/// Distance, opacity and surface of a camera ray.
+template <TransportMode mode>
+void Walk<mode>::record_first_hit(display::DisplayServices& display, std::size_t j) {
+    const EmbreeScene& geometry = *scene_.geometry;
+    const VertexBatch& v = vertices_;
+    const auto row = static_cast<int>(v.rows[j]);
+    display.write_distance(row, to_float(paths_[v.rows[j]].travelled + v.hits[j].t));
+    const bool holdout = geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
+    display.write_opacity(row, holdout ? 0.0f : 1.0f);
+    display.write_surface(row, geometry.surface_number(v.hits[j]));
+    if constexpr (mode == TransportMode::radiance)
+        if (holdout) record_.hold_out(v.rows[j]);
+}
+
+template <TransportMode mode>
+void Walk<mode>::meet_emitter(std::size_t j, const ShapeGeometry& shape) {
+    const VertexBatch& v = vertices_;
+    const std::uint32_t row = v.rows[j];
+    if (mode == TransportMode::importance || shape.first_light == Hit::none || paths_[row].depth < options_.first_depth)
+        return;
+    const std::uint32_t light = shape.first_light + v.hits[j].primitive;
+    const Rgb emitted = scene_.lights->emitted(light, v.points[j], v.points[j].wo);
+    if (!emitted.is_black()) emitters_.push_back({row, light, emitted, throughput(row), v.points[j], v.hits[j]});
+}
+
+/// For surfaces. Counts a path that ends because nothing counts that it may still meet.
+template <TransportMode mode>
+bool Walk<mode>::is_live_vertex(std::size_t j) {
+    const std::uint32_t row = vertices_.rows[j];
+    if constexpr (mode == TransportMode::radiance) {
+        if (record_.events().wants_user() && record_.channels_follow(row)) return true;
+        if (!may_scatter(j, true)) return false;
+    }
+    if (record_.is_live(row, vertices_.sources[j].label, vertices_.points[j].material)) return true;
+    counters_->count(pruned_paths);
+    return false;
+}
+
+/// Whether a light subpath that began in the sky behind a portal has come through the portal: before that its light
+/// belongs to no light.
+template <TransportMode mode>
+bool Walk<mode>::is_through_portal(std::uint32_t row, const Vec3& point, const Vec3& forward) const {
+    const Subpath& path = paths_[row];
+    return mode == TransportMode::radiance || path.depth > 0 ||
+           scene_.lights->lights()[path.light].kind != LightKind::portal_environment ||
+           !scene_.lights->environment_radiance(path.light, point, -forward).is_black();
+}
+
+/// Ray differentials at the vertices, where images are filtered.
+template <TransportMode mode>
+void Walk<mode>::trace_footprints() {
+    for (std::size_t j = 0; j < vertices_.surfaces; ++j) {
+        SurfacePoint& point = vertices_.points[j];
+        point.footprint = nullptr;
+        if (!scene_.materials->filters_images(point.material)) continue;
+        const Hit& hit = vertices_.hits[j];
+        vertices_.footprints[j] = footprint_of(scene_.geometry->tangents(hit, point), point, hit.cone.width);
+        point.footprint = &vertices_.footprints[j];
+    }
+}
+
+template <TransportMode mode>
+void Walk<mode>::shade() {
+    VertexBatch& v = vertices_;
+    const std::size_t count = v.surfaces;
+    if (has_footprints_) trace_footprints();
+    if (scene_.materials->turns_normals()) apply_bump(scene_, {v.hits.data(), count}, v.points);
+    if (count > 0)
+        scene_.materials->shade(*scene_.textures, {v.points.data(), count}, {v.bsdfs.data(), count},
+                                {needs_closure_.data(), skips_first_closures_ ? count : 0});
+    if (options_.regularize)
+        for (std::size_t j = 0; j < count; ++j)
+            if (paths_[v.rows[j]].any_non_specular) v.bsdfs[j].regularize();
+    if (wavelengths_.any()) wavelengths_.meet(v, paths_);
+}
+
+template <TransportMode mode>
+[[gnu::noinline]] VertexDepth Walk<mode>::depth_by_bodies(std::size_t j, bool surface) const {
+    const Subpath& path = paths_[vertices_.rows[j]];
+    if (!surface) return depth_limit_.at_collision(path.length, path.medium);
+    return depth_limit_.at_surface(path.length, scene_.geometry->shapes()[vertices_.hits[j].shape],
+                                   vertices_.points[j]);
+}
+
+template <TransportMode mode>
+void Walk<mode>::draw_pairs(std::uint32_t which) {
+    pair_ = which;
+    pairs_are_drawn_ = vertices_.count > 0 && SamplerBatch::takes(samplers_[vertices_.rows[0]]);
+    if (!pairs_are_drawn_) return;
+    pairs_.clear();
+    for (std::size_t j = 0; j < vertices_.count; ++j) {
+        const std::uint32_t row = vertices_.rows[j];
+        pairs_.add(samplers_[row], dimensions.of(paths_[row].depth, which));
+    }
+    pairs_.draw();
+}
+
+template <TransportMode mode>
+void Walk<mode>::pass_cutouts() {
+    for (const CutoutPass& pass : passes_) {
+        Subpath& path = paths_[pass.row];
+        record_.pass_straight(pass.row, pass.label);
+        path.travelled += pass.t;
+        path.medium = pass.medium;
+        ++path.segment;
+        push(pass.row, pass.onward);
+    }
+    passes_.clear();
+}
+
+/// The chance by which a planned roulette lets the path of a row go on; 0: throughput decides.
+template <TransportMode mode>
+Real Walk<mode>::planned_survival(std::uint32_t row) const {
+    const Subpath& path = paths_[row];
+    Real strength = path.beta.max() * path.roulette_scale;
+    if (path.split) strength /= static_cast<Real>(context_.plan->splits.rays);
+    if (!path.specular) strength /= path.ray_share;  // the throughput behind the choice between techniques
+    return context_.plan->roulette.chance(planned_state(row), strength);
+}
+
+/// The state by which a plan tells paths apart. Light samples could not find a specular direction, so paths in one
+/// still bring all of the light there.
+template <TransportMode mode>
+std::uint64_t Walk<mode>::planned_state(std::uint32_t row) const {
+    if constexpr (mode == TransportMode::importance) return 0;
+    else {
+        const std::uint64_t state = record_.events().foresight().state_of(record_.tracker(row));
+        return paths_[row].specular ? state ^ (std::uint64_t{state != 0} << 63) : state;
+    }
+}
+
+template <TransportMode mode>
+template <bool planned>
+bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
+    Subpath& path = paths_[row];
+    Real keep = 1, chance = 0;
+    if constexpr (planned) chance = context_.plan->roulette.empty() ? 0 : planned_survival(row);
+    if (chance > 0) {
+        keep = chance;
+    } else if (path.depth >= 2) {
+        const Real throughput = mode == TransportMode::radiance ? path.beta.max() * path.roulette_scale
+                                                                : path.beta.max() / path.roulette_scale;
+        if (throughput < options_.roulette_below) keep = throughput / options_.roulette_below;
+    }
+    if (!path.specular) {  // a specular direction no other technique finds
+        keep *= path.ray_share;
+        path.pdf *= path.ray_share;
+    }
+    if (!(keep < 1)) return true;
+    if (samplers_[row].get_random(dimension) >= keep) {
+        if (!path.specular && path.ray_share < 1) counters_->count(Pruned::rays_left_to_light_samples);
+        else if (chance > 0) counters_->count(Pruned::weak_paths);
+        return false;
+    }
+    path.beta *= 1 / keep;
+    return true;
+}
+
+/// Takes the share of a branch. Roulette sees the branch as strong as the unsplit path. Returns how many branches may
+/// find the same light.
+template <TransportMode mode>
+std::uint32_t Walk<mode>::take_branch(Subpath& path, const BsdfSample& s) {
+    const std::uint32_t rays = path.rays;
+    if (path.all_lobes) {  // every lobe is followed, so none counts for others
+        path.beta *= s.pdf;
+        path.roulette_scale /= s.pdf;
+    } else if (rays > 1) {
+        path.beta *= 1 / static_cast<Real>(rays);
+        path.roulette_scale *= static_cast<Real>(rays);
+    }
+    path.rays = 1;
+    path.all_lobes = false;
+    return rays;
+}
+
+/// Subtracts what does not count of the event at vertex j, which the path has left. False: the path is too long for it.
+template <TransportMode mode>
+[[gnu::noinline]] bool Walk<mode>::stays_short(std::size_t j, const Vec3& direction) {
+    Subpath& path = paths_[vertices_.rows[j]];
+    const bool first_specular = mode == TransportMode::radiance && !options_.counts_first_specular &&
+                                !path.any_non_specular && path.depth < options_.max_depth;
+    const std::int32_t event = first_specular ? 0 : depth_limit_.event(vertex_depth(j), vertices_.points[j], direction);
+    path.length -= whole_event - event;
+    return depth_limit_.allows(path.length);
+}
+
+/// A light subpath that nothing needs behind vertex j may still be connected there, and draws no direction.
+template <TransportMode mode>
+bool Walk<mode>::may_be_scattered(std::size_t j) {
+    if constexpr (mode == TransportMode::importance) {
+        const std::uint32_t row = vertices_.rows[j];
+        if (record_.ahead(row, vertices_.sources[j].label, vertices_.points[j].material).goes_on) return true;
+        counters_->count(pruned_paths);
+        return false;
+    }
+    return true;
+}
+
+/// Whether anything counts that the next ray may meet.
+template <TransportMode mode>
+template <bool planned>
+bool Walk<mode>::goes_on(std::uint32_t row) {
+    const Subpath& path = paths_[row];
+    if constexpr (mode == TransportMode::radiance) {
+        const bool last = !depth_limit_.has_bodies() && !depth_limit_.allows(path.length + whole_event);
+        if (last && !light_can_be_hit_) return false;
+    }
+    if (!record_.is_live(row)) {
+        counters_->count(pruned_paths);
+        return false;
+    }
+    if constexpr (planned)
+        if (context_.plan->watch != nullptr)
+            context_.plan->watch->leaves(row, planned_state(row), path.beta.max() * path.roulette_scale, path.split);
+    return true;
+}
+
+/// The throughput is no number: it is counted and logged (Law 6).
+template <TransportMode mode>
+void Walk<mode>::reject(std::uint32_t row) {
+    if constexpr (mode == TransportMode::radiance) record_.reject(row, paths_[row].beta);
+    else invalid_powers_.push_back({row, paths_[row].beta});
+}
+
+template <TransportMode mode>
+template <bool planned>
+void Walk<mode>::scatter_vertices(std::uint32_t branch) {
+    const VertexBatch& v = vertices_;
+    draw_pairs(dimensions.scatter);
+    pass_cutouts();
+    const std::size_t passed_on = queue_.count;  // counted already
+    // A path's last scattering may be its connection to the camera, and a light subpath's always is. Where an event may
+    // count less than a whole one, it is counted when it comes.
+    constexpr std::int32_t to_camera = mode == TransportMode::importance ? 1 : 0;
+    const std::int32_t next = whole_event * (to_camera + 1);
+    const bool counts_whole = !depth_limit_.has_bodies() && options_.counts_first_specular;
+    for (std::size_t j = 0; j < v.count; ++j) {
+        const std::uint32_t row = v.rows[j];
+        Subpath& path = paths_[row];
+        const bool short_enough = depth_limit_.has_bodies() ? may_scatter(j) && depth_limit_.allows_walk(path.depth)
+                                                            : depth_limit_.allows(path.length + next);
+        if (!short_enough || !may_be_scattered(j)) {
+            counters_->count_length(path.depth + static_cast<std::uint32_t>(to_camera));
+            continue;
+        }
+        if constexpr (planned)
+            if (path.rays == 0) {
+                finish(row);
+                continue;
+            }
+        const PixelSampler& sampler = samplers_[row];
+        const Bsdf& bsdf = v.bsdfs[j];
+        const SurfacePoint& point = v.points[j];
+        const std::uint32_t depth = path.depth;
+        Real u_lobe = bsdf.chooses_lobes() ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
+        if constexpr (planned)
+            if (path.all_lobes) u_lobe = lobe_number(branch);
+        BsdfSample s = sample_scattering<mode>(bsdf, point, u_lobe, pair(j));
+        if (wavelengths_.any()) wavelengths_.leave<mode>(v, j, path, s);
+        if (!(s.pdf > 0) || s.weight.is_black()) {
+            finish(row);
+            continue;
+        }
+        path.beta *= s.weight;
+        std::uint32_t rays = 1;
+        if constexpr (planned) rays = take_branch(path, s);
+        leave_vertex<mode>(path, point, s);
+        if (!counts_whole && !stays_short(j, s.wi)) {
+            finish(row);
+            continue;
+        }
+        if constexpr (mode == TransportMode::radiance) record_.scatter(row, v.sources[j].label, s.lobes);
+        else record_.scatter(row, v.sources[j].label, s.lobes, sampler.key(dimensions.of(path.depth, dimensions.key)));
+        if (!is_finite(path.beta)) {
+            reject(row);
+            finish(row);
+            continue;
+        }
+        if (path.beta.is_black() || !survives_roulette<planned>(row, dimensions.of(depth, dimensions.roulette)) ||
+            !goes_on<planned>(row)) {
+            finish(row);
+            continue;
+        }
+        if (rays > 1 && !path.specular) path.pdf *= static_cast<Real>(rays);
+        if (options_.densities) {
+            sums_[row].leave(s.delta, s.delta ? 1.0 : static_cast<double>(bsdf.pdf(s.wi, point.wo)));
+            path.cosine = point.cosine(s.wi);
+        }
+        if (in_media_) path.medium = medium_towards(j, s.wi);
+        Ray& onward = queue_.next(row);
+        make_at(onward, [&] { return ray_from(v, j, s.wi); });
+        if (has_footprints_) onward.cone = scattered_cone(*scene_.geometry, v.hits[j], point, s);
+    }
+    counters_->scattering_rays += queue_.count - passed_on;
+}
+
+template class Walk<TransportMode::radiance>;
+template class Walk<TransportMode::importance>;
+template void Walk<TransportMode::radiance>::scatter_vertices<true>(std::uint32_t);
+template void Walk<TransportMode::radiance>::scatter_vertices<false>(std::uint32_t);
+template void Walk<TransportMode::importance>::scatter_vertices<false>(std::uint32_t);
+
+}  // namespace raylex::transport
