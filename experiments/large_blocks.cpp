@@ -8,8 +8,15 @@
 #include <cstdlib>
 #include <new>
 
-// Sanitizers have an operator new of their own.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// Sanitizers have an operator new of their own. g++ defines a macro for them, clang has features.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define RAYLEX_SANITIZED
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define RAYLEX_SANITIZED
+#endif
+#endif
+#ifndef RAYLEX_SANITIZED
 
 namespace {
 

@@ -37,6 +37,7 @@ LightWord LpeServices::begin(LightWords& words, lpe::EventClass terminal) const 
 
 LightWord LpeServices::prepend(LightWords& words, const LightWord& word, lpe::EventClass event) const {
     LightWord longer = prepend_states(words, word, event);
+    longer.length_ = static_cast<std::uint16_t>(word.length_ + 1);
     const LobePart all{event, Rgb(1)};
     longer.path_ = words.keep_path({&all, 1}, &word);
     return longer;
@@ -45,6 +46,7 @@ LightWord LpeServices::prepend(LightWords& words, const LightWord& word, lpe::Ev
 LightWord LpeServices::prepend(LightWords& words, const LightWord& word, std::span<const LobePart> parts,
                                std::uint64_t key) {
     LightWord longer = prepend_states(words, word, parts, key);
+    longer.length_ = static_cast<std::uint16_t>(word.length_ + 1);
     longer.path_ = words.keep_path(parts, &word);
     return longer;
 }
@@ -140,7 +142,8 @@ void LpeServices::join_states(Tracker& tracker, const LightWords& words, const L
         tracker.count_ = word.branches_ != 0 && language.join(state, words.states(word), state);
         return;
     }
-    ++tracker.moves_;
+    // One move for each event, so that the connections of one camera vertex choose by numbers of their own.
+    tracker.moves_ = static_cast<std::uint16_t>(tracker.moves_ + word.length_);
     ChoiceNumbers numbers([&] { return random_key(tracker, {}); });
     const std::size_t target = branch_limit(tracker);
     const Branches of_camera = branches_of(tracker);

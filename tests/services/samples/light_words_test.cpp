@@ -170,7 +170,7 @@ TEST_CASE("a light subpath that no channel makes anything of is dead", "[light_w
 /// Means of the channels of count_diffuse(60) for one path of 40 vertices that are diffuse with 0.3, 0.5, 0.9 of each
 /// colour, cut in the middle: more branches than a word keeps on either side.
 struct Counted {
-    std::vector<double> mean, error;  // [channel][colour]
+    std::vector<double> mean, error, largest;  // [channel][colour]
     double worst_sum = 0;
     std::uint64_t overflow = 0;
 };
@@ -185,6 +185,7 @@ Counted count_by_joins(LpeServices::Attribution attribution, int samples, int le
     Counted result;
     std::vector<double> squares(3 * channels.size(), 0);
     result.mean.assign(3 * channels.size(), 0);
+    result.largest = result.mean;
     const std::array<LobePart, 2> parts{
         {{classes.diffuse, Rgb(0.3f, 0.5f, 0.9f)}, {classes.glossy, Rgb(0.7f, 0.5f, 0.1f)}}};
     for (int sample = 0; sample < samples; ++sample) {
@@ -208,6 +209,8 @@ Counted count_by_joins(LpeServices::Attribution attribution, int samples, int le
                 sum += value;
                 result.mean[static_cast<std::size_t>(3 * id + c)] += value / samples;
                 squares[static_cast<std::size_t>(3 * id + c)] += value * value / samples;
+                double& largest = result.largest[static_cast<std::size_t>(3 * id + c)];
+                largest = std::max(largest, value);
             }
             result.worst_sum = std::max(result.worst_sum, std::abs(sum - 1));
         }
@@ -217,7 +220,7 @@ Counted count_by_joins(LpeServices::Attribution attribution, int samples, int le
     return result;
 }
 
-void check_binomial(const Counted& counted, int length) {
+void check_binomial(const Counted& counted, int length, int samples) {
     constexpr std::array<double, 3> diffuse{0.3, 0.5, 0.9};
     const std::array<float, 3> as_float{0.3f, 0.5f, 0.9f};
     for (std::size_t c = 0; c < 3; ++c) {
@@ -230,8 +233,13 @@ void check_binomial(const Counted& counted, int length) {
             const std::size_t at = 3 * (1 + static_cast<std::size_t>(k)) + c;
             CAPTURE(c, k, truth, counted.mean[at], counted.error[at]);
             // 4 x 123 tests: Sidak at 0.001 asks for 4.9 standard errors. Shares below 1e-4 are drawn too rarely for a
-            // normal law: of at most 0.4 draws expected, 7 or more come with a probability of 3e-7.
-            if (truth > 1e-4) CHECK(std::abs(counted.mean[at] - truth) <= 4.9 * counted.error[at] + 1e-12);
+            // normal law: of at most 0.4 draws expected, 7 or more come with a probability of 3e-7. A share that is
+            // drawn a few times seems to vary less than it does: draws of one size are Poisson's, of variance truth x
+            // size.
+            const double size = counted.largest[at] > 0 ? counted.largest[at] : 1;
+            const double drawn = counted.error[at] > 1e-12 ? std::sqrt(truth * size / samples) : 0;
+            if (truth > 1e-4)
+                CHECK(std::abs(counted.mean[at] - truth) <= 4.9 * std::max(counted.error[at], drawn) + 1e-12);
             else CHECK(counted.mean[at] < 7.0 / 4000);
         }
     }
@@ -245,14 +253,60 @@ TEST_CASE("light words that overflow keep every sum and are unbiased in every sh
         const Counted counted = count_by_joins(LpeServices::Attribution::exact, samples, length, of_camera);
         CHECK(counted.overflow >= samples);  // in the join if not before
         CHECK(counted.worst_sum < 1e-12);    // some thousand additions of shares at 2^-53
-        check_binomial(counted, length);
+        check_binomial(counted, length, samples);
     }
+}
+
+TEST_CASE("the connections of one camera vertex choose by numbers of their own", "[light_words][law5][statistical]") {
+    // The same camera subpath, connected with two neighbouring vertices of one light subpath. Neither end overflows,
+    // and both connections do.
+    constexpr int samples = 2000;
+    const std::vector<ChannelDefinition> channels = test::count_diffuse(60);
+    const LpeSetup setup = build_setup(channels, 0);
+    const Classes classes(setup);
+    const auto reversed = lpe::ReversedProgram::build(setup.program());
+    REQUIRE(reversed);
+    LightWords words(&*reversed);
+    const std::array<LobePart, 2> parts{{{classes.diffuse, Rgb(0.5f)}, {classes.glossy, Rgb(0.5f)}}};
+    std::array<std::vector<double>, 2> found;
+    for (int sample = 0; sample < samples; ++sample) {
+        SampleTable table(channels, 2);
+        table.begin(test::pixel_rows(1, 2, static_cast<std::uint64_t>(sample), 1));
+        LpeServices services(setup, table, 9);
+        words.clear();
+        Tracker tracker = services.begin(0);
+        for (int k = 0; k < 14; ++k) services.move(tracker, parts);
+        LightWord word = services.begin(words, classes.light);
+        for (int k = 0; k < 14; ++k) word = services.prepend(words, word, parts, static_cast<unsigned>(k));
+        REQUIRE(services.overflow_count() == 0);
+        double before = 0;
+        for (std::size_t i = 0; i < 2; ++i) {
+            word = services.prepend(words, word, parts, 14 + i);
+            Tracker joined = tracker;
+            services.join(joined, words, word);
+            services.contribute(Rgb(1), Technique{}, joined);
+            const double value = table.raw_values(1 + 2)[0];
+            found[i].push_back(value - before);
+            before = value;
+        }
+        REQUIRE(services.overflow_count() == 2);
+    }
+    const auto moment = [&](std::size_t i, std::size_t k) {
+        double means[2] = {0, 0}, product = 0;
+        for (int s = 0; s < samples; ++s) means[0] += found[i][s] / samples, means[1] += found[k][s] / samples;
+        for (int s = 0; s < samples; ++s) product += (found[i][s] - means[0]) * (found[k][s] - means[1]) / samples;
+        return product;
+    };
+    const double correlation = moment(0, 1) / std::sqrt(moment(0, 0) * moment(1, 1));
+    REQUIRE(moment(0, 0) > 1e-20);  // more than the rounding of a share of about 1e-7
+    // The standard error of a correlation of nothing is 1 / sqrt(samples); 4.9 of them are seen once in a million runs.
+    CHECK(std::abs(correlation) < 4.9 / std::sqrt(static_cast<double>(samples)));
 }
 
 TEST_CASE("a light word labelled by drawn lobes has the exact shares' mean", "[light_words][law5][statistical]") {
     const Counted counted = count_by_joins(LpeServices::Attribution::picked, 4000, 20, 8);
     CHECK(counted.overflow == 0);
-    check_binomial(counted, 20);
+    check_binomial(counted, 20, 4000);
     const Counted exact = count_by_joins(LpeServices::Attribution::exact, 10, 20, 8);
     CHECK(exact.overflow == 0);
     for (const double error : exact.error) CHECK(error < 1e-8);  // attribution adds no noise: the same each time

@@ -27,8 +27,8 @@ std::size_t Pssmlt::bootstrap_share() const {
     return (parameters_.bootstrap_samples + tiles - 1) / tiles;
 }
 
-void Pssmlt::begin_path(PssmltThread& thread, std::size_t row, PrimarySamples& numbers, std::uint32_t tile,
-                        std::uint64_t chain) const {
+void Pssmlt::begin_path(PssmltThread& thread, std::size_t row, PrimarySamples& numbers,
+                        std::uint64_t number) const {
     thread.samplers[row] = PixelSampler(numbers);
     const PixelSampler& sampler = thread.samplers[row];
     const Vec2 u = sampler.get_2d(filter_dimension);
@@ -38,7 +38,7 @@ void Pssmlt::begin_path(PssmltThread& thread, std::size_t row, PrimarySamples& n
     camera.screen_y = to_float(top_ + down_ * u.y);
     camera.pixel_x = static_cast<std::int32_t>(std::floor(camera.screen_x));
     camera.pixel_y = static_cast<std::int32_t>(std::floor(camera.screen_y));
-    camera.sample = (std::uint64_t{tile} << 44) + (chain << 32) + numbers.mutations();
+    camera.sample = (number << 32) + numbers.mutations();
     const Real time = sample_time(context_.scene, sampler);
     camera.shutter_time = to_float(time);
     thread.rays[row] =
@@ -127,7 +127,7 @@ void Pssmlt::bootstrap(ChainGroup& group, std::uint32_t tile, PssmltThread& thre
             PrimarySamples& numbers = thread.bootstrap_numbers[i];
             numbers.restart(stream(of_bootstrap, tile * wanted + first + i));
             numbers.propose(true, parameters_.sigma);
-            begin_path(thread, i, numbers, tile, first + i);
+            begin_path(thread, i, numbers, tile * wanted + first + i);
         }
         if (!trace(thread, count, services)) return;
         for (std::size_t i = 0; i < count; ++i) group.bootstrap.push_back(scalar_contribution(thread, i));
@@ -171,7 +171,7 @@ void Pssmlt::start(ChainGroup& group, std::uint32_t tile, PssmltThread& thread, 
         for (std::size_t i = 0; i < count; ++i) {
             PrimarySamples& numbers = group.chains[first + i].numbers;
             numbers.propose(true, parameters_.sigma);
-            begin_path(thread, i, numbers, tile, first + i);
+            begin_path(thread, i, numbers, tile * group.chains.size() + first + i);
         }
         if (!trace(thread, count, services)) return;
         for (std::size_t i = 0; i < count; ++i) {
@@ -191,7 +191,7 @@ void Pssmlt::step(ChainGroup& group, std::uint32_t tile, std::size_t count, Pssm
         MarkovChain& chain = group.chains[chain_of(i)];
         chain.large = chain.numbers.choose(large_choice) < parameters_.large_step_probability;
         chain.numbers.propose(chain.large, parameters_.sigma);
-        begin_path(thread, i, chain.numbers, tile, chain_of(i));
+        begin_path(thread, i, chain.numbers, tile * group.chains.size() + chain_of(i));
     }
     if (!trace(thread, count, services)) return;
     const double p = static_cast<double>(parameters_.large_step_probability);

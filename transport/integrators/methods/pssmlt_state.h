@@ -123,9 +123,9 @@ class Pssmlt final : public Integrator {
     /// One step of `count` chains from group.next on.
     void step(ChainGroup& group, std::uint32_t tile, std::size_t count, PssmltThread& thread,
               ThreadServices& services) const;
-    /// Row i of the thread's table gets the path of `numbers`.
-    void begin_path(PssmltThread& thread, std::size_t row, PrimarySamples& numbers, std::uint32_t tile,
-                    std::uint64_t chain) const;
+    /// Puts the path of `numbers` into a row of the thread's table. `number`: of the chain, or of the bootstrap path,
+    /// over all tiles; it makes the sample number unique.
+    void begin_path(PssmltThread& thread, std::size_t row, PrimarySamples& numbers, std::uint64_t number) const;
     /// False when `services` say to leave: the paths are not whole then.
     [[nodiscard]] bool trace(PssmltThread& thread, std::size_t count, ThreadServices& services) const;
     /// The scalar contribution function of row i (Kelemen et al. 2002, I): mean size of the target's three colours.
