@@ -129,7 +129,10 @@ class RuleApplier {
         std::size_t index = 0;
         for_each_shape([&](SceneShape& shape) {
             const std::string& name = rule.selector == Selector::material ? material_name(shape) : shape.source_file;
-            if (matches(name)) write(shape_taken_[index], shape, rule);
+            if (matches(name)) {
+                write(shape_taken_[index], shape, rule);
+                shape.labelled = shape_taken_[index].label;
+            }
             ++index;
         });
     }

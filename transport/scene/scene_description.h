@@ -78,6 +78,7 @@ struct SceneShape {
     Real alpha = 1;                               ///< constant opacity
     std::string alpha_texture;                    ///< name of a float texture; overrides alpha
     std::string label;                            ///< LPE object label; as imported: the named material's name
+    bool labelled = false;                        ///< a label rule gave the label; see LabelRule
     bool holdout = false;                         ///< set by a label rule; see LabelRule
 };
 

@@ -79,7 +79,7 @@ class SceneHash {
         const auto& [kind, source_file, location, positions, normals, uvs, indices, curve_type, curve_widths,
                      displacement_texture, edge_length, radius, z_min, z_max, phi_max, height, inner_radius,
                      object_to_world, flip_normal, material, area_light, inside_medium, outside_medium, alpha,
-                     alpha_texture, label, holdout] = shape;
+                     alpha_texture, label, labelled, holdout] = shape;
         static_cast<void>(location);
         add(kind);
         add(source_file);  // an asset's name, which cryptomattes show
@@ -101,6 +101,7 @@ class SceneHash {
         add(alpha);
         add(alpha_texture);
         add(label);
+        if (labelled) add(labelled);  // cryptomattes show it
         add(holdout);
     }
     void add(const SceneObject& object) {

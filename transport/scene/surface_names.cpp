@@ -62,7 +62,7 @@ SurfaceNames::SurfaceNames(const SceneDescription& scene) {
             const auto index = static_cast<std::size_t>(std::max(shape.material, 0));
             const std::string own = index < scene.materials.size() ? scene.materials[index].name : std::string();
             std::string name = prefix + shape_type_name(shape.kind) + ":" + std::to_string(count[shape.kind]++);
-            if (!shape.label.empty() && shape.label != own) name = shape.label;
+            if (shape.labelled || (!shape.label.empty() && shape.label != own)) name = shape.label;
             else if (!shape.source_file.empty()) name = shape.source_file;
             named.push_back({std::move(name), index < materials.size() ? materials[index] : "diffuse:0"});
         }

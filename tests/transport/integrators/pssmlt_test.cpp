@@ -262,6 +262,18 @@ TEST_CASE("Metropolis runs no chains for channels that camera rays serve alone",
     CHECK(render_of(scene, settings).statistics.camera_rays >= whole.statistics.camera_samples + 1000);
 }
 
+TEST_CASE("a Metropolis start-up counts as preparation, not as rendering", "[pssmlt][render]") {
+    transport::RenderSettings settings;
+    settings.samples_per_pixel = 1;
+    settings.threads = 1;
+    settings.integrator = metropolis(4, 100'000);
+    const auto statistics = render_of(scene_of(room), settings).statistics;
+    // Thirty times as many paths before the image as for it.
+    REQUIRE(100'000 >= 30 * statistics.camera_samples);
+    CHECK(statistics.prepare_cpu_seconds > statistics.render_cpu_seconds);
+    CHECK(statistics.render_cpu_seconds >= 0);
+}
+
 TEST_CASE("what Metropolis cannot do is refused by name", "[pssmlt][render][law7]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;

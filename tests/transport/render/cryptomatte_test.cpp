@@ -169,6 +169,16 @@ TEST_CASE("labels name objects, holdouts have no matte as they have no alpha", "
     }
 }
 
+TEST_CASE("a label that is the name of the material names objects too", "[cryptomatte][render]") {
+    raylex::transport::LabelRule label;
+    label.selector = raylex::transport::LabelRule::Selector::material;
+    label.pattern = label.label = "grass";
+    const std::vector<std::string> labelled = names_of(render_yard(1, {label}).cryptomatte[0]),
+                                   plain = names_of(render_yard(1, {}).cryptomatte[0]);
+    CHECK(std::count(labelled.begin(), labelled.end(), "grass") == 1);
+    CHECK(std::count(plain.begin(), plain.end(), "grass") == 0);
+}
+
 TEST_CASE("kernels with negative lobes and odd ranks are refused", "[cryptomatte][law7]") {
     transport::RenderSettings settings;
     settings.cryptomatte = {MatteKind::object};

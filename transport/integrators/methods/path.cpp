@@ -109,9 +109,9 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
     p.channel_roulette = read.boolean("channelroulette", true);
     p.regularize = read.boolean("regularize", false);
     // pbrt's "exhaustive" is its bvh without the tree, for reference.
-    constexpr std::array<LightSelection, 4> selections{LightSelection::receiver, LightSelection::power,
-                                                       LightSelection::uniform, LightSelection::receiver};
-    p.light_selection = selections[read.choice("lightsampler", {"bvh", "power", "uniform", "exhaustive"}, 0)];
+    constexpr std::array<LightSelection, 4> selections{LightSelection::power, LightSelection::uniform,
+                                                       LightSelection::receiver, LightSelection::receiver};
+    p.light_selection = selections[read.choice("lightsampler", {"power", "uniform", "bvh", "exhaustive"}, 2)];
     if (read.error()) return *read.error();
     return make_path_integrator(p);
 }
@@ -132,10 +132,10 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
              describe_roulette_threshold(),
              {"splits", T::boolean, "true",
               "without beauty: follow several rays from a path's first diffuse or glossy vertex, and both lobes of "
-              "glass behind it, where pilot paths show that it pays"},
+              "glass behind it, where trials before the render show that it pays"},
              {"channelroulette", T::boolean, "true",
-              "without beauty: end paths at random by what the channels still expect of them, where pilot paths show "
-              "that it pays"},
+              "without beauty: end paths at random by what the channels still expect of them, where trials before "
+              "the render show that it pays"},
              {"regularize", T::boolean, "false",
               "blur glossy and specular lobes behind a scattering that is not specular, as pbrt does: biased, and "
               "caustics become easier to find"},

@@ -27,8 +27,7 @@ std::size_t Pssmlt::bootstrap_share() const {
     return (parameters_.bootstrap_samples + tiles - 1) / tiles;
 }
 
-void Pssmlt::begin_path(PssmltThread& thread, std::size_t row, PrimarySamples& numbers,
-                        std::uint64_t number) const {
+void Pssmlt::begin_path(PssmltThread& thread, std::size_t row, PrimarySamples& numbers, std::uint64_t number) const {
     thread.samplers[row] = PixelSampler(numbers);
     const PixelSampler& sampler = thread.samplers[row];
     const Vec2 u = sampler.get_2d(filter_dimension);
@@ -241,7 +240,8 @@ void Pssmlt::integrate(const CameraBatch& batch, IntegratorThread& state, Thread
         return;
     }
     camera_->integrate(batch, *thread.camera, services);
-    if (!chains_ && parameters_.max_depth > 0) thread.counters.leave_out_paths(batch.rays.size());
+    if (!chains_ && parameters_.max_depth > 0 && context_.events->any())
+        thread.counters.leave_out_paths(batch.rays.size());
     if (mean_ > 0) {
         if (!group.started && !services.left) start(group, batch.tile, thread, services);
         for (std::size_t left = batch.rays.size(); left > 0 && !services.left;) {

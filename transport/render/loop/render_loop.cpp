@@ -1,6 +1,7 @@
 #include "transport/render/loop/render_loop.h"
 
 #include "display/services/channel_prefixes.h"
+#include "transport/render/clock.h"
 #include "transport/render/schedules/start_up_schedule.h"
 
 namespace raylex::transport {
@@ -88,8 +89,12 @@ Result<FinishedLoop> RenderLoop::run(const std::function<void(const RenderProgre
                   static_cast<std::uint64_t>(forecast.least)});
     };
     const bool starts_up = state_.prepared.job.integrator().starts_up();
-    if (starts_up)
+    if (starts_up) {
+        const Stopwatch watch;
         if (Status s = start_up(runner, report); !s) return s.error();
+        start_up_seconds_ = watch.wall();
+        for (const auto& worker : state_.workers) start_up_cpu_seconds_ += worker->cpu_seconds;
+    }
     if (!runner.ending()) schedule_->begin_session(state_);
     if (!starts_up || !runner.ending())
         if (Status s = run_phases(runner, report); !s) return s.error();
@@ -124,11 +129,12 @@ FinishedLoop RenderLoop::finish() {
     const display::FrameBuffer& frame_buffer = state_.target.frame_buffer;
     statistics.build_seconds = job.scene.build_seconds;
     statistics.build_cpu_seconds = job.scene.build_cpu_seconds;
-    statistics.prepare_seconds = state_.prepared.seconds;
+    statistics.prepare_seconds = state_.prepared.seconds + start_up_seconds_;
     statistics.pilot_rays = state_.prepared.paths->rays;
-    statistics.prepare_cpu_seconds = state_.prepared.cpu_seconds;
-    statistics.render_seconds = state_.session_seconds();
+    statistics.prepare_cpu_seconds = state_.prepared.cpu_seconds + start_up_cpu_seconds_;
+    statistics.render_seconds = state_.session_seconds() - start_up_seconds_;
     state_.collect(statistics);
+    statistics.render_cpu_seconds -= start_up_cpu_seconds_;
     statistics.invalid_samples += frame_buffer.rejected_count();
     for (std::size_t i = 0; i < job.channels.list.size(); ++i)
         statistics.invalid_by_channel[i] += frame_buffer.rejected_count(static_cast<display::ChannelId>(i));

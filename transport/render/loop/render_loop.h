@@ -60,6 +60,7 @@ class RenderLoop {
     RenderState state_;
     std::optional<RenderSaver> saver_;
     std::uint64_t resumed_samples_ = 0, untraced_before_ = 0;
+    double start_up_seconds_ = 0, start_up_cpu_seconds_ = 0;  // counted as preparation
 };
 
 }  // namespace raylex::transport
