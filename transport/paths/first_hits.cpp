@@ -46,6 +46,26 @@ Vec3 plain_normal(const SceneView& scene, const Ray& ray, const Hit& hit, const 
     return before.shading_normal;
 }
 
+/// Columns that need the details of a surface (EmbreeScene::details), hit by hit.
+void describe_details(const PathContext& context, const FirstHits& first, geoaovs::ShadingBatch& batch) {
+    const geoaovs::Inputs wanted = context.aovs->inputs();
+    const std::span<const std::uint32_t> which = first.which;
+    const SurfacePoint* const points = first.points.data();
+    const EmbreeScene& geometry = *context.scene.geometry;
+    for (std::size_t at = 0; at < which.size(); ++at) {
+        const std::size_t j = which[at];
+        const SurfaceDetails details = geometry.details(first.hits[j], points[j]);
+        for (int c = 0; c < 3; ++c) {
+            if (wanted & in::dpdv) batch.dpdv[c][at] = to_float(details.dpdv[c]);
+            if (wanted & in::object_position) batch.object_position[c][at] = to_float(details.object_position[c]);
+        }
+        if (wanted & in::curvature) batch.curvature[at] = to_float(details.curvature);
+        if (wanted & in::edges)
+            batch.edge_pixels[at] = to_float(edge_distance(
+                context, points[j].position, {details.edges.data(), 2 * static_cast<std::size_t>(details.edge_count)}));
+    }
+}
+
 }  // namespace
 
 Real edge_distance(const PathContext& context, const Vec3& position, std::span<const Vec3> edges) {
@@ -124,19 +144,7 @@ void describe_first_hits(const PathContext& context, const FirstHits& first, geo
     }
     if (wanted & in::albedo)
         fill(which, batch.albedo, [&](std::size_t j) { return first.bsdfs[j].albedo(points[j].wo); });
-    if (!(wanted & (in::dpdv | in::object_position | in::curvature | in::edges))) return;
-    for (std::size_t at = 0; at < which.size(); ++at) {
-        const std::size_t j = which[at];
-        const SurfaceDetails details = geometry.details(first.hits[j], points[j]);
-        for (int c = 0; c < 3; ++c) {
-            if (wanted & in::dpdv) batch.dpdv[c][at] = to_float(details.dpdv[c]);
-            if (wanted & in::object_position) batch.object_position[c][at] = to_float(details.object_position[c]);
-        }
-        if (wanted & in::curvature) batch.curvature[at] = to_float(details.curvature);
-        if (wanted & in::edges)
-            batch.edge_pixels[at] = to_float(edge_distance(
-                context, points[j].position, {details.edges.data(), 2 * static_cast<std::size_t>(details.edge_count)}));
-    }
+    if (wanted & (in::dpdv | in::object_position | in::curvature | in::edges)) describe_details(context, first, batch);
 }
 
 }  // namespace raylex::transport

@@ -168,6 +168,8 @@ class Walk {
         Ray onward;
     };
     static constexpr Pruned pruned_paths = mode == TransportMode::radiance ? Pruned::paths : Pruned::light_paths;
+    /// The last scattering of a light subpath is its connection to the camera.
+    static constexpr std::int32_t to_camera = mode == TransportMode::importance ? 1 : 0;
     static bool is_camera_ray(const Subpath& path) { return mode == TransportMode::radiance && path.depth == 0; }
     [[nodiscard]] bool may_scatter(std::size_t j, bool surface) const {
         const std::int32_t length = paths_[vertices_.rows[j]].length;
@@ -200,8 +202,11 @@ class Walk {
     bool collide(std::uint32_t row, const Ray& ray, const FreeFlight& flight, display::DisplayServices& display);
     void report_emission(std::uint32_t row, const Rgb& emitted) const;
     void append_collisions();
-    // scatter()
+    // scatter(); see walk_scatter.h.
     void pass_cutouts();
+    [[nodiscard]] bool draws_direction(std::size_t j);
+    template <bool planned>
+    bool scatter_vertex(std::size_t j, std::uint32_t branch);
     bool stays_short(std::size_t j, const Vec3& direction);
     [[nodiscard]] bool may_be_scattered(std::size_t j);
     template <bool planned>

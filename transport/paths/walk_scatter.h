@@ -1,0 +1,218 @@
+// How a walk (walk.cpp, which alone includes this) leaves its vertices: closures, roulette, branches, the next rays.
+#pragma once
+
+#include "transport/math/make_at.h"
+#include "transport/paths/splits.h"
+#include "transport/paths/walk.h"
+
+namespace raylex::transport {
+
+template <TransportMode mode>
+void Walk<mode>::draw_pairs(std::uint32_t which) {
+    pair_ = which;
+    pairs_are_drawn_ = vertices_.count > 0 && SamplerBatch::takes(samplers_[vertices_.rows[0]]);
+    if (!pairs_are_drawn_) return;
+    pairs_.clear();
+    for (std::size_t j = 0; j < vertices_.count; ++j) {
+        const std::uint32_t row = vertices_.rows[j];
+        pairs_.add(samplers_[row], dimensions.of(paths_[row].depth, which));
+    }
+    pairs_.draw();
+}
+
+template <TransportMode mode>
+void Walk<mode>::pass_cutouts() {
+    for (const CutoutPass& pass : passes_) {
+        Subpath& path = paths_[pass.row];
+        record_.pass_straight(pass.row, pass.label);
+        path.travelled += pass.t;
+        path.medium = pass.medium;
+        ++path.segment;
+        push(pass.row, pass.onward);
+    }
+    passes_.clear();
+}
+
+/// The chance by which a planned roulette lets the path of a row go on; 0: throughput decides.
+template <TransportMode mode>
+Real Walk<mode>::planned_survival(std::uint32_t row) const {
+    const Subpath& path = paths_[row];
+    Real strength = path.beta.max() * path.roulette_scale;
+    if (path.split) strength /= static_cast<Real>(context_.plan->splits.rays);
+    if (!path.specular) strength /= path.ray_share;  // the throughput behind the choice between techniques
+    return context_.plan->roulette.chance(planned_state(row), strength);
+}
+
+/// The state by which a plan tells paths apart. Light samples could not find a specular direction, so paths in one
+/// still bring all of the light there.
+template <TransportMode mode>
+std::uint64_t Walk<mode>::planned_state(std::uint32_t row) const {
+    if constexpr (mode == TransportMode::importance) return 0;
+    else {
+        const std::uint64_t state = record_.events().foresight().state_of(record_.tracker(row));
+        return paths_[row].specular ? state ^ (std::uint64_t{state != 0} << 63) : state;
+    }
+}
+
+template <TransportMode mode>
+template <bool planned>
+bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
+    Subpath& path = paths_[row];
+    Real keep = 1, chance = 0;
+    if constexpr (planned) chance = context_.plan->roulette.empty() ? 0 : planned_survival(row);
+    if (chance > 0) {
+        keep = chance;
+    } else if (path.depth >= 2) {
+        const Real throughput = mode == TransportMode::radiance ? path.beta.max() * path.roulette_scale
+                                                                : path.beta.max() / path.roulette_scale;
+        if (throughput < options_.roulette_below) keep = throughput / options_.roulette_below;
+    }
+    if (!path.specular) {  // a specular direction no other technique finds
+        keep *= path.ray_share;
+        path.pdf *= path.ray_share;
+    }
+    if (!(keep < 1)) return true;
+    if (samplers_[row].get_random(dimension) >= keep) {
+        if (!path.specular && path.ray_share < 1) counters_->count(Pruned::rays_left_to_light_samples);
+        else if (chance > 0) counters_->count(Pruned::weak_paths);
+        return false;
+    }
+    path.beta *= 1 / keep;
+    return true;
+}
+
+/// Takes the share of a branch. Roulette sees the branch as strong as the unsplit path. Returns how many branches may
+/// find the same light.
+template <TransportMode mode>
+std::uint32_t Walk<mode>::take_branch(Subpath& path, const BsdfSample& s) {
+    const std::uint32_t rays = path.rays;
+    if (path.all_lobes) {  // every lobe is followed, so none counts for others
+        path.beta *= s.pdf;
+        path.roulette_scale /= s.pdf;
+    } else if (rays > 1) {
+        path.beta *= 1 / static_cast<Real>(rays);
+        path.roulette_scale *= static_cast<Real>(rays);
+    }
+    path.rays = 1;
+    path.all_lobes = false;
+    return rays;
+}
+
+/// Subtracts what does not count of the event at vertex j, which the path has left. False: the path is too long for it.
+template <TransportMode mode>
+[[gnu::noinline]] bool Walk<mode>::stays_short(std::size_t j, const Vec3& direction) {
+    Subpath& path = paths_[vertices_.rows[j]];
+    const bool first_specular = mode == TransportMode::radiance && !options_.counts_first_specular &&
+                                !path.any_non_specular && path.depth < options_.max_depth;
+    const std::int32_t event = first_specular ? 0 : depth_limit_.event(vertex_depth(j), vertices_.points[j], direction);
+    path.length -= whole_event - event;
+    return depth_limit_.allows(path.length);
+}
+
+/// A light subpath that nothing needs behind vertex j may still be connected there, and draws no direction.
+template <TransportMode mode>
+bool Walk<mode>::may_be_scattered(std::size_t j) {
+    if constexpr (mode == TransportMode::importance) {
+        const std::uint32_t row = vertices_.rows[j];
+        if (record_.ahead(row, vertices_.sources[j].label, vertices_.points[j].material).goes_on) return true;
+        counters_->count(pruned_paths);
+        return false;
+    }
+    return true;
+}
+
+/// Whether anything counts that the next ray may meet.
+template <TransportMode mode>
+template <bool planned>
+bool Walk<mode>::goes_on(std::uint32_t row) {
+    const Subpath& path = paths_[row];
+    if constexpr (mode == TransportMode::radiance) {
+        const bool last = !depth_limit_.has_bodies() && !depth_limit_.allows(path.length + whole_event);
+        if (last && !light_can_be_hit_) return false;
+    }
+    if (!record_.is_live(row)) {
+        counters_->count(pruned_paths);
+        return false;
+    }
+    if constexpr (planned)
+        if (context_.plan->watch != nullptr)
+            context_.plan->watch->leaves(row, planned_state(row), path.beta.max() * path.roulette_scale, path.split);
+    return true;
+}
+
+/// The throughput is no number: it is counted and logged (Law 6).
+template <TransportMode mode>
+void Walk<mode>::reject(std::uint32_t row) {
+    if constexpr (mode == TransportMode::radiance) record_.reject(row, paths_[row].beta);
+    else invalid_powers_.push_back({row, paths_[row].beta});
+}
+
+/// Whether the path is short enough, and live, to draw a direction at vertex j.
+template <TransportMode mode>
+bool Walk<mode>::draws_direction(std::size_t j) {
+    const Subpath& path = paths_[vertices_.rows[j]];
+    // Where an event may count less than a whole one, it is counted when it comes.
+    const bool short_enough = depth_limit_.has_bodies()
+                                  ? may_scatter(j) && depth_limit_.allows_walk(path.depth)
+                                  : depth_limit_.allows(path.length + whole_event * (to_camera + 1));
+    return short_enough && may_be_scattered(j);
+}
+
+template <TransportMode mode>
+template <bool planned>
+void Walk<mode>::scatter_vertices(std::uint32_t branch) {
+    draw_pairs(dimensions.scatter);
+    pass_cutouts();
+    const std::size_t passed_on = queue_.count;  // counted already
+    for (std::size_t j = 0; j < vertices_.count; ++j) {
+        const std::uint32_t row = vertices_.rows[j];
+        if (!draws_direction(j)) counters_->count_length(paths_[row].depth + static_cast<std::uint32_t>(to_camera));
+        else if (!scatter_vertex<planned>(j, branch)) finish(row);
+    }
+    counters_->scattering_rays += queue_.count - passed_on;
+}
+
+/// False: the path ends.
+template <TransportMode mode>
+template <bool planned>
+bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t branch) {
+    const VertexBatch& v = vertices_;
+    const std::uint32_t row = v.rows[j];
+    Subpath& path = paths_[row];
+    if (planned && path.rays == 0) return false;
+    const PixelSampler& sampler = samplers_[row];
+    const Bsdf& bsdf = v.bsdfs[j];
+    const SurfacePoint& point = v.points[j];
+    const std::uint32_t depth = path.depth;
+    Real u_lobe = bsdf.chooses_lobes() ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
+    if (planned && path.all_lobes) u_lobe = lobe_number(branch);
+    BsdfSample s = sample_scattering<mode>(bsdf, point, u_lobe, pair(j));
+    if (wavelengths_.any()) wavelengths_.leave<mode>(v, j, path, s);
+    if (!(s.pdf > 0) || s.weight.is_black()) return false;
+    path.beta *= s.weight;
+    const std::uint32_t rays = planned ? take_branch(path, s) : 1;
+    leave_vertex<mode>(path, point, s);
+    const bool counts_whole = !depth_limit_.has_bodies() && options_.counts_first_specular;
+    if (!counts_whole && !stays_short(j, s.wi)) return false;
+    if constexpr (mode == TransportMode::radiance) record_.scatter(row, v.sources[j].label, s.lobes);
+    else record_.scatter(row, v.sources[j].label, s.lobes, sampler.key(dimensions.of(path.depth, dimensions.key)));
+    if (!is_finite(path.beta)) {
+        reject(row);
+        return false;
+    }
+    if (path.beta.is_black() || !survives_roulette<planned>(row, dimensions.of(depth, dimensions.roulette)) ||
+        !goes_on<planned>(row))
+        return false;
+    if (rays > 1 && !path.specular) path.pdf *= static_cast<Real>(rays);
+    if (options_.densities) {
+        sums_[row].leave(s.delta, s.delta ? 1.0 : static_cast<double>(bsdf.pdf(s.wi, point.wo)));
+        path.cosine = point.cosine(s.wi);
+    }
+    if (in_media_) path.medium = medium_towards(j, s.wi);
+    Ray& onward = queue_.next(row);
+    make_at(onward, [&] { return ray_from(v, j, s.wi); });
+    if (has_footprints_) onward.cone = scattered_cone(*scene_.geometry, v.hits[j], point, s);
+    return true;
+}
+
+}  // namespace raylex::transport
