@@ -1,6 +1,7 @@
 // What is refused, where the caret stands, and what is suggested.
 #include <catch2/catch.hpp>
 
+#include "lpe/language/parser/parser.h"
 #include "lpe/match.h"
 #include "lpe/program.h"
 
@@ -158,4 +159,23 @@ TEST_CASE("events survive being written and read", "[errors]") {
     CHECK((*again)[2].labels[0] == "it's");
     CHECK((*again)[2].lobe_number == 8);
     CHECK(to_sentence({events->data() + 1, 1}) == "diffuse reflection off 'floor' (lobe number 2, lobe 'a b')");
+}
+
+TEST_CASE("a chain of '|' is one node, however long it is", "[errors][law7]") {
+    // Later stages walk the tree by recursion: a tree as deep as the chain is long would end the program.
+    ChannelSource source;
+    source.expression = "D";
+    for (int i = 1; i < 30'000; ++i) source.expression += "|D";
+    for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
+        source.dialect = dialect;
+        const Expression expression = parse(source);
+        const Node* node = expression.root.get();
+        while (node->children.size() == 1) node = node->children.front().get();
+        CHECK(node->kind == NodeKind::alternatives);
+        CHECK(node->children.size() == 30'000);
+    }
+    // Parentheses and other items end a chain.
+    source.expression = "C(D|S|G)|V D|S L";
+    source.dialect = Dialect::osl;
+    CHECK(parse(source).root != nullptr);
 }

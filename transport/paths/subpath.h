@@ -21,11 +21,12 @@ inline constexpr std::uint32_t filter_dimension = 0, lens_dimension = 1, time_di
 
 struct Subpath {
     Rgb beta{1};  ///< throughput: product of scattering weights; of a light subpath the power it carries
-    Real roulette_scale =
-        1;         ///< what roulette sets beta against: of a camera subpath times the product of eta^2 over
-                   ///< transmissions, which takes their radiance scaling out; of a light subpath over its first power
-    Real pdf = 0;  ///< of the last direction, per steradian (from a light at infinity per area across the
-                   ///< beam); of a specular one the lobe's probability
+    /// What roulette sets beta against. A camera subpath's beta is multiplied by it: the product of eta^2 over
+    /// transmissions takes their radiance scaling out. A light subpath's beta is divided by it: its first power.
+    Real roulette_scale = 1;
+    /// Density of the last direction, per steradian (from a light at infinity: per area across the beam). Of a specular
+    /// direction: the probability of its lobe.
+    Real pdf = 0;
     Real cosine = 1;          ///< of that direction to the geometric normal where it was left; kept for densities only
     Vec3 from;                ///< the vertex it left; the camera or the light at first
     Vec3 from_normal;         ///< its shading normal; zero where there is no surface
@@ -35,13 +36,13 @@ struct Subpath {
     std::uint32_t segment = 0;  ///< rays so far, those beyond cutouts included: keys choices made once a ray
     std::uint32_t light = 0;    ///< a light subpath's
     std::int32_t medium = -1;   ///< what the next ray flies through; -1: nothing
-    std::uint8_t rays = 1;      ///< that leave the vertex at which it stands (splits.h),
-    bool all_lobes = false;     ///< or one by each of its specular lobes,
-    bool split = false;         ///< and whether rays were split before,
-    std::uint8_t followed = 0;  ///< and behind that so many specular vertices
-    std::uint8_t lights = 0;    ///< which of an integrator's choosers took the light sample where it was left,
-    Real light_share = 1;       ///< with which probability there was one at all,
-    Real ray_share = 1;         ///< and the next ray, where that is not specular
+    std::uint8_t rays = 1;      ///< rays that leave the current vertex (splits.h)
+    bool all_lobes = false;     ///< one ray leaves the current vertex by each of its specular lobes
+    bool split = false;         ///< rays were split at an earlier vertex
+    std::uint8_t followed = 0;  ///< number of specular vertices behind the split at which all lobes were followed
+    std::uint8_t lights = 0;    ///< number of the chooser (LiveLights) of the light sample at the vertex that was left
+    Real light_share = 1;       ///< probability with which that vertex took a light sample
+    Real ray_share = 1;         ///< probability of the next ray, where its direction is not specular
     bool specular = true;       ///< the last direction could not have been found in another way (camera, delta lobes)
     bool any_non_specular = false;  ///< of its scatterings
     bool from_infinity = false;
@@ -75,8 +76,25 @@ inline constexpr std::uint32_t light_dimensions = 1u << 26;
 
 template <TransportMode mode>
 inline constexpr SubpathDimensions subpath_dimensions =
-    mode == TransportMode::radiance
-        ? SubpathDimensions{first_free_dimension, 6, 2, 3, 4, 5, 1u << 24, 1u << 25, 1u << 28, 5u << 26}
-        : SubpathDimensions{light_dimensions + 8, 5, 1, 2, 3, 4, 1u << 27, 3u << 26, 3u << 27, 7u << 26};
+    mode == TransportMode::radiance ? SubpathDimensions{.first = first_free_dimension,
+                                                        .stride = 6,
+                                                        .scatter = 2,
+                                                        .lobe = 3,
+                                                        .roulette = 4,
+                                                        .key = 5,
+                                                        .cutouts = 1u << 24,
+                                                        .flights = 1u << 25,
+                                                        .null_collisions = 1u << 28,
+                                                        .connections = 5u << 26}
+                                    : SubpathDimensions{.first = light_dimensions + 8,
+                                                        .stride = 5,
+                                                        .scatter = 1,
+                                                        .lobe = 2,
+                                                        .roulette = 3,
+                                                        .key = 4,
+                                                        .cutouts = 1u << 27,
+                                                        .flights = 3u << 26,
+                                                        .null_collisions = 3u << 27,
+                                                        .connections = 7u << 26};
 
 }  // namespace raylex::transport

@@ -90,6 +90,7 @@ class OslParser {
         NodePtr choices;  // loose reading only
         bool can_join = false;
         bool join_next = false;
+        bool chained = false;  // the last item is a chain of '|'
         while (!at_end() && !(closer != '\0' && at(closer))) {
             if (at('|')) {
                 if (!can_join) {
@@ -106,19 +107,20 @@ class OslParser {
                     choices = choices ? std::move(choices) : make_node(NodeKind::alternatives);
                     choices->children.push_back(
                         placed_around_children(std::exchange(sequence, make_node(NodeKind::sequence))));
-                    join_next = false;
+                    join_next = chained = false;
                 }
                 continue;
             }
             NodePtr item = parse_item();
             if (join_next) {
-                NodePtr joined = make_node(NodeKind::alternatives);
-                joined->children.push_back(std::move(sequence->children.back()));
+                // One node for a whole chain: later stages walk the tree by recursion.
+                NodePtr joined = chained ? std::move(sequence->children.back()) : make_node(NodeKind::alternatives);
+                if (!chained) joined->children.push_back(std::move(sequence->children.back()));
                 joined->children.push_back(std::move(item));
                 item = placed_around_children(std::move(joined));
                 sequence->children.pop_back();
-                join_next = false;
             }
+            chained = std::exchange(join_next, false);
             sequence->children.push_back(std::move(item));
             can_join = true;
         }

@@ -128,7 +128,7 @@ class RendermanParser : private RendermanEvents {
         NodePtr sequence = make_node(NodeKind::sequence);
         do {
             NodePtr item = parse_item();
-            while (at('|')) {
+            for (bool chained = false; at('|'); chained = true) {
                 ++position_;
                 expression_.has_bar = true;
                 if (bar_ == BarReading::loose) {
@@ -137,6 +137,9 @@ class RendermanParser : private RendermanEvents {
                     choices->children.push_back(
                         placed_around_children(std::exchange(sequence, make_node(NodeKind::sequence))));
                     item = parse_item();
+                } else if (chained) {  // one node for the whole chain: later stages walk the tree by recursion
+                    item->children.push_back(parse_item());
+                    item = placed_around_children(std::move(item));
                 } else {
                     item = binary(NodeKind::alternatives, std::move(item), parse_item());
                 }

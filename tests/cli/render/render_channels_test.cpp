@@ -188,6 +188,20 @@ TEST_CASE("layers by technique are proved to sum, of beauty and of channels, fro
           "beauty = beauty_s0t2 + beauty_s0t3 + beauty_s1t2 + beauty_s2t1");
     CHECK(total("beauty_s2t1") == 0);
 
+    // Paths in a body scatter as often as they need, so there is always a layer of longer ones.
+    folder.write("wax.pbrt",
+                 "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\n"
+                 "LookAt 0 1 4 0 0 0 0 1 0\nCamera \"perspective\" \"float fov\" 40\nWorldBegin\n"
+                 "LightSource \"infinite\"\nMaterial \"subsurface\" \"rgb sigma_a\" [.01 .01 .01] "
+                 "\"rgb sigma_s\" [2 2 2] \"float eta\" 1.4\nShape \"sphere\" \"float radius\" 1\n");
+    outcome = run_raylex(folder, "render wax.pbrt -o wax.exr --spp 4 --max-depth 3 --techniques pyramid");
+    CAPTURE(outcome.out, outcome.err);
+    CHECK(outcome.code == 0);
+    image = read_exr(folder.path("wax.exr"));
+    REQUIRE(image);
+    CHECK(image->attributes["partition/techniques"].ends_with(" + beauty_beyond8"));
+    CHECK(total("beauty_beyond8") > 0);
+
     for (const auto& [flags, expected] :
          {std::pair{"--techniques tower", "expected pyramid"}, std::pair{"--techniques pyramid:,x", "expected names"},
           std::pair{"--techniques pyramid:x", "layers of 'x' by technique"},
