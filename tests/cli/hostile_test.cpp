@@ -101,6 +101,21 @@ TEST_CASE("values that a file cannot hold are counted, and its splits are judged
     INFO(single.out << single.err);
     CHECK(single.code == 0);
     CHECK(contains(single.err, "beyond float, set to the largest"));
+    // Deep images and atlases go by the same rule.
+    const Outcome deep = run_raylex(folder, "render bright.pbrt --spp 16 -o b.exr --deep deep.exr --deep-storage half");
+    INFO(deep.out << deep.err);
+    CHECK(deep.code == 0);
+    CHECK(contains(deep.err, "deep.exr: the file cannot hold all values of 1 layer: beauty: 0 values not a number"));
+    CHECK(contains(deep.err, "--deep-storage float has the larger range"));
+    CHECK(contains(deep.out, "256 pixels with values at the largest number of half or float"));
+    const Outcome beyond =
+        run_raylex(folder, "render float.pbrt --spp 16 -o f.exr --deep deep.exr --atlas f.atlas.exr");
+    INFO(beyond.out << beyond.err);
+    CHECK(beyond.code == 0);
+    CHECK(contains(beyond.err, "deep.exr: the file cannot hold all values of 1 layer"));
+    const Outcome atlas = run_raylex(folder, "verify f.atlas.exr");
+    CHECK(atlas.code == 0);
+    CHECK(contains(atlas.out, "256 pixels with values at the largest number of half or float"));
 }
 
 TEST_CASE("samples that cancel under a filter with negative lobes are no failed split", "[cli][law1]") {

@@ -34,6 +34,15 @@ float largest_of(StoredType type) {
     return type == StoredType::half_float ? 65504.0f : std::numeric_limits<float>::max();
 }
 
+bool is_clamped(float value, StoredType type) {
+    return std::abs(value) == largest_of(type);
+}
+
+double error_beside_clamped(double sum, double whole, bool sum_is_clamped, bool whole_is_clamped) {
+    const bool explained = std::abs(sum) < std::abs(whole) ? sum_is_clamped : whole_is_clamped;
+    return explained ? 0 : std::abs(sum - whole);
+}
+
 StoredPrecision precision_of(const ImagePlane& plane) {
     StoredPrecision precision = precision_of(plane.stored);
     if (plane.loss == PlaneLoss::pxr24) precision = {0x1p-15, 0x1p-141, 0};

@@ -403,7 +403,7 @@ class RenderRun {
         auto file = display::ExrBands::open(job_.output);
         if (!file) return report_error(file.error());
         image_ = file->image();
-        if (const std::string repaired = repaired_text(image_); !repaired.empty()) warn(repaired);
+        if (const std::string repaired = repaired_text(image_.attributes); !repaired.empty()) warn(repaired);
         if (!image_.partitions.empty()) {
             auto verdicts = display::check_declared_splits(*file);
             if (!verdicts) return report_error(verdicts.error());
