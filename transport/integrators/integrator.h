@@ -151,6 +151,8 @@ class Integrator {
     virtual Status prepare(const IntegratorContext& context) = 0;
     /// After prepare(): what of this scene the integrator does not find, as warnings for the user.
     [[nodiscard]] virtual std::vector<std::string> omissions() const { return {}; }
+    /// After the render: which paths were cut for their length, and how many, as warnings for the user.
+    [[nodiscard]] virtual std::vector<std::string> cuts() const { return {}; }
     /// The rays that prepare() traced to learn what the render had better do; none of them is of the image.
     [[nodiscard]] virtual std::uint64_t pilot_rays() const { return 0; }
     [[nodiscard]] virtual std::unique_ptr<IntegratorThread> make_thread_state() const {

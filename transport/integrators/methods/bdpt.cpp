@@ -25,6 +25,8 @@ IntegratorTraits Bdpt::traits() const {
 
 Status Bdpt::prepare(const IntegratorContext& context) {
     context_ = context;
+    most_scatterings_ = static_cast<std::uint32_t>(
+        light_vertices_budget / (static_cast<std::size_t>(context.batch_capacity) * sizeof(LightVertex)));
     view_ = {context.camera, context.width, context.height, context.filter_radius};
     const EventTable& events = *context.events;
     if (events.any()) language_.emplace(*context.lpe, events);
@@ -49,6 +51,7 @@ std::unique_ptr<IntegratorThread> Bdpt::make_thread_state() const {
     walk.counts_first_specular = count_mirrors_;
     LightSubpathOptions of_light;
     of_light.walk = walk;
+    of_light.most_scatterings = most_scatterings_;
     of_light.language = language_ ? &*language_ : nullptr;
     of_light.emitters = &emitters_;
     of_light.sampled = &sampled_;
@@ -102,7 +105,15 @@ bool Bdpt::trace_light(const CameraBatch& batch, BdptThread& thread, ThreadServi
         keep_light_vertices(thread);
         light.scatter([&](std::uint32_t row, const Rgb& power) { thread.invalid_powers.emplace_back(row, power); });
     }
+    if (const std::uint64_t cut = light.take_cut(); cut > 0) cut_light_paths_ += cut;
     return true;
+}
+
+std::vector<std::string> Bdpt::cuts() const {
+    const std::uint64_t cut = cut_light_paths_;
+    if (cut == 0) return {};
+    return {std::to_string(cut) + " light subpaths were cut after " + std::to_string(most_scatterings_) +
+            " scatterings, since bdpt keeps their vertices: light of longer ones is missing"};
 }
 
 void Bdpt::keep_light_vertices(BdptThread& thread) const {

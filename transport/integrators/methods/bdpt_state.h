@@ -1,6 +1,7 @@
 // Per-thread state of bidirectional path tracing: private to bdpt*.cpp.
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -27,6 +28,10 @@ struct LightVertex {
     Rgb power;  ///< Subpath::beta
     StrategySums sums;
 };
+
+/// Vertices of a batch's light subpaths wait for camera subpaths. So that they take this much at most, a subpath is cut
+/// behind its share of them: some 4,000, bodies of subsurface materials included.
+inline constexpr std::size_t light_vertices_budget = std::size_t{512} << 20;
 
 struct BdptThread final : IntegratorThread {
     BdptThread(const SceneView& scene, const EventTable& events, const CameraSubpathOptions& of_camera,
@@ -57,6 +62,7 @@ class Bdpt final : public Integrator {
     [[nodiscard]] IntegratorTraits traits() const override;
     Status prepare(const IntegratorContext& context) override;
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override;
+    [[nodiscard]] std::vector<std::string> cuts() const override;
     void integrate(const CameraBatch& batch, IntegratorThread& thread, ThreadServices& services) const override;
 
   private:
@@ -74,8 +80,9 @@ class Bdpt final : public Integrator {
                                                                 const JoinedScattering& f) const;
 
     DepthParameters parameters_;
-    std::uint32_t first_depth_ = 0;
+    std::uint32_t first_depth_ = 0, most_scatterings_ = 0;
     bool count_mirrors_ = true;
+    mutable std::atomic<std::uint64_t> cut_light_paths_{0};
     IntegratorContext context_;
     CameraView view_;
     std::vector<std::int32_t> media_of_lights_;

@@ -112,6 +112,7 @@ class Pssmlt final : public Integrator {
     explicit Pssmlt(const PssmltParameters& parameters);
     [[nodiscard]] IntegratorTraits traits() const override;
     Status prepare(const IntegratorContext& context) override;
+    [[nodiscard]] std::vector<std::string> cuts() const override { return path_->cuts(); }
     [[nodiscard]] std::uint64_t pilot_rays() const override { return camera_->pilot_rays() + path_->pilot_rays(); }
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override;
     [[nodiscard]] bool synchronous() const override { return true; }

@@ -9,7 +9,9 @@
 //     }
 #pragma once
 
+#include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "transport/paths/subpaths/camera_subpaths.h"
@@ -18,8 +20,9 @@ namespace raylex::transport {
 
 struct LightSubpathOptions {
     WalkOptions walk;
-    const LightLanguage* language = nullptr;        ///< null when no channel reads words
-    const LightChooser* emitters = nullptr;         ///< where subpaths begin
+    const LightLanguage* language = nullptr;                                     ///< null when no channel reads words
+    const LightChooser* emitters = nullptr;                                      ///< where subpaths begin
+    std::uint32_t most_scatterings = std::numeric_limits<std::uint32_t>::max();  ///< longer ones are cut there
     const LightChooser* sampled = nullptr;          ///< where camera subpaths sample lights, for sums()
     std::span<const std::int32_t> media_of_lights;  ///< media_of_lights(); all of these must outlive the subpaths
 };
@@ -41,6 +44,8 @@ class LightSubpaths {
         walk_.scatter(scatterer);
     }
 
+    /// How many were cut since the last call (LightSubpathOptions::most_scatterings).
+    [[nodiscard]] std::uint64_t take_cut() { return std::exchange(cut_, 0); }
     [[nodiscard]] const VertexBatch& vertices() const { return walk_.vertices(); }
     [[nodiscard]] const Subpath& path(std::uint32_t row) const { return walk_.path(row); }
     [[nodiscard]] const PixelSampler& sampler(std::uint32_t row) const { return walk_.sampler(row); }
@@ -78,7 +83,9 @@ class LightSubpaths {
         bool worth_scattering(std::size_t j) {
             const bool worth = self.ahead(j).goes_on;
             if (!worth) self.walk_.counters().count(Pruned::light_paths);
-            return worth;
+            const bool cut = worth && self.path(self.vertices().rows[j]).depth >= self.options_.most_scatterings;
+            self.cut_ += cut ? 1 : 0;
+            return worth && !cut;
         }
         void scatters(std::size_t j, const LobeList& lobes) {
             const std::uint32_t row = self.vertices().rows[j];
@@ -104,6 +111,7 @@ class LightSubpaths {
     const LightSubpathOptions options_;
     Walk<TransportMode::importance> walk_;
     LightRecord record_;
+    std::uint64_t cut_ = 0;
     std::vector<LightSample> origins_;  // by row: where it left the light; for densities only
 };
 
