@@ -203,6 +203,14 @@ TEST_CASE("an interrupt is the exit code 130, and a second one leaves no partial
     CHECK(contains(twice.out, "big.exr."));
     CHECK(contains(twice.out, "code 130"));
     for (const std::string& name : folder.names()) CHECK_FALSE(contains(name, "partial"));
+    // Who waits for the end does not wait for the file to be read again.
+    const Outcome once =
+        run_shell(folder, interrupted + "render room.pbrt --spp 64000 --partition shipped -o once.exr");
+    INFO(once.out << once.err);
+    CHECK(once.code == 130);
+    CHECK(contains(once.out, "partition 'shipped', judged while it was written: holds; "));
+    CHECK_FALSE(contains(once.out, "sum to beauty"));
+    CHECK(run_raylex(folder, "verify once.exr").code == 0);
 }
 
 TEST_CASE("a lock has one holder, though each removes its file", "[cli]") {
