@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 
 #include "display/services/elementary.h"
 
@@ -28,14 +27,6 @@ double light_magnitude_of(const std::map<std::string, std::string>& attributes) 
     const auto found = attributes.find(light_magnitude);
     const double magnitude = found == attributes.end() ? 0 : std::strtod(found->second.c_str(), nullptr);
     return std::isfinite(magnitude) && magnitude > 0 ? magnitude : 0;
-}
-
-float largest_of(StoredType type) {
-    return type == StoredType::half_float ? 65504.0f : std::numeric_limits<float>::max();
-}
-
-bool is_clamped(float value, StoredType type) {
-    return std::abs(value) == largest_of(type);
 }
 
 double error_beside_clamped(double sum, double whole, bool sum_is_clamped, bool whole_is_clamped) {

@@ -40,7 +40,8 @@ void print_written_verdicts(const RenderSummary& of) {
     for (const display::PartitionDeclaration& partition : of.image.partitions)
         if (const auto verdict = of.image.attributes.find("verdict/" + partition.name);
             verdict != of.image.attributes.end())
-            print_line("partition '" + partition.name + "', judged while it was written: " + verdict->second);
+            print_line("partition '" + partition.name + "', judged while it was written: " +
+                       verdict->second.substr(0, verdict->second.find_last_not_of(' ') + 1));
 }
 
 }  // namespace
