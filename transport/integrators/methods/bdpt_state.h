@@ -30,8 +30,8 @@ struct LightVertex {
 };
 
 /// Vertices of a batch's light subpaths wait for camera subpaths. So that they take this much at most, a subpath is cut
-/// behind its share of them: some 4,000, bodies of subsurface materials included.
-inline constexpr std::size_t light_vertices_budget = std::size_t{512} << 20;
+/// behind its share of them: some 2,300, bodies of subsurface materials included.
+inline constexpr std::size_t light_vertices_budget = std::size_t{256} << 20;
 
 struct BdptThread final : IntegratorThread {
     BdptThread(const SceneView& scene, const EventTable& events, const CameraSubpathOptions& of_camera,
