@@ -78,9 +78,12 @@ DeepBuffer::DeepBuffer(int width, int height, std::span<const ChannelDefinition>
       chosen_(std::move(chosen)),
       options_(options),
       pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
-    for (const ChannelId id : chosen_)
-        components_ +=
-            static_cast<std::size_t>(raylex::display::component_count(channels_[static_cast<std::size_t>(id)].type));
+    quanta_.assign(2, quantum);
+    for (const ChannelId id : chosen_) {
+        const ChannelDefinition& channel = channels_[static_cast<std::size_t>(id)];
+        components_ += static_cast<std::size_t>(raylex::display::component_count(channel.type));
+        quanta_.resize(stride(), quantum + channel.scale_exponent);
+    }
     first_level_ =
         std::clamp(mantissa_bits + static_cast<int>(std::floor(elementary::log2(options.tolerance))), 1, mantissa_bits);
 }
@@ -163,7 +166,7 @@ void DeepBuffer::add_row(Pixel& pixel, const SampleTable& table, const Row& row,
     const float depth = row.background ? deep_background : table.depth[index] + 0.0f;
     bool fits = depth >= 0, leaves_a_trace = false;
     const auto put = [&](std::size_t at, double value) {
-        fits = fits && to_fixed(value, quantum, terms[at]);
+        fits = fits && to_fixed(value, quanta_[at], terms[at]);
         leaves_a_trace = leaves_a_trace || terms[at] != 0;
     };
     put(0, row.drop);
@@ -274,7 +277,7 @@ std::vector<DeepSample> DeepBuffer::resolve(int x, int y) const {
             sample.z_back = sample.z;
         }
         for (std::size_t i = 2; i < stride(); ++i) {
-            const long double light = to_long_double(sums[i], quantum) / weight;
+            const long double light = to_long_double(sums[i], quanta_[i]) / weight;
             sample.values.push_back(open ? static_cast<float>(light / through) : 0.0f);
         }
         through = std::max(0.0L, through - drop);

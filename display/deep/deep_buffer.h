@@ -52,7 +52,7 @@ struct DeepCounts {
     std::uint64_t samples = 0;        ///< in all pixels
     std::uint64_t merged_pixels = 0;  ///< pixels in which the limit was passed
     double coarsest = 0;              ///< largest relative difference of depths merged for it
-    std::uint64_t refused_rows = 0;   ///< rows with values out of range, or depths that are negative
+    std::uint64_t refused_rows = 0;   ///< rows with values out of range, or depths that are negative: left out
 };
 
 class DeepBuffer : public SampleSink {
@@ -95,6 +95,7 @@ class DeepBuffer : public SampleSink {
     std::vector<ChannelDefinition> channels_;
     std::vector<ChannelId> chosen_;
     std::size_t components_ = 0;
+    std::vector<int> quanta_;  // [stride()] of the sums
     DeepOptions options_;
     int first_level_ = 0;
     std::vector<Pixel> pixels_;

@@ -67,12 +67,14 @@ fs::path residual_map_beside(const display::SplitVerdict& verdict, const display
            (source.stem().string() + "." + (verdict.partition.empty() ? "sum" : verdict.partition) + ".residual.png");
 }
 
-std::string clamped_text(const display::SplitVerdict& verdict) {
-    return counted(verdict.clamped, "pixel") +
-           " with values at the largest number of half or float: there the file does not show whether the split holds";
-}
+constexpr const char* split_holds = "the split holds";
 
 }  // namespace
+
+std::string clamped_text(std::size_t pixels, const std::string& what) {
+    return counted(pixels, "pixel") +
+           " with values at the largest number of half or float: there the file does not show whether " + what;
+}
 
 std::string verdict_text(const display::SplitVerdict& verdict, const std::string& title) {
     std::string text = (title.empty() ? partition_name(verdict) : title) + ": " + layer_count(verdict) + " against " +
@@ -98,7 +100,7 @@ std::string verdict_text(const display::SplitVerdict& verdict, const std::string
                 (verdict.non_finite == 1 ? " pixel holds" : " pixels hold") +
                 " values that are not finite, the first " + pixel_text(verdict.non_finite_x, verdict.non_finite_y) +
                 (verdict.non_finite_layer.empty() ? std::string() : " in " + verdict.non_finite_layer);
-    if (verdict.clamped > 0) text += "\n  " + clamped_text(verdict);
+    if (verdict.clamped > 0) text += "\n  " + clamped_text(verdict.clamped, split_holds);
     if (!verdict.holds)
         for (const std::string& lossy : verdict.unexplained)
             text +=
@@ -113,21 +115,22 @@ std::string verdict_line(const display::SplitVerdict& verdict) {
            (verdict.answer == display::SplitAnswer::holds_as_allowed ? " within what is allowed for " + reasons(verdict)
                                                                      : std::string()) +
            " (largest relative error " + number_text(verdict.largest_relative) + ", bound " +
-           number_text(verdict.bound) + ")" + (verdict.clamped > 0 ? "; " + clamped_text(verdict) : std::string());
+           number_text(verdict.bound) + ")" +
+           (verdict.clamped > 0 ? "; " + clamped_text(verdict.clamped, split_holds) : std::string());
 }
 
-std::string repaired_text(const display::ExrImage& image) {
+std::string repaired_text(const std::map<std::string, std::string>& attributes, const std::string& remedy) {
     constexpr std::string_view prefix = "repaired/";
     constexpr std::size_t most = 4;
     std::string text;
     std::size_t count = 0;
-    for (const auto& [name, what] : image.attributes)
+    for (const auto& [name, what] : attributes)
         if (name.starts_with(prefix) && ++count <= most)
             text += (text.empty() ? "" : "; ") + name.substr(prefix.size()) + ": " + what;
     if (count == 0) return {};
     return "the file cannot hold all values of " + counted(count, "layer") + ": " + text +
            (count > most ? "; ..." : "") +
-           (text.find("beyond half") == std::string::npos ? "" : ". --exr 'all=float zip' has the larger range");
+           (text.find("beyond half") == std::string::npos ? "" : ". " + remedy + " has the larger range");
 }
 
 std::string write_residual_map(const display::SplitVerdict& verdict, const display::ExrImage& image) {
@@ -162,6 +165,7 @@ std::string atlas_line(const display::AtlasVerdict& verdict, std::uint64_t pixel
                        (verdict.holds ? ", sum to the beauty" : ", DO NOT SUM to the beauty") + " (largest error " +
                        number_text(verdict.largest) + " of the sum of magnitudes)";
     if (verdict.exceeding > 0) line += "; " + std::to_string(verdict.exceeding) + " pixels exceed the bound 2^-23";
+    if (verdict.clamped > 0) line += "; " + clamped_text(verdict.clamped, "words sum to it");
     return line;
 }
 

@@ -1,6 +1,7 @@
 // Split-sum verdicts as text, and the heat map that a failure leaves.
 #pragma once
 
+#include <map>
 #include <span>
 #include <string>
 
@@ -19,8 +20,11 @@ std::string verdict_text(const display::SplitVerdict& verdict, const std::string
 std::string verdict_line(const display::SplitVerdict& verdict);
 
 /// The layers of which the writer changed values that their type cannot hold, and how many; empty where it changed
-/// none.
-std::string repaired_text(const display::ExrImage& image);
+/// none. By a header's attributes; `remedy` is the option that stores floats.
+std::string repaired_text(const std::map<std::string, std::string>& attributes,
+                          const std::string& remedy = "--exr 'all=float zip'");
+/// "3 pixels with values at the largest number of half or float: there the file does not show whether " + `what`.
+std::string clamped_text(std::size_t pixels, const std::string& what);
 
 /// "atlas: 214 words, 18.3 a pixel, sum to the beauty (...)".
 std::string atlas_line(const display::AtlasVerdict& verdict, std::uint64_t pixels);

@@ -3,12 +3,14 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <random>
 
 #include <ImfCompositeDeepScanLine.h>
 #include <ImfDeepImageStateAttribute.h>
 #include <ImfDeepScanLineInputFile.h>
 #include <ImfDeepScanLineInputPart.h>
+#include <ImfStringAttribute.h>
 
 #include "display/output/writer/deep_file.h"
 #include "files.h"
@@ -190,6 +192,60 @@ TEST_CASE("deep pixels flatten to the shallow image within the bound", "[display
             CHECK(verdict->most_samples <= 33);
             CHECK(verdict->largest_alpha > 0);  // floats were rounded: the check says something
         }
+}
+
+TEST_CASE("deep colours beyond their type are counted, and clamp as in a flat image", "[display][deep][law6]") {
+    const Folder folder;
+    const DeepStorage half = *parse_deep_storage("half", {}), single;
+    const auto rendered_with = [](double light) {
+        Rendered image{DeepBuffer(2, 1, deep_channels(), {0, 1}, {}), FrameBuffer({2, 1}, deep_channels())};
+        give(image.deep, &image.flat, {{{2, 1, light}}, {{infinite, 0, light}}}, 0, 0);
+        give(image.deep, &image.flat, {{{3, 1, 0.5}}}, 1, 0);
+        return image;
+    };
+    const Rendered bright = rendered_with(1e6), dim = rendered_with(1e4);
+    const auto write_flat = [&](StoredType type) {
+        ImageDescription description;
+        for (ExrStorage& each : description.storage) each.type = type;
+        REQUIRE(write_exr(folder.path("flat.exr"), bright.flat, 0, description).ok());
+    };
+    const auto judged = [&](const DeepBuffer& deep, const DeepStorage& storage) {
+        std::map<std::string, std::string> repaired;
+        REQUIRE(write_deep_exr(folder.path("deep.exr"), deep, 0, {}, storage, &repaired).ok());
+        return std::pair(*check_deep(folder.path("deep.exr"), *read_exr(folder.path("flat.exr"))), repaired);
+    };
+    write_flat(StoredType::single_float);
+    const auto [verdict, repaired] = judged(bright.deep, half);
+    CHECK(verdict.holds);
+    CHECK(verdict.clamped == 1);
+    const std::string six = "0 values not a number, set to 0; 6 beyond half, set to the largest";
+    CHECK(repaired == std::map<std::string, std::string>{{"repaired/beauty", six}, {"repaired/diffuse", six}});
+    {
+        Imf::DeepScanLineInputFile file(folder.path("deep.exr").c_str());
+        const auto* counted = file.header().findTypedAttribute<Imf::StringAttribute>("repaired/diffuse");
+        REQUIRE(counted != nullptr);
+        CHECK(counted->value() == six);
+    }
+    const auto [as_float, none] = judged(bright.deep, single);
+    CHECK(as_float.holds);
+    CHECK(as_float.clamped == 0);
+    CHECK(none.empty());
+    write_flat(StoredType::half_float);
+    const auto [flat_clamped, no_more] = judged(bright.deep, single);
+    CHECK(flat_clamped.holds);
+    CHECK(flat_clamped.clamped == 1);
+    // 65504 stands for more, and not for 1e4.
+    CHECK(judged(dim.deep, single).first.exceeding == 1);
+}
+
+TEST_CASE("deep light has the scale of its channel, as the image's has", "[display][deep][law6]") {
+    std::vector<ChannelDefinition> channels = deep_channels();
+    for (ChannelDefinition& channel : channels) channel.scale_exponent = 100;
+    DeepBuffer deep(1, 1, channels, {0}, {});
+    give(deep, nullptr, {{{2, 1, 1e33}}}, 0, 0);  // beyond the sums of scale 0, which end at 2^47
+    CHECK(deep.counts().refused_rows == 0);
+    REQUIRE(deep.resolve(0, 0).size() == 1);
+    CHECK(deep.resolve(0, 0)[0].values[0] == Approx(1e33f));
 }
 
 TEST_CASE("flattening by the library's own compositor agrees", "[display][deep]") {

@@ -122,6 +122,8 @@ class Integrator {
     virtual Status prepare(const IntegratorContext& context) = 0;
     /// After prepare(): what of this scene the integrator does not find, as warnings for the user.
     [[nodiscard]] virtual std::vector<std::string> omissions() const { return {}; }
+    /// After the render: which paths were cut for their length, and how many, as warnings for the user.
+    [[nodiscard]] virtual std::vector<std::string> cuts() const { return {}; }
     /// Before prepare(): what the render may plan for the integrator's camera subpaths. By default nothing.
     [[nodiscard]] virtual PlanRequest plan_request() const { return {}; }
     [[nodiscard]] virtual std::unique_ptr<IntegratorThread> make_thread_state() const {

@@ -46,6 +46,7 @@ void Walk<mode>::begin(std::span<const PixelSampler> samplers, IntegratorCounter
     queue_.count = 0;
     passes_.clear();
     invalid_powers_.clear();
+    cut_ = 0;
     if (wavelengths_.any()) wavelengths_.draw(samplers);
 }
 

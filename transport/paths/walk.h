@@ -43,6 +43,8 @@ struct WalkOptions {
     bool counts_first_specular = true;
     /// Emitters that a camera subpath meets before so many scattering events are left out, and user events of surfaces.
     std::uint32_t first_depth = 0;
+    /// Light subpaths longer than this are cut, and counted.
+    std::uint32_t most_scatterings = ~0u;
     /// Light subpaths with densities: where camera subpaths sample lights.
     const LightChooser* sampled = nullptr;
 };
@@ -104,6 +106,9 @@ class Walk {
     [[nodiscard]] std::span<const SurfaceArrival> arrivals() const { return arrivals_; }
     /// Light subpaths only: since begin().
     [[nodiscard]] std::span<const InvalidPower> invalid_powers() const { return invalid_powers_; }
+
+    /// Light subpaths that were cut since begin() (WalkOptions::most_scatterings).
+    [[nodiscard]] std::uint64_t cut() const { return cut_; }
 
     [[nodiscard]] const Subpath& path(std::uint32_t row) const { return paths_[row]; }
     /// The factor of light that the subpath of a row meets: beta, times the weight of its wavelength if it is of one.
@@ -239,6 +244,7 @@ class Walk {
     std::vector<SurfaceArrival> arrivals_;
     std::vector<CutoutPass> passes_;
     std::vector<InvalidPower> invalid_powers_;
+    std::uint64_t cut_ = 0;
 };
 
 extern template class Walk<TransportMode::radiance>;

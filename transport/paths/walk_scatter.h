@@ -114,9 +114,14 @@ template <TransportMode mode>
 bool Walk<mode>::may_be_scattered(std::size_t j) {
     if constexpr (mode == TransportMode::importance) {
         const std::uint32_t row = vertices_.rows[j];
-        if (record_.ahead(row, vertices_.sources[j].label, vertices_.points[j].material).goes_on) return true;
-        counters_->count(pruned_paths);
-        return false;
+        if (!record_.ahead(row, vertices_.sources[j].label, vertices_.points[j].material).goes_on) {
+            counters_->count(pruned_paths);
+            return false;
+        }
+        if (paths_[row].depth >= options_.most_scatterings) {
+            ++cut_;
+            return false;
+        }
     }
     return true;
 }

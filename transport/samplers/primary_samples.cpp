@@ -10,6 +10,7 @@ namespace raylex::transport {
 namespace {
 
 constexpr std::uint64_t choices = std::uint64_t{1} << 40;  // names no dimension has
+constexpr std::uint32_t kind_of_dimension = 1u << 23;      // each begins at a multiple: subpath.h
 
 /// A standard normal number (Box and Muller) of 64 random bits.
 Real normal_number(std::uint64_t bits) {
@@ -26,22 +27,24 @@ Real wrap(Real x) {
 }  // namespace
 
 void PrimarySamples::restart(std::uint64_t stream) {
-    stream_ = stream;
-    mutation_ = step_ = last_large_ = 0;
+    draws_ = large_draws_ = {stream, 0};
+    step_ = last_large_ = 0;
     large_ = true;
     numbers_.clear();
     std::fill(slots_.begin(), slots_.end(), 0u);
 }
 
 void PrimarySamples::propose(bool large, Real sigma) {
-    ++mutation_;
+    ++draws_.mutation;
     ++step_;
     large_ = large;
     sigma_ = sigma;
 }
 
 void PrimarySamples::accept() {
-    if (large_) last_large_ = step_;
+    if (!large_) return;
+    last_large_ = step_;
+    large_draws_ = draws_;
 }
 
 void PrimarySamples::reject() {
@@ -53,12 +56,12 @@ void PrimarySamples::reject() {
     --step_;
 }
 
-std::uint64_t PrimarySamples::bits(std::uint64_t name) const {
-    return mix_bits(mix_bits(stream_ + mutation_ * 0x9e3779b97f4a7c15ull) ^ (name * 0xd1342543de82ef95ull));
+std::uint64_t PrimarySamples::Draws::bits(std::uint64_t name) const {
+    return mix_bits(mix_bits(stream + mutation * 0x9e3779b97f4a7c15ull) ^ (name * 0xd1342543de82ef95ull));
 }
 
 Real PrimarySamples::choose(std::uint32_t use) const {
-    return unit_float(bits(2 * choices + use));
+    return unit_float(draws_.bits(2 * choices + use));
 }
 
 void PrimarySamples::grow() {
@@ -83,21 +86,23 @@ PrimarySamples::Number& PrimarySamples::find(std::uint64_t name) {
 
 Real PrimarySamples::get(std::uint32_t dimension, bool second) {
     const std::uint64_t name = 2 * std::uint64_t{dimension} + (second ? 2 : 1);
+    if (dimension % kind_of_dimension >= remembered_dimensions)
+        return unit_float((large_ ? draws_ : large_draws_).bits(name));
     Number& number = find(name);
     if (number.changed == step_) return number.value;
     if (number.changed <= last_large_ && number.changed != last_large_) {
         // Not there at the last large step, or older than it: as that step would have drawn it. The draw is of now,
         // which is as good: nobody has seen another.
-        number.value = unit_float(bits(name + choices));
+        number.value = unit_float(draws_.bits(name + choices));
         number.changed = last_large_;
     }
     number.kept = number.value;
     number.kept_changed = number.changed;
     if (large_) {
-        number.value = unit_float(bits(name));
+        number.value = unit_float(draws_.bits(name));
     } else {
         const auto missed = static_cast<Real>(step_ - number.changed);
-        number.value = wrap(number.value + normal_number(bits(name)) * sigma_ * std::sqrt(missed));
+        number.value = wrap(number.value + normal_number(draws_.bits(name)) * sigma_ * std::sqrt(missed));
     }
     number.changed = step_;
     return number.value;

@@ -104,8 +104,12 @@ std::vector<double> FrameBuffer::resolve(ChannelId id, const PixelRegion& region
         double* out = &result[at * components];
         const std::size_t in = pixel * components;
         if (rule == FilterRule::filter) {
-            const Divisor divisor(storage.weight[pixel], storage.samples[pixel], exponent, scale);
-            for (std::size_t c = 0; c < components; ++c) out[c] = divisor.mean_of(channel.sum[in + c]);
+            Int128 any = 0;
+            for (std::size_t c = 0; c < components; ++c) any |= channel.sum[in + c];
+            if (any != 0) {  // else no division: most layers are black in most pixels
+                const Divisor divisor(storage.weight[pixel], storage.samples[pixel], exponent, scale);
+                for (std::size_t c = 0; c < components; ++c) out[c] = divisor.mean_of(channel.sum[in + c]);
+            }
             if (raster_scale == 0) return;
             for (std::size_t c = 0; c < components; ++c)
                 out[c] += static_cast<double>(as_long_double(channel.raster_sum[in + c]) * raster_scale);

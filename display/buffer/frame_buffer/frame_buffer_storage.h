@@ -363,17 +363,16 @@ struct Divisor {
     long double reciprocal = 0;
     std::uint64_t samples = 0;
     int exponent = 0;
-    long double scale = 1;
+    long double scale = 1;  // a power of two: products with it are exact
 
     /// `quantum_exponent` is of the weights, `scale_exponent` what the sums' own is more.
     Divisor(Int128 weight_sum, std::uint64_t sample_count, int quantum_exponent, int scale_exponent = 0)
-        : reciprocal(weight_sum != 0 ? 1.0L / as_long_double(weight_sum) : 0.0L),
-          samples(sample_count),
-          exponent(quantum_exponent),
-          scale(power_of_two(scale_exponent)) {}
+        : samples(sample_count), exponent(quantum_exponent), scale(power_of_two(scale_exponent)) {
+        if (weight_sum != 0) reciprocal = 1.0L / as_long_double(weight_sum) * scale;
+    }
     [[nodiscard]] double mean_of(Int128 sum) const {
         if (sum == 0) return 0;
-        if (reciprocal != 0) return static_cast<double>(as_long_double(sum) * reciprocal * scale);
+        if (reciprocal != 0) return static_cast<double>(as_long_double(sum) * reciprocal);
         if (samples == 0) return 0;
         return static_cast<double>(to_long_double(sum, exponent) * scale / static_cast<long double>(samples));
     }

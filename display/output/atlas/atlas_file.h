@@ -126,6 +126,7 @@ struct AtlasVerdict {
     double largest = 0;  ///< |sum - beauty| over the sum of |words| + |beauty|
     int x = 0, y = 0;
     std::uint64_t exceeding = 0;  ///< pixels
+    std::uint64_t clamped = 0;    ///< pixels with a value at the largest float: what it can explain is no error
     std::uint64_t samples = 0, most_samples = 0;
     std::size_t words = 0;
     bool holds = false;

@@ -5,6 +5,7 @@
 
 #include "display/output/atlas/atlas_file.h"
 #include "display/output/splits/stored_precision.h"
+#include "display/output/writer/exr_pixels.h"
 
 namespace raylex::display {
 namespace {
@@ -61,7 +62,9 @@ class RenderAtlas final : public AtlasSource {
         row.counts.resize(columns);
         for (std::size_t x = 0; x < columns; ++x) {
             const std::size_t pixel = static_cast<std::size_t>(y) * columns + x;
-            for (std::size_t c = 0; c < 3; ++c) row.rgba[x][c] = static_cast<float>(beauty[3 * x + c]);
+            Repairs repairs;  // check_atlas() counts
+            for (std::size_t c = 0; c < 3; ++c)
+                row.rgba[x][c] = repairs.to_stored(beauty[3 * x + c], 0, StoredType::single_float);
             row.rgba[x][3] = static_cast<float>(alpha[x]);
             const auto counts = atlas_.samples(pixel);
             std::transform(counts.begin(), counts.end(), row.counts[x].begin(),
@@ -114,15 +117,20 @@ Result<AtlasVerdict> check_atlas(AtlasSource& source, double magnitude) {
         if (Status read = source.row(y, row); !read) return read.error();
         for (std::size_t x = 0; x < row.rgba.size(); ++x) {
             verdict.most_samples = std::max<std::uint64_t>(verdict.most_samples, row.begin[x + 1] - row.begin[x]);
-            bool exceeds = false;
+            bool exceeds = false, clamped = false;
             for (std::size_t c = 0; c < 3; ++c) {
                 double sum = 0, whole = std::abs(static_cast<double>(row.rgba[x][c]));
+                bool sum_is_clamped = false;
+                const bool whole_is_clamped = is_clamped(row.rgba[x][c], StoredType::single_float);
                 for (std::size_t i = row.begin[x]; i < row.begin[x + 1]; ++i) {
                     const auto value = row.samples[i].rgb[c];
                     sum += value;
                     whole += std::abs(value);
+                    sum_is_clamped |= std::abs(value) >= static_cast<double>(largest_of(StoredType::single_float));
                 }
-                const double error = std::abs(sum - static_cast<double>(row.rgba[x][c]));
+                clamped = clamped || sum_is_clamped || whole_is_clamped;
+                const double error =
+                    error_beside_clamped(sum, static_cast<double>(row.rgba[x][c]), sum_is_clamped, whole_is_clamped);
                 exceeds = exceeds || !(error <= 0x1p-23 * whole + cancelled_unit * magnitude);
                 if (const double relative = whole > 0 ? error / whole : 0; relative > verdict.largest) {
                     verdict.largest = relative;
@@ -131,6 +139,7 @@ Result<AtlasVerdict> check_atlas(AtlasSource& source, double magnitude) {
                 }
             }
             verdict.exceeding += exceeds ? 1 : 0;
+            verdict.clamped += clamped ? 1 : 0;
         }
         verdict.samples += row.samples.size();
     }

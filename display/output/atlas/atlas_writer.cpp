@@ -14,6 +14,7 @@
 #include "display/output/atlas/atlas_layout.h"
 #include "display/output/atlas/atlas_table.h"
 #include "display/output/writer/exr_header.h"
+#include "display/output/writer/exr_pixels.h"
 
 namespace raylex::display {
 namespace {
@@ -109,9 +110,10 @@ class AtlasBand {
     void add(const WordSample& sample) {
         words_.push_back(sample.word);
         for (std::size_t c = 0; c < 3; ++c) {
-            const auto stored = static_cast<float>(sample.rgb[c]);
+            const auto store = [&](double value) { return repairs_.to_stored(value, 0, StoredType::single_float); };
+            const float stored = store(sample.rgb[c]);
             colors_[c].push_back(stored);
-            if (is_signed_) rests_[c].push_back(static_cast<float>(sample.rgb[c] - static_cast<double>(stored)));
+            if (is_signed_) rests_[c].push_back(store(sample.rgb[c] - static_cast<double>(stored)));
         }
         std::uint32_t eighth = AtlasLayout::no_luminance;
         for (std::uint32_t k = 0; k < PathAtlas::parts; ++k) {
@@ -121,7 +123,8 @@ class AtlasBand {
         }
         eighths_.emplace_back(static_cast<float>(eighth));
         for (std::size_t k = 0; eighth == AtlasLayout::several_eighths && k < PathAtlas::parts; ++k)
-            parts_[k].push_back(Imath::half(std::clamp(sample.parts[k], -65504.0f, 65504.0f)));
+            parts_[k].push_back(
+                Imath::half(repairs_.to_stored(static_cast<double>(sample.parts[k]), 0, StoredType::half_float)));
     }
     void write_flat(Imf::OutputPart& part, int rows) {
         const std::vector<std::string> planes = AtlasLayout::flat_planes();
@@ -160,6 +163,7 @@ class AtlasBand {
     std::ptrdiff_t width_;
     int y0_ = 0;
     bool is_signed_;
+    Repairs repairs_;                               // check_atlas() counts
     std::vector<unsigned> counts_, spread_counts_;  // of part `words`, of part `parts`
     std::vector<std::uint32_t> words_;
     std::vector<Imath::half> eighths_;

@@ -34,12 +34,11 @@ VerdictTally::VerdictTally(int width, std::size_t pixels, double unit, const All
 }
 
 void mark_clamped(std::span<const float> values, StoredType type, std::vector<bool>& clamped) {
-    const float largest = largest_of(type);
     bool any = false;
-    for (const float value : values) any |= std::abs(value) == largest;
+    for (const float value : values) any |= is_clamped(value, type);
     if (!any) return;
     clamped.resize(values.size());
-    for (std::size_t i = 0; i < values.size(); ++i) clamped[i] = clamped[i] || std::abs(values[i]) == largest;
+    for (std::size_t i = 0; i < values.size(); ++i) clamped[i] = clamped[i] || is_clamped(values[i], type);
 }
 
 void VerdictTally::add(std::size_t pixel, std::array<SplitError, 3> components, bool clamped) {

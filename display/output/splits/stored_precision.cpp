@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 
 #include "display/services/elementary.h"
 
@@ -30,8 +29,9 @@ double light_magnitude_of(const std::map<std::string, std::string>& attributes) 
     return std::isfinite(magnitude) && magnitude > 0 ? magnitude : 0;
 }
 
-float largest_of(StoredType type) {
-    return type == StoredType::half_float ? 65504.0f : std::numeric_limits<float>::max();
+double error_beside_clamped(double sum, double whole, bool sum_is_clamped, bool whole_is_clamped) {
+    const bool explained = std::abs(sum) < std::abs(whole) ? sum_is_clamped : whole_is_clamped;
+    return explained ? 0 : std::abs(sum - whole);
 }
 
 StoredPrecision precision_of(const ImagePlane& plane) {

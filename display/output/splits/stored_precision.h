@@ -1,7 +1,9 @@
 // How far a stored value may be from the one that was meant.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
 
@@ -29,7 +31,15 @@ inline constexpr double cancelled_unit = 0x1p-45;
 /// 0 where the header does not have it, or no positive number.
 [[nodiscard]] double light_magnitude_of(const std::map<std::string, std::string>& attributes);
 /// The largest number of the type, which writers store in place of larger ones.
-[[nodiscard]] float largest_of(StoredType type);
+[[nodiscard]] inline float largest_of(StoredType type) {
+    return type == StoredType::half_float ? 65504.0f : std::numeric_limits<float>::max();
+}
+/// Whether a larger number may have been meant.
+[[nodiscard]] inline bool is_clamped(float value, StoredType type) {
+    return std::abs(value) == largest_of(type);
+}
+/// |sum - whole|, but for what clamped values can explain: clamped terms lower the sum, a clamped whole is too low.
+[[nodiscard]] double error_beside_clamped(double sum, double whole, bool sum_is_clamped, bool whole_is_clamped);
 [[nodiscard]] StoredPrecision precision_of(const ImagePlane& plane);
 
 /// How far DWA moves a value on its own scale, x^(1/2.2) up to 1 and 1 + ln(x) / 2.2 above. It quantises the cosine

@@ -14,6 +14,7 @@
 #include <ImfPartType.h>
 
 #include "display/output/reader/exr_guard.h"
+#include "display/output/splits/stored_precision.h"
 
 namespace raylex::display {
 
@@ -23,7 +24,7 @@ namespace {
 struct Pair {
     const ImagePlane* shallow = nullptr;
     std::string channel;
-    bool is_half = false;
+    StoredType type = StoredType::single_float;  // of the deep channel
 };
 
 struct Comparison {
@@ -53,7 +54,8 @@ Comparison match(const Imf::ChannelList& channels, const ExrImage& image) {
             const std::string name = layer.name.empty() ? plane.name : single;
             const Imf::Channel* channel = channels.findChannel(name);
             if (channel == nullptr) continue;
-            result.pairs.push_back({&plane, name, channel->type == Imf::HALF});
+            result.pairs.push_back(
+                {&plane, name, channel->type == Imf::HALF ? StoredType::half_float : StoredType::single_float});
             any = true;
         }
         if (any) result.layers.push_back(layer.name.empty() ? "beauty" : layer.name);
@@ -111,7 +113,7 @@ class DeepRow {
 
 void judge_pixel(const DeepRow& row, const Comparison& comparison, int x, int y, std::size_t pixel,
                  DeepVerdict& verdict) {
-    constexpr double unit = 0x1p-23, half_unit = 0x1p-10;
+    constexpr double unit = 0x1p-23;
     const auto column = static_cast<std::size_t>(x);
     const std::size_t n = row.count(column);
     const float *z = row.values(0, column), *z_back = row.values(1, column), *a = row.values(2, column);
@@ -122,7 +124,7 @@ void judge_pixel(const DeepRow& row, const Comparison& comparison, int x, int y,
         transmittance *= 1 - static_cast<double>(a[k]);
         if (!(z[k] >= 0) || z_back[k] < z[k] || (k > 0 && z[k] < z[k - 1])) verdict.sorted = false;
     }
-    bool exceeds = false;
+    bool exceeds = false, clamped = false;
     const double count = static_cast<double>(n);
     if (comparison.alpha != nullptr) {
         const double error = std::abs(1 - transmittance - static_cast<double>(comparison.alpha->values[pixel]));
@@ -134,18 +136,24 @@ void judge_pixel(const DeepRow& row, const Comparison& comparison, int x, int y,
         }
     }
     for (std::size_t p = 0; p < comparison.pairs.size(); ++p) {
+        const Pair& pair = comparison.pairs[p];
         const float* c = row.values(3 + p, column);
         double sum = 0, scale = 0, front = 1;
+        bool sum_is_clamped = false;
         for (std::size_t k = 0; k < n; ++k) {
             sum += front * static_cast<double>(c[k]);
             scale += std::abs(static_cast<double>(c[k]));
             front *= 1 - static_cast<double>(a[k]);
+            sum_is_clamped = sum_is_clamped || is_clamped(c[k], pair.type);
         }
-        const auto shallow = static_cast<double>(comparison.pairs[p].shallow->values[pixel]);
-        const double error = std::abs(sum - shallow), whole = scale + std::abs(shallow);
-        const double shallow_unit = comparison.pairs[p].shallow->stored == StoredType::half_float ? half_unit : unit;
-        exceeds = exceeds || !(error <= (count * unit + (comparison.pairs[p].is_half ? half_unit : unit)) * scale +
-                                            shallow_unit * whole + 0x1p-24);  // 2^-24: halves below 2^-14
+        const auto shallow = static_cast<double>(pair.shallow->values[pixel]);
+        const bool shallow_is_clamped = is_clamped(pair.shallow->values[pixel], pair.shallow->stored);
+        clamped = clamped || sum_is_clamped || shallow_is_clamped;
+        const double error = error_beside_clamped(sum, shallow, sum_is_clamped, shallow_is_clamped),
+                     whole = scale + std::abs(shallow);
+        exceeds =
+            exceeds || !(error <= (count * unit + precision_of(pair.type).unit) * scale +
+                                      precision_of(pair.shallow->stored).unit * whole + 0x1p-24);  // halves below 2^-14
         const double relative = whole > 0 ? error / whole : 0;
         if (relative > verdict.largest_color) {
             verdict.largest_color = relative;
@@ -154,6 +162,7 @@ void judge_pixel(const DeepRow& row, const Comparison& comparison, int x, int y,
         }
     }
     verdict.exceeding += exceeds ? 1 : 0;
+    verdict.clamped += clamped ? 1 : 0;
 }
 
 }  // namespace

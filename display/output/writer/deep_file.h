@@ -20,9 +20,10 @@ Result<DeepStorage> parse_deep_storage(const std::string& text, const SourceLoca
 
 /// One scanline part with Z, ZBack and A (FLOAT) and, premultiplied, R G B of beauty and NAME.R ... of the others, all
 /// paired with A. deepImageState is sorted or tidy as the buffer's options say. Written to a temporary name and
-/// renamed. The description's string attributes, chromaticities and matrices go into the header.
-Status write_deep_exr(const std::string& path, const DeepBuffer& deep, ChannelId beauty,
-                      const ImageDescription& description, const DeepStorage& storage);
+/// renamed. The description's string attributes, chromaticities and matrices go into the header. Values beyond the
+/// stored type are counted there as in a flat image, `repaired/NAME`; `repaired` gets these attributes.
+Status write_deep_exr(const std::string& path, const DeepBuffer& deep, ChannelId beauty, ImageDescription description,
+                      const DeepStorage& storage, std::map<std::string, std::string>* repaired = nullptr);
 
 /// A deep file flattened front to back against a shallow image, pixel by pixel.
 struct DeepVerdict {
@@ -31,15 +32,16 @@ struct DeepVerdict {
     double largest_color = 0;         ///< relative to the sum of |colours| + |shallow|
     int alpha_x = 0, alpha_y = 0, color_x = 0, color_y = 0;
     std::size_t samples = 0, most_samples = 0, exceeding = 0;  ///< in all; in one pixel; pixels beyond the bound
-    bool sorted = true;                                        ///< every pixel's samples are, as the file says
+    std::size_t clamped = 0;  ///< pixels with a colour at the largest number of its type, in either image
+    bool sorted = true;       ///< every pixel's samples are, as the file says
     bool holds = false;
 };
 
 /// With n samples c_k, A_k in a pixel and u = 2^-23 (2^-10 for half colours), allowed are
 ///     alpha   n u_A + u,  u_A = 2^-23,
 ///     colour  (n u_A + u_c) sum |c_k| + u (|shallow| + sum |c_k|):
-/// each A is off by at most its rounding, which adds up along T, and T scales what lies behind. Errors: no deep file, a
-/// size unlike the image's, no layer in common.
+/// each A is off by at most its rounding, which adds up along T, and T scales what lies behind. What clamped values can
+/// explain is no error. Errors: no deep file, a size unlike the image's, no layer in common.
 Result<DeepVerdict> check_deep(const std::string& path, const ExrImage& image);
 
 }  // namespace raylex::display

@@ -15,7 +15,9 @@
 #include <half.h>
 
 #include "display/output/atomic_file.h"
+#include "display/output/splits/stored_precision.h"
 #include "display/output/writer/exr_header.h"
+#include "display/output/writer/exr_pixels.h"
 
 namespace raylex::display {
 
@@ -27,7 +29,9 @@ constexpr int rows_at_once = 16;
 struct DeepPlane {
     std::string name;
     int component = 0;
-    bool is_half = false;
+    StoredType type = StoredType::single_float;
+    std::string layer = {};      // the channel's name
+    bool needs_repairs = false;  // some values may be beyond the type
 };
 
 std::vector<DeepPlane> planes_of(const DeepBuffer& deep, ChannelId beauty, const DeepStorage& storage) {
@@ -38,8 +42,12 @@ std::vector<DeepPlane> planes_of(const DeepBuffer& deep, ChannelId beauty, const
         const std::vector<ChannelDefinition> one{channel};
         std::vector<std::string> names = plan_parts(one, id == beauty ? 0 : invalid_channel, {}).front().planes;
         if (id == beauty) names.pop_back();  // A stands above
+        const bool is_half = storage.half_color && kind_of(channel) == ChannelKind::light;
+        // A colour is a sum, which ends at 2^(47 + scale), over a transmittance of 1e-15, 2^-50, or more.
+        const bool needs_repairs = is_half || channel.scale_exponent > 127 - 47 - 50;
         for (const std::string& name : names)
-            planes.push_back({name, component++, storage.half_color && kind_of(channel) == ChannelKind::light});
+            planes.push_back({name, component++, is_half ? StoredType::half_float : StoredType::single_float,
+                              id == beauty ? "beauty" : channel.name, needs_repairs});
     }
     return planes;
 }
@@ -49,8 +57,7 @@ Imf::Header deep_header(const DeepBuffer& deep, ChannelId beauty, const std::vec
     Imf::Header header = base_header("deep", deep.width(), deep.height(), description);
     header.setType(Imf::DEEPSCANLINE);
     header.compression() = compression_of(storage.compression);
-    for (const DeepPlane& plane : planes)
-        header.channels().insert(plane.name, Imf::Channel(plane.is_half ? Imf::HALF : Imf::FLOAT));
+    for (const DeepPlane& plane : planes) header.channels().insert(plane.name, Imf::Channel(pixel_type(plane.type)));
     header.insert("deepImageState",
                   Imf::DeepImageStateAttribute(deep.options().tidy ? Imf::DIS_TIDY : Imf::DIS_SORTED));
     std::map<std::string, std::string> attributes = description.attributes;
@@ -74,7 +81,7 @@ Imf::Header deep_header(const DeepBuffer& deep, ChannelId beauty, const std::vec
     return header;
 }
 
-float stored_value(const DeepSample& sample, const DeepPlane& plane) {
+float stored_value(const DeepSample& sample, const DeepPlane& plane, Repairs& repairs) {
     switch (plane.component) {
         case -3:
             return sample.z;
@@ -85,8 +92,23 @@ float stored_value(const DeepSample& sample, const DeepPlane& plane) {
         default:
             break;
     }
-    constexpr float largest = std::numeric_limits<float>::max();
-    return std::clamp(sample.values[static_cast<std::size_t>(plane.component)], -largest, largest);
+    const float value = sample.values[static_cast<std::size_t>(plane.component)];
+    return repairs.to_stored(static_cast<double>(value), 0, plane.type);
+}
+
+/// `repaired/NAME` of the layers with values that their planes cannot hold.
+std::map<std::string, std::string> repaired_layers(const DeepBuffer& deep, std::vector<DeepPlane> planes) {
+    std::erase_if(planes, [](const DeepPlane& plane) { return !plane.needs_repairs; });
+    std::map<std::string, Repairs> repairs;
+    for (int y = 0; y < deep.height() && !planes.empty(); ++y)
+        for (int x = 0; x < deep.width(); ++x)
+            for (const DeepSample& sample : deep.resolve(x, y))
+                for (const DeepPlane& plane : planes) stored_value(sample, plane, repairs[plane.layer]);
+    std::map<std::string, std::string> attributes;
+    for (const DeepPlane& plane : planes)
+        if (std::string text = repairs_text(repairs[plane.layer], plane.type); !text.empty())
+            attributes["repaired/" + plane.layer] = std::move(text);
+    return attributes;
 }
 
 /// A band of rows as OpenEXR wants it: counts and, per plane, a pointer for every pixel.
@@ -110,25 +132,26 @@ class Band {
         buffer.insertSampleCountSlice(Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts_.data() - before),
                                                  sizeof(unsigned), sizeof(unsigned) * stride));
         for (std::size_t p = 0; p < planes.size(); ++p)
-            buffer.insert(planes[p].name,
-                          Imf::DeepSlice(planes[p].is_half ? Imf::HALF : Imf::FLOAT,
-                                         reinterpret_cast<char*>(pointers_[p].data() - before), sizeof(char*),
-                                         sizeof(char*) * stride, planes[p].is_half ? 2 : 4));
+            buffer.insert(
+                planes[p].name,
+                Imf::DeepSlice(pixel_type(planes[p].type), reinterpret_cast<char*>(pointers_[p].data() - before),
+                               sizeof(char*), sizeof(char*) * stride, bytes_of(planes[p].type)));
         return buffer;
     }
 
   private:
     void add_plane(const DeepPlane& plane, std::size_t total) {
-        const std::size_t size = plane.is_half ? 2 : 4;
+        const std::size_t size = bytes_of(plane.type);
         std::vector<char>& bytes = bytes_.emplace_back(total * size);
         std::vector<char*>& pointers = pointers_.emplace_back();
         std::size_t at = 0;
+        Repairs repairs;  // counted by repaired_layers()
         for (const auto& samples : pixels_) {
             pointers.push_back(bytes.data() + at);
             for (const DeepSample& sample : samples) {
-                const float value = stored_value(sample, plane);
-                if (plane.is_half) {
-                    const std::uint16_t bits = half(std::clamp(value, -65504.0f, 65504.0f)).bits();
+                const float value = stored_value(sample, plane, repairs);
+                if (plane.type == StoredType::half_float) {
+                    const std::uint16_t bits = half(value).bits();
                     std::memcpy(bytes.data() + at, &bits, 2);
                 } else {
                     std::memcpy(bytes.data() + at, &value, 4);
@@ -165,13 +188,16 @@ Result<DeepStorage> parse_deep_storage(const std::string& text, const SourceLoca
     return storage;
 }
 
-Status write_deep_exr(const std::string& path, const DeepBuffer& deep, ChannelId beauty,
-                      const ImageDescription& description, const DeepStorage& storage) {
+Status write_deep_exr(const std::string& path, const DeepBuffer& deep, ChannelId beauty, ImageDescription description,
+                      const DeepStorage& storage, std::map<std::string, std::string>* repaired) {
     Result<AtomicFile> file = AtomicFile::create(path);
     if (!file) return std::move(file).error();
     try {
         start_encoder_threads();
         const std::vector<DeepPlane> planes = planes_of(deep, beauty, storage);
+        std::map<std::string, std::string> repairs = repaired_layers(deep, planes);
+        description.attributes.insert(repairs.begin(), repairs.end());
+        if (repaired != nullptr) *repaired = std::move(repairs);
         HeaderRecorder stream(*file);
         stream.stop_recording();
         Imf::DeepScanLineOutputFile output(stream, deep_header(deep, beauty, planes, description, storage));

@@ -1,5 +1,6 @@
 #include "display/output/writer/exr_pixels.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -17,26 +18,26 @@ const ChannelDefinition& definition_of(const PixelImage& frame_buffer, const Pla
     return frame_buffer.channels()[static_cast<std::size_t>(part.channel)];
 }
 
+constexpr int most_cached = 4096;  // pixels: 96 KiB of doubles
+
 // The common case, free of calls: float, everything in range.
 bool float_plane(const double* values, std::size_t count, std::size_t stride, char* bytes) {
     bool fits = true;
     for (std::size_t i = 0; i < count; ++i) {
         const double value = values[i * stride];
-        fits = fits && std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max());
+        fits &= std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max());
         const auto stored = static_cast<float>(value);
         std::memcpy(bytes + 4 * i, &stored, 4);
     }
     return fits;
 }
 
-// One plane of `stride`-interleaved doubles to the bytes of a file.
-std::vector<char> stored_plane(const double* values, std::size_t count, std::size_t stride, float miss, StoredType type,
-                               std::vector<float>* judged) {
-    std::vector<char> bytes(count * (type == StoredType::half_float ? 2 : 4));
-    if (judged != nullptr) judged->resize(count);
-    if (type == StoredType::single_float && float_plane(values, count, stride, bytes.data())) {
-        if (judged != nullptr) std::memcpy(judged->data(), bytes.data(), bytes.size());
-        return bytes;
+// One plane of `stride`-interleaved doubles to the bytes of a file, and to `judged` unless it is null.
+void store_plane(const double* values, std::size_t count, std::size_t stride, float miss, StoredType type, char* bytes,
+                 float* judged) {
+    if (type == StoredType::single_float && float_plane(values, count, stride, bytes)) {
+        if (judged != nullptr) std::memcpy(judged, bytes, 4 * count);
+        return;
     }
     Repairs repairs;
     for (std::size_t i = 0; i < count; ++i) {
@@ -44,19 +45,18 @@ std::vector<char> stored_plane(const double* values, std::size_t count, std::siz
         if (type == StoredType::unsigned_int) {
             const auto integer =
                 static_cast<std::uint32_t>(std::isfinite(value) ? static_cast<std::int64_t>(value) : 0);
-            std::memcpy(bytes.data() + 4 * i, &integer, 4);
+            std::memcpy(bytes + 4 * i, &integer, 4);
             continue;
         }
         const float stored = repairs.to_stored(value, miss, type);
         if (type == StoredType::half_float) {
             const std::uint16_t bits = half(stored).bits();
-            std::memcpy(bytes.data() + 2 * i, &bits, 2);
+            std::memcpy(bytes + 2 * i, &bits, 2);
         } else {
-            std::memcpy(bytes.data() + 4 * i, &stored, 4);
+            std::memcpy(bytes + 4 * i, &stored, 4);
         }
-        if (judged != nullptr) (*judged)[i] = stored;
+        if (judged != nullptr) judged[i] = stored;
     }
-    return bytes;
 }
 
 PartPixels data_pixels(const DataPart& data, const PixelRegion& rows) {
@@ -92,17 +92,26 @@ PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, 
     if (part.data != nullptr) return data_pixels(*part.data, rows);
     const ChannelDefinition& channel = definition_of(frame_buffer, part);
     const auto components = static_cast<std::size_t>(component_count(channel.type));
-    const std::vector<double> pixels = frame_buffer.resolve(part.channel, rows);
-    const std::size_t count = pixels.size() / components;
+    const std::size_t width = static_cast<std::size_t>(rows.width()),
+                      count = width * static_cast<std::size_t>(rows.height()),
+                      size = part.storage.type == StoredType::half_float ? 2 : 4;
     PartPixels result;
-    for (std::size_t c = 0; c < components; ++c) {
-        std::vector<float>* copy = judged ? &result.judged.emplace_back() : nullptr;
-        result.planes.push_back(
-            stored_plane(pixels.data() + c, count, components, channel.miss_value, part.storage.type, copy));
+    result.planes.assign(components + (part.alpha ? 1 : 0), std::vector<char>(count * size));
+    if (judged) result.judged.assign(components, std::vector<float>(count));
+    // Line by line: doubles of all rows would not stay in a processor's cache until they are stored.
+    const int together = std::max(1, most_cached / rows.width());
+    for (PixelRegion lines = rows; lines.y0 < rows.y1; lines.y0 = lines.y1) {
+        lines.y1 = std::min(lines.y0 + together, rows.y1);
+        const std::size_t first = width * static_cast<std::size_t>(lines.y0 - rows.y0),
+                          here = width * static_cast<std::size_t>(lines.height());
+        const std::vector<double> pixels = frame_buffer.resolve(part.channel, lines);
+        for (std::size_t c = 0; c < components; ++c)
+            store_plane(pixels.data() + c, here, components, channel.miss_value, part.storage.type,
+                        result.planes[c].data() + first * size, judged ? result.judged[c].data() + first : nullptr);
+        if (part.alpha)
+            store_plane(frame_buffer.resolve_alpha(lines).data(), here, 1, 0, part.storage.type,
+                        result.planes.back().data() + first * size, nullptr);
     }
-    if (part.alpha)
-        result.planes.push_back(
-            stored_plane(frame_buffer.resolve_alpha(rows).data(), count, 1, 0, part.storage.type, nullptr));
     return result;
 }
 
@@ -124,11 +133,11 @@ void note_repairs(const PixelImage& frame_buffer, const PlannedPart& part, const
         repairs.to_stored(value, miss, part.storage.type);
 }
 
-std::string repairs_text(const Repairs& repairs, const PlannedPart& part) {
+std::string repairs_text(const Repairs& repairs, StoredType type) {
     if (repairs.not_a_number + repairs.out_of_range == 0) return {};
     return std::to_string(repairs.not_a_number) + " values not a number, set to 0; " +
-           std::to_string(repairs.out_of_range) + " beyond " +
-           (part.storage.type == StoredType::half_float ? "half" : "float") + ", set to the largest";
+           std::to_string(repairs.out_of_range) + " beyond " + (type == StoredType::half_float ? "half" : "float") +
+           ", set to the largest";
 }
 
 }  // namespace raylex::display

@@ -35,6 +35,6 @@ struct PartPixels {
 /// Adds what these rows of such a part will need.
 void note_repairs(const PixelImage& frame_buffer, const PlannedPart& part, const PixelRegion& rows, Repairs& repairs);
 /// The text of a `repaired/NAME` attribute, empty when nothing had to be repaired.
-[[nodiscard]] std::string repairs_text(const Repairs& repairs, const PlannedPart& part);
+[[nodiscard]] std::string repairs_text(const Repairs& repairs, StoredType type);
 
 }  // namespace raylex::display

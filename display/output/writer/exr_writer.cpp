@@ -152,7 +152,7 @@ void note_all_repairs(const PixelImage& frame_buffer, const std::vector<PixelReg
     for (const PixelRegion& rows : bands)
         for (auto& [part, noted] : repairs) note_repairs(frame_buffer, *part, rows, noted);
     for (const auto& [part, noted] : repairs) {
-        const std::string text = repairs_text(noted, *part);
+        const std::string text = repairs_text(noted, part->storage.type);
         if (text.empty()) continue;
         const std::string name = "repaired/" + frame_buffer.channels()[static_cast<std::size_t>(part->channel)].name;
         part->attributes[name] = text;

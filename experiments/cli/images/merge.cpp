@@ -40,7 +40,7 @@ int judge_merged(const std::string& path) {
     auto file = display::ExrBands::open(path);
     if (!file) return report_error(file.error());
     const display::ExrImage& image = file->image();
-    if (const std::string repaired = repaired_text(image); !repaired.empty()) print_warning(repaired);
+    if (const std::string repaired = repaired_text(image.attributes); !repaired.empty()) print_warning(repaired);
     if (image.partitions.empty()) return exit_holds;
     auto verdicts = display::check_declared_splits(*file);
     if (!verdicts) return report_error(verdicts.error());

@@ -35,7 +35,7 @@ bool tell_verdict(const display::SplitVerdict& verdict, const display::ExrImage&
 void note_incomplete(const display::ExrImage& image) {
     if (image.attributes.contains("raylex/incomplete"))
         print_line(image.path + ": the render was interrupted; this image is incomplete");
-    if (const std::string repaired = repaired_text(image); !repaired.empty())
+    if (const std::string repaired = repaired_text(image.attributes); !repaired.empty())
         print_warning(image.path + ": " + repaired);
 }
 

@@ -7,6 +7,7 @@
 
 #include "display/output/atomic_file.h"
 #include "display/output/writer/exr_writer.h"
+#include "experiments/cli/judge.h"
 #include "experiments/cli/render/rescue.h"
 #include "experiments/program/console.h"
 #include "experiments/report/png_driver.h"
@@ -282,12 +283,18 @@ Status RenderOutputs::close(const transport::RenderOutput& output, const display
     };
     also(atlas_.write(output, description));
     if (!deep_) return closed;
+    std::map<std::string, std::string> repaired;
     const auto write_deep = [&](const std::string& path) {
-        return display::write_deep_exr(path, *deep_, output.beauty, description, job_->outputs.deep.storage);
+        return display::write_deep_exr(path, *deep_, output.beauty, description, job_->outputs.deep.storage, &repaired);
     };
     const std::string& deep_file = job_->outputs.deep.file;
     Status deep = write_deep(deep_file);
     also(deep ? deep : rescued(deep.error(), "the deep image", deep_file, write_deep));
+    if (const std::string text = repaired_text(repaired, "--deep-storage float"); !text.empty())
+        warnings_.push_back(deep_file + ": " + text);
+    if (const std::uint64_t rows = deep_->counts().refused_rows; rows > 0)
+        warnings_.push_back(deep_file + ": the deep image lacks " + counted(rows, "row") +
+                            " of samples, with values beyond its sums or a depth below 0");
     return closed;
 }
 
@@ -322,6 +329,7 @@ std::string deep_line(const display::DeepVerdict& verdict) {
                        " samples, at most " + std::to_string(verdict.most_samples) + " in a pixel)";
     if (verdict.exceeding > 0) line += "; " + std::to_string(verdict.exceeding) + " pixels exceed the bound";
     if (!verdict.sorted) line += "; samples are out of order";
+    if (verdict.clamped > 0) line += "; " + clamped_text(verdict.clamped, "the two are equal");
     return line;
 }
 

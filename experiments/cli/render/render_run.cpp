@@ -398,12 +398,14 @@ class RenderRun {
         return go_on;
     }
 
-    /// Judges the file as a reader finds it, not the buffers it came from.
+    /// Judges the file as a reader finds it, not the buffers it came from. After an interrupt somebody waits, and
+    /// reading takes as long as writing: the verdicts that were made while writing stand in the header.
     Step judge() {
         auto file = display::ExrBands::open(job_.output);
         if (!file) return report_error(file.error());
         image_ = file->image();
-        if (const std::string repaired = repaired_text(image_); !repaired.empty()) warn(repaired);
+        if (const std::string repaired = repaired_text(image_.attributes); !repaired.empty()) warn(repaired);
+        if (!output_->complete && interrupt_flag().load()) return go_on;
         if (!image_.partitions.empty()) {
             auto verdicts = display::check_declared_splits(*file);
             if (!verdicts) return report_error(verdicts.error());

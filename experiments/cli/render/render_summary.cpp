@@ -34,11 +34,22 @@ void print_sampling(const RenderSummary& of) {
     print_line(line);
 }
 
+/// Verdicts of a file that was not read again.
+void print_written_verdicts(const RenderSummary& of) {
+    if (!of.splits.empty()) return;
+    for (const display::PartitionDeclaration& partition : of.image.partitions)
+        if (const auto verdict = of.image.attributes.find("verdict/" + partition.name);
+            verdict != of.image.attributes.end())
+            print_line("partition '" + partition.name + "', judged while it was written: " +
+                       verdict->second.substr(0, verdict->second.find_last_not_of(' ') + 1));
+}
+
 }  // namespace
 
 void print_summary(const RenderSummary& of) {
     const transport::RenderStatistics& statistics = of.output.statistics;
     print_verdicts_of_new(of.splits, of.image);
+    print_written_verdicts(of);
     if (of.deep) print_verdict(deep_line(*of.deep), of.deep->holds);
     if (of.atlas) {
         const auto pixels = static_cast<std::uint64_t>(of.output.width) * static_cast<std::uint64_t>(of.output.height);

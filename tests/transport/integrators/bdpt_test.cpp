@@ -157,6 +157,33 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 -1 -1 1 -1 -
     CHECK(mirrored("bdpt") == expected);
 }
 
+TEST_CASE("light subpaths whose vertices would take too much memory are cut and counted", "[bdpt][render]") {
+    // Light that never leaves a white ball, behind the camera.
+    const auto scene = scene_of(plain_film + R"(
+Camera "perspective"
+WorldBegin
+LightSource "point" "point3 from" [0 0.2 -5] "rgb I" [1 1 1]
+Material "diffuse" "rgb reflectance" [1 1 1]
+Translate 0 0 -5
+Shape "sphere" "float radius" 1
+)");
+    transport::RenderSettings settings;
+    settings.max_depth = 20'000;
+    settings.resolution = {{2, 2}};
+    settings.samples_per_pixel = 1;
+    settings.integrator = integrator_named("bdpt");
+    const auto cut_of = [&] {
+        std::string all;
+        for (const raylex::Error& warning : render_of(scene, settings).warnings) all += warning.message;
+        return all;
+    };
+    const std::string cut = cut_of();
+    INFO(cut);
+    CHECK(cut.find("4 light subpaths were cut after ") != std::string::npos);
+    settings.max_depth = 1000;
+    CHECK(cut_of().find("were cut") == std::string::npos);
+}
+
 TEST_CASE("every technique alone, unweighted, finds what all of them find together; weighted they sum to it",
           "[bdpt][render][statistical][law1]") {
     // Nothing specular, so that every technique finds every word. 1 / distance^2 keeps joins' variance finite only

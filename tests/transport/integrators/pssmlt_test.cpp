@@ -106,6 +106,37 @@ TEST_CASE("primary samples do not depend on the order of questions", "[pssmlt][s
     }
 }
 
+TEST_CASE("primary samples of endless paths take bounded memory, and go by large steps", "[pssmlt][samplers]") {
+    PrimarySamples chain;
+    chain.restart(7);
+    // Of a camera subpath's and a light subpath's scatterings, as they name them.
+    const auto far = [](std::uint32_t depth) { return 8 + 6 * depth; };
+    const auto far_of_light = [](std::uint32_t depth) { return (1u << 26) + 8 + 5 * depth; };
+    chain.propose(true, 0.1f);
+    for (std::uint32_t depth = 0; depth < 1'000'000; ++depth) {
+        static_cast<void>(chain.get(far(depth), true));
+        static_cast<void>(chain.get(far_of_light(depth), false));
+    }
+    CHECK(chain.size() < 2000);
+    const float first = chain.get(far(999'999), true), first_of_light = chain.get(far_of_light(5000), false);
+    CHECK(chain.get(far(999'998), true) != first);
+    chain.accept();
+    chain.switch_stream(8);  // as chains do that begin at one path
+    for (int step = 0; step < 20; ++step) {
+        const bool large = step % 3 == 0;
+        chain.propose(large, 0.1f);
+        CHECK((chain.get(far(999'999), true) == first) == !large);
+        CHECK((chain.get(far_of_light(5000), false) == first_of_light) == !large);
+        large ? chain.reject() : chain.accept();
+    }
+    chain.propose(true, 0.1f);
+    const float second = chain.get(far(999'999), true);
+    chain.accept();
+    chain.propose(false, 0.1f);
+    CHECK(chain.get(far(999'999), true) == second);
+    CHECK(second != first);
+}
+
 TEST_CASE("the Metropolis integrator finds the path tracer's image, word by word", "[pssmlt][render][statistical]") {
     const transport::RenderSettings settings = compared(5);
     compare_with_path(

@@ -1,6 +1,7 @@
 #include "transport/integrators/methods/bdpt.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "transport/paths/subpaths/direct_light.h"
@@ -16,6 +17,10 @@ struct LightVertex : LightSubpathVertex {
     Bsdf bsdf;
     std::uint32_t previous = none;  ///< of the same subpath
 };
+
+/// Memory of a thread for the light subpaths of a batch, whose vertices wait for camera subpaths. A light subpath is
+/// cut behind its share, some 2,300 scatterings, those inside bodies included.
+constexpr std::size_t light_vertices_budget = std::size_t{256} << 20;
 
 struct BdptThread final : IntegratorThread {
     BdptThread(const PathContext& context, const LightEmitters& emitters, const WalkOptions& of_light,
@@ -61,13 +66,25 @@ class Bdpt final : public Integrator {
         options.densities = true;
         options.counts_first_specular = parameters_.count_mirrors;
         options.sampled = &direct_light_.chooser();
+        options.most_scatterings = most_scatterings();
         WalkOptions of_camera = options;
         of_camera.first_depth = parameters_.first_depth;
         return std::make_unique<BdptThread>(context_, emitters_, options, of_camera);
     }
+    [[nodiscard]] std::vector<std::string> cuts() const override {
+        if (cut_light_subpaths_ == 0) return {};
+        return {std::to_string(cut_light_subpaths_) + " light subpaths were cut after " +
+                std::to_string(most_scatterings()) +
+                " scatterings, because bdpt keeps their vertices: light of longer "
+                "ones is missing"};
+    }
     void integrate(const CameraBatch& batch, IntegratorThread& thread, ThreadServices& services) const override;
 
   private:
+    [[nodiscard]] std::uint32_t most_scatterings() const {
+        return static_cast<std::uint32_t>(light_vertices_budget /
+                                          (static_cast<std::size_t>(context_.batch_capacity) * sizeof(LightVertex)));
+    }
     void keep_light_vertices(BdptThread& thread) const;
     void report_lights(CameraSubpaths& camera) const;
     void report(const CameraSubpaths& camera, std::uint32_t row, const Rgb& throughput, const Rgb& emitted,
@@ -80,6 +97,7 @@ class Bdpt final : public Integrator {
     IntegratorContext context_;
     LightEmitters emitters_;
     DirectLight direct_light_;
+    mutable std::atomic<std::uint64_t> cut_light_subpaths_{0};
 };
 
 void Bdpt::integrate(const CameraBatch& batch, IntegratorThread& state, ThreadServices& services) const {
@@ -92,6 +110,7 @@ void Bdpt::integrate(const CameraBatch& batch, IntegratorThread& state, ThreadSe
         keep_light_vertices(thread);
         thread.light.scatter();
     }
+    if (thread.light.cut() > 0) cut_light_subpaths_ += thread.light.cut();
     if (services.left) return;
     camera.begin(batch, services, thread.counters);
     while (camera.advance(services)) {

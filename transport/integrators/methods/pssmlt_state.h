@@ -108,6 +108,7 @@ class Pssmlt final : public Integrator {
     explicit Pssmlt(const PssmltParameters& parameters);
     [[nodiscard]] IntegratorTraits traits() const override;
     Status prepare(const IntegratorContext& context) override;
+    [[nodiscard]] std::vector<std::string> cuts() const override { return path_->cuts(); }
     [[nodiscard]] PlanRequest plan_request() const override { return path_->plan_request(); }
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override;
     [[nodiscard]] bool synchronous() const override { return true; }

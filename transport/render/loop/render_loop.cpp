@@ -146,6 +146,7 @@ FinishedLoop RenderLoop::finish() {
                 error_at(display::location_of(channel),
                          "channel '" + channel.name + "' is empty: no plugin, pattern or integrator wrote to it",
                          "'raylex plugins FILE.so' lists the channels that a plugin declares"));
+    for (std::string& cut : job.integrator().cuts()) warnings.push_back(error_at({}, std::move(cut)));
     for (std::string& refused : display::refusal_warnings(job.channels.list, statistics.refusals))
         warnings.push_back(error_at({}, std::move(refused)));
     return finished;
