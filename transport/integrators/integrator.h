@@ -1,31 +1,32 @@
 // What an integrator is, and all it sees of the rest.
 //
-// The engine hands camera rays over in batches; row i of the batch is row i of the thread's sample table. An integrator
+// The engine hands over camera rays in batches. Row i of the batch is row i of the thread's sample table. An integrator
 // answers through the services only: it moves a tracker along each path, reports every contribution once, and writes
-// distance, opacity, surface and (when asked for) geometric AOVs of first hits. It never learns which light path
-// expressions exist.
+// distance, opacity, surface and geometric AOVs of first hits. It never learns which light path expressions exist.
 //
-// Life of an integrator:
+// The calls, in their order:
 //
-//   factory(parameters)          typed, located parameters; an Error here names file and line
-//   prepare(context)             once, single-threaded, before any ray: tables of its own, channel ids to cache
-//   make_thread_state()          once per thread
-//   start-up                     if starts_up(): one integrate() per tile with CameraBatch::startup, whose samples must
-//   be
-//                                discarded (display.discard_iteration()); then end_startup(), single-threaded
-//   begin_iteration(i)           single-threaded; photon maps, guiding structures, chains are shared state made here
-//     integrate(batch, ...)      many threads at once; const: shared state is read-only while rays fly. A loop that has
-//     no
-//                                bound of its own asks services.leaving() and returns when told so
-//   end_iteration(i)             single-threaded: take in what the threads' states gathered
-//   save_state, restore_state    for checkpoints, when traits() says that there is state to save
+//   factory(parameters)       reads typed, located parameters; an Error names file and line.
+//   plan_request()            states what the render may plan for its camera subpaths.
+//   prepare(context)          once, single-threaded, before any ray of the image: tables of its own, channel ids.
+//   omissions()               names what the integrator does not find in this scene.
+//   make_thread_state()       once for each thread.
+//   integrate(), end_startup() if starts_up(): one call for each tile with CameraBatch::startup. Its samples must be
+//                             discarded by display.discard_iteration().
+//   begin_iteration(i)        single-threaded. Photon maps, guiding structures and chains are shared state made here.
+//   integrate(batch, ...)     many threads at once. It is const: shared state is read-only while rays are traced. A
+//   loop
+//                             without a bound of its own calls services.leaving() and returns when that is true.
+//   end_iteration(i)          single-threaded: takes in what the states of threads gathered.
+//   save_state, restore_state for checkpoints, when traits() declares state to save.
+//   cuts()                    after the render: names paths that were cut for their length.
 //
-// An integrator that is not `synchronous()` gets the whole budget as iteration 0. A synchronous one gets one iteration
-// per block of samples of the whole image, all threads waiting for one another in between.
+// An integrator that is not `synchronous()` gets the whole budget as iteration 0. A synchronous integrator gets one
+// iteration for each block of samples of the whole image; all threads wait for one another between iterations.
 //
-// Randomness comes from the batch's samplers, keyed by named dimensions; pick dimensions from first_free_dimension up.
-// An integrator whose light paths land on any pixel (light tracing, Metropolis) says so in its traits and reports them
-// through ThreadServices::raster. A batch of n camera rays then is n light paths too, whatever each of them brings.
+// Random numbers come from the batch's samplers, keyed by named dimensions; use dimensions from first_free_dimension
+// on. An integrator whose light paths land on any pixel (light tracing, Metropolis) declares the trait raster_splats
+// and reports them through ThreadServices::raster. A batch of n camera rays then is n light paths too.
 #pragma once
 
 #include <algorithm>
@@ -106,7 +107,7 @@ class Integrator;
 
 /// How the paths of an integrator may be planned where channels alone decide how rays are spent (path_plan.h).
 struct PlanRequest {
-    /// Makes integrators that follow such paths alone, for trials of a plan; empty: the integrator follows no plan.
+    /// Makes an integrator that traces only the camera subpaths to be planned, for trials; empty: nothing is planned.
     std::function<std::unique_ptr<Integrator>()> make_trial;
     LightChoice light_choice = LightChoice::mis;
     bool lights_by_receiver = true;  ///< LightChooser::by_receiver()
@@ -117,6 +118,9 @@ struct PlanRequest {
 
 class Integrator {
   public:
+    Integrator() = default;
+    Integrator(const Integrator&) = delete;  // parts of an integrator point to its context
+    Integrator& operator=(const Integrator&) = delete;
     virtual ~Integrator() = default;
     [[nodiscard]] virtual IntegratorTraits traits() const { return {}; }
     virtual Status prepare(const IntegratorContext& context) = 0;

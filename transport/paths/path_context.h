@@ -31,7 +31,7 @@ struct PathContext {
     int width = 0, height = 0;               ///< of the image, in pixels
     Vec2 filter_radius;                      ///< the distance from the image at which light still counts, in pixels
     const display::LpeSetup* lpe = nullptr;  ///< for LPE services on a table of one's own
-    const PathPlan* plan = nullptr;          ///< null: none
+    const PathPlan* plan = nullptr;          ///< null: as a plan that changes nothing
 
     [[nodiscard]] CameraView view() const { return {camera, width, height, filter_radius}; }
     /// Whether beauty or a channel takes light that was scattered.

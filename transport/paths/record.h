@@ -86,7 +86,7 @@ class Record {
     [[nodiscard]] bool is_live(std::uint32_t row) const {
         return takes_all(row) || (lpe_->live(trackers_[row]) && events_->foresight().of(trackers_[row]).anything);
     }
-    /// What of it may once it is scattered at its vertex, as the material there scatters.
+    /// What channels can still take behind the vertex, whichever lobe of its material scatters.
     [[nodiscard]] display::Foresight::Ahead ahead(std::uint32_t row, std::int32_t label, std::int32_t material) const {
         return takes_all(row) ? display::Foresight::Ahead() : ahead_of_channels(row, label, material);
     }
@@ -101,7 +101,7 @@ class Record {
     }
     /// Whether anything counts that the subpath may meet behind a collision with a particle of this medium.
     [[nodiscard]] bool is_live_in_medium(std::uint32_t row, std::int32_t medium) const;
-    /// Whether beauty takes all of it, so that no question about its worth saves anything, or nobody wants to save.
+    /// True: beauty takes the whole path, or pruning is off. Then is_live() need not be called.
     [[nodiscard]] bool takes_all(std::uint32_t row) const {
         return lpe_->takes_all(trackers_[row]) || !events_->prunes();
     }
@@ -120,7 +120,7 @@ class Record {
     /// or towards `end`. `straight`: there may be cutouts between, which leave events of their own.
     [[nodiscard]] Worth worth_connecting(std::uint32_t row, std::int32_t label, const LobeList& lobes,
                                          std::uint32_t light, const LightEnd* end, bool straight) const;
-    /// The same of what the camera sees of `end`.
+    /// Whether a channel takes the connection of `end` to the camera.
     [[nodiscard]] bool worth_splatting(std::uint32_t row, const LightEnd& end) const;
 
     void hold_out(display::Tracker& tracker) const { lpe_->hold_out(tracker); }

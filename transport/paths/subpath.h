@@ -40,10 +40,11 @@ struct Subpath {
     bool all_lobes = false;     ///< one ray leaves the current vertex by each of its specular lobes
     bool split = false;         ///< rays were split at an earlier vertex
     std::uint8_t followed = 0;  ///< number of specular vertices behind the split at which all lobes were followed
-    std::uint8_t lights = 0;    ///< number of the chooser (LiveLights) of the light sample at the vertex that was left
-    Real light_share = 1;       ///< probability with which that vertex took a light sample
-    Real ray_share = 1;         ///< probability of the next ray, where its direction is not specular
-    bool specular = true;       ///< the last direction could not have been found in another way (camera, delta lobes)
+    // Techniques at the vertex that the ray leaves.
+    std::uint8_t lights = 0;  ///< number of the chooser (LiveLights) of its light sample
+    Real light_share = 1;     ///< probability of a light sample
+    Real ray_share = 1;       ///< probability of the ray, where its direction is not specular
+    bool specular = true;     ///< the last direction is the camera's or of a delta lobe: light sampling cannot find it
     bool any_non_specular = false;  ///< of its scatterings
     bool from_infinity = false;
     bool one_wavelength = false;  ///< has met an interface whose index depends on it (path_wavelengths.h)

@@ -1,6 +1,6 @@
 // The walk: subpaths of one direction, one a row, side by side, from vertex to vertex.
 //
-//     walk.begin(samplers, lpe, counters);
+//     walk.begin(samplers, counters);
 //     walk.push(row, ray);                     // for every subpath, after filling in path(row)
 //     while (walk.going()) {
 //         walk.advance(display);               // fills the columns below for one ray of each subpath
@@ -8,7 +8,7 @@
 //         walk.scatter();
 //     }
 //
-// advance(): rays -> sampled distances in media -> hits -> alpha tests -> liveness -> closures. scatter(): closures or
+// advance(): rays -> hits -> sampled distances in media -> alpha tests -> liveness -> closures. scatter(): closures or
 // phase functions -> throughput -> roulette -> rays. Every stage is one loop over plain arrays. What a scene does not
 // have (media, cutouts) costs a test a batch; densities that no method reads cost a test a vertex.
 //
@@ -38,14 +38,14 @@ struct WalkOptions {
     Real roulette_below = default_roulette_below;  ///< 0: paths do not end at random
     bool densities = false;                        ///< keep sums()
     bool regularize = false;                       ///< closures behind a scattering that is not specular
-    /// False: specular events of a camera subpath before any other event do not count, as long as they alone stay below
-    /// `max_depth`.
+    /// False: specular scatterings at the beginning of a camera subpath do not count; at most `max_depth` of them.
     bool counts_first_specular = true;
-    /// Emitters that a camera subpath meets before so many scattering events are left out, and user events of surfaces.
+    /// Light and user events that a camera subpath meets before so many scatterings are not reported: another part of
+    /// the integrator finds them.
     std::uint32_t first_depth = 0;
     /// Light subpaths longer than this are cut, and counted.
     std::uint32_t most_scatterings = ~0u;
-    /// Light subpaths with densities: where camera subpaths sample lights.
+    /// Light subpaths with densities: the chooser by which camera subpaths sample lights, for the weights.
     const LightChooser* sampled = nullptr;
 };
 
@@ -64,7 +64,7 @@ struct EmitterHit {
     Hit hit;
 };
 
-/// A camera subpath that arrived at a surface, for light that the surface hides.
+/// A camera subpath that arrived at a surface, kept to report light that the surface blocks.
 struct SurfaceArrival {
     std::uint32_t row;
     Vec3 direction;  ///< of the ray, world space, unit
@@ -98,7 +98,7 @@ class Walk {
 
     // What the last advance() met.
     [[nodiscard]] const VertexBatch& vertices() const { return vertices_; }
-    /// Entries of vertices() that are the first of their subpaths, surfaces only.
+    /// Indices into vertices(): surfaces that camera rays hit first.
     [[nodiscard]] std::span<const std::uint32_t> first_entries() const { return {first_entries_.data(), first_count_}; }
     [[nodiscard]] std::span<const EscapedRay> escaped() const { return escaped_; }
     [[nodiscard]] std::span<const EmitterHit> emitters() const { return emitters_; }
@@ -226,8 +226,8 @@ class Walk {
     const DepthLimit depth_limit_;
     const bool in_media_, has_footprints_;
     bool wants_first_hits_ = false;           // AOVs or patterns read first hits, whatever light they bring
-    bool skips_first_closures_ = false;       // they read their geometry alone
-    bool light_can_be_hit_ = true;            // by a ray: if not, a path's last scattering need not be traced
+    bool skips_first_closures_ = false;       // AOVs need only the geometry of first hits
+    bool light_can_be_hit_ = true;            // else the ray behind the last scattering is not traced
     std::span<const PixelSampler> samplers_;  // by row
     IntegratorCounters* counters_ = nullptr;
     SamplerBatch pairs_;  // [vertex]

@@ -43,8 +43,8 @@ Real Walk<mode>::planned_survival(std::uint32_t row) const {
     return context_.plan->roulette.chance(planned_state(row), strength);
 }
 
-/// The state by which a plan tells paths apart. Light samples could not find a specular direction, so paths in one
-/// still bring all of the light there.
+/// The state by which a plan tells paths apart. A specular direction is a state of its own: no light sample shares its
+/// light, so such a path is worth more.
 template <TransportMode mode>
 std::uint64_t Walk<mode>::planned_state(std::uint32_t row) const {
     if constexpr (mode == TransportMode::importance) return 0;
@@ -81,8 +81,8 @@ bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
     return true;
 }
 
-/// Takes the share of a branch. Roulette sees the branch as strong as the unsplit path. Returns how many branches may
-/// find the same light.
+/// Takes the share of a branch. Roulette sees the branch as strong as the unsplit path. Returns the number of rays that
+/// compete for the same light in multiple importance sampling; 1 where each ray follows another lobe.
 template <TransportMode mode>
 std::uint32_t Walk<mode>::take_branch(Subpath& path, const BsdfSample& s) {
     const std::uint32_t rays = path.rays;
@@ -109,7 +109,7 @@ template <TransportMode mode>
     return depth_limit_.allows(path.length);
 }
 
-/// A light subpath that nothing needs behind vertex j may still be connected there, and draws no direction.
+/// Whether a light subpath goes on from vertex j. If not, vertex j itself may still be connected.
 template <TransportMode mode>
 bool Walk<mode>::may_be_scattered(std::size_t j) {
     if constexpr (mode == TransportMode::importance) {
@@ -156,7 +156,7 @@ void Walk<mode>::reject(std::uint32_t row) {
 template <TransportMode mode>
 bool Walk<mode>::draws_direction(std::size_t j) {
     const Subpath& path = paths_[vertices_.rows[j]];
-    // Where an event may count less than a whole one, it is counted when it comes.
+    // In bodies an event may count less than a whole one: stays_short() checks the length behind the drawn direction.
     const bool short_enough = depth_limit_.has_bodies()
                                   ? may_scatter(j) && depth_limit_.allows_walk(path.depth)
                                   : depth_limit_.allows(path.length + whole_event * (to_camera + 1));

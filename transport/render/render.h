@@ -156,7 +156,7 @@ struct RenderProgress {
 struct RenderStatistics {
     double build_seconds = 0, build_cpu_seconds = 0;      ///< scene tables and acceleration structure
     double prepare_seconds = 0, prepare_cpu_seconds = 0;  ///< the integrator's tables, pilots and start-up
-    std::uint64_t pilot_rays = 0;                         ///< traced while the integrator prepared, of no image
+    std::uint64_t pilot_rays = 0;                         ///< traced to plan the paths, of no image
     double render_seconds = 0, render_cpu_seconds = 0;
     std::uint64_t camera_samples = 0, camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
     std::uint64_t discarded_samples = 0;               ///< of iterations that the integrator discarded, in this session

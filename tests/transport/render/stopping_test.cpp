@@ -14,6 +14,7 @@ class Stalling final : public transport::Integrator {
     Stalling(std::unique_ptr<transport::Integrator> path, std::uint64_t sample)
         : path_(std::move(path)), sample_(sample) {}
     [[nodiscard]] transport::IntegratorTraits traits() const override { return path_->traits(); }
+    [[nodiscard]] transport::PlanRequest plan_request() const override { return path_->plan_request(); }
     raylex::Status prepare(const transport::IntegratorContext& context) override { return path_->prepare(context); }
     [[nodiscard]] std::unique_ptr<transport::IntegratorThread> make_thread_state() const override {
         return path_->make_thread_state();

@@ -110,8 +110,8 @@ void Bdpt::integrate(const CameraBatch& batch, IntegratorThread& state, ThreadSe
         keep_light_vertices(thread);
         thread.light.scatter();
     }
-    if (thread.light.cut() > 0) cut_light_subpaths_ += thread.light.cut();
     if (services.left) return;
+    if (thread.light.cut() > 0) cut_light_subpaths_ += thread.light.cut();
     camera.begin(batch, services, thread.counters);
     while (camera.advance(services)) {
         report_lights(camera);
@@ -221,9 +221,9 @@ Real Bdpt::weight_of_light_sample(const CameraSubpaths& camera, std::size_t j, c
 /// s, t >= 2: vertex j of the camera subpath with all vertices of the light subpath of its row.
 void Bdpt::connect_vertices(BdptThread& thread, std::size_t j) const {
     CameraSubpaths& camera = thread.camera;
-    if (!camera.can_connect(j)) return;
     const VertexBatch& v = camera.vertices();
     const std::uint32_t row = v.rows[j];
+    if (thread.last_vertex[row] == LightVertex::none || !camera.can_connect(j) || !camera.needs_connections(j)) return;
     const Subpath& path = camera.path(row);
     const SurfacePoint& point = v.points[j];
     const DepthLimit& limit = camera.depth_limit();

@@ -82,6 +82,7 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
         direct_light_.sample(camera, thread.connections,
                              [&](std::size_t j, const LightSample& sample, const BsdfEvaluation& f) {
                                  if (sample.delta || parameters_.strategy != PathStrategy::mis) return Real(1);
+                                 // The walk multiplies path.pdf by the same factor once the ray is drawn.
                                  const Subpath& path = camera.path(camera.vertices().rows[j]);
                                  return power_heuristic(sample.pdf, path.expected_rays() * f.pdf);
                              });
@@ -90,7 +91,8 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
     }
 }
 
-/// Light that scattering found, where a light sample would have found it with density `light_pdf`.
+/// Reports an emitter that the ray has met. `light_pdf`: the density of a light sample at the vertex before, for the
+/// same direction; 0 where it cannot find the emitter.
 void PathIntegrator::report(const CameraSubpaths& camera, std::uint32_t row, std::uint32_t light, const Rgb& throughput,
                             const Rgb& emitted, Real light_pdf) const {
     Real weight = 1;
@@ -108,7 +110,7 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
     p.splits = read.boolean("splits", true);
     p.channel_roulette = read.boolean("channelroulette", true);
     p.regularize = read.boolean("regularize", false);
-    // pbrt's "exhaustive" is its bvh without the tree, for reference.
+    // pbrt's "exhaustive" weighs every light one by one, for reference. Here it means bvh.
     constexpr std::array<LightSelection, 4> selections{LightSelection::power, LightSelection::uniform,
                                                        LightSelection::receiver, LightSelection::receiver};
     p.light_selection = selections[read.choice("lightsampler", {"power", "uniform", "bvh", "exhaustive"}, 2)];

@@ -3,8 +3,8 @@
 // The path integral is estimated from the camera. Each vertex takes one light sample (next event estimation) and one
 // scattering sample. Both can find an emitter: each gets the weight w = p^2 / (p^2 + q^2) of its density p against the
 // other's density q, per steradian (Veach 1997, equation 9.13 with beta = 2). Lights without extent are found by
-// sampling alone, mirrors by scattering alone. Roulette is played from the second bounce where max(beta) eta^2 is
-// small.
+// sampling alone, mirrors by scattering alone. From the second scattering on, a path ends at random where
+// max(beta) eta^2 is below `roulette_below`.
 #pragma once
 
 #include "transport/integrators/integrator.h"
@@ -13,7 +13,7 @@
 namespace raylex::transport {
 
 /// How the light of a light sample is chosen: by what each can send to the receiver, where there are many; by emitted
-/// power (a tenth of the choices ignores it); or with the same probability for each.
+/// power (one choice in ten is uniform); or with the same probability for each.
 enum class LightSelection : std::uint8_t { receiver, power, uniform };
 
 struct PathParameters {
@@ -23,7 +23,7 @@ struct PathParameters {
     Real roulette_below = default_roulette_below;  ///< throughput below which paths end at random; 0: none does
     bool splits = true;             ///< without beauty: split paths where a plan says that it pays (strategy mis)
     bool channel_roulette = true;   ///< without beauty: roulette by what channels still expect (strategy mis)
-    bool regularize = false;        ///< as pbrt-v4: biased, where it blurs
+    bool regularize = false;        ///< as pbrt-v4: roughens lobes behind a non-specular scattering; biased
     std::uint32_t first_depth = 0;  ///< WalkOptions::first_depth (not a parameter)
 };
 

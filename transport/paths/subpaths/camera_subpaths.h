@@ -44,12 +44,17 @@ class CameraSubpaths : public Walk<TransportMode::radiance> {
     /// Draws the numbers of light samples from all vertices; pair(j) gives them.
     void draw_light_pairs() { draw_pairs(light_sample_dimension); }
     /// Whether vertex j can be connected with light: something scatters there, and a path one event longer is not too
-    /// long. In bodies the length depends on the direction.
+    /// long. In bodies it depends on the direction: call the second overload as well.
     [[nodiscard]] bool can_connect(std::size_t j) const { return vertices().bsdfs[j].has_density() && may_scatter(j); }
     [[nodiscard]] bool can_connect(std::size_t j, const Vec3& direction) const {
         if (!depth_limit().has_bodies()) return true;
         const VertexDepth vertex = vertex_depth(j);
         return depth_limit().allows(vertex.before + depth_limit().event(vertex, vertices().points[j], direction));
+    }
+    /// Whether anything counts that connections of vertex j may bring (Law 4).
+    [[nodiscard]] bool needs_connections(std::size_t j) const {
+        const VertexBatch& v = vertices();
+        return record_.is_live(v.rows[j], v.sources[j].label, v.points[j].material);
     }
     /// Reports light that the subpath of a row has met: throughput x emitted x weight. `sampled_too`: light sampling
     /// finds the same emitter.
@@ -70,11 +75,11 @@ class CameraSubpaths : public Walk<TransportMode::radiance> {
     void keep_live_lobes();
 
     const bool planned_;     // the plan changes which rays go on
-    const bool live_lobes_;  // closures draw no side that no channel takes
+    const bool live_lobes_;  // interfaces sample only the side that some channel takes
     geoaovs::ShadingBatch first_hits_;
     // Where paths may be split.
     std::vector<PixelSampler> branch_samplers_;           // by row
-    std::vector<std::unique_ptr<SplitVertices>> levels_;  // subpaths go back to the last one first
+    std::vector<std::unique_ptr<SplitVertices>> levels_;  // a stack: the newest is finished first
     std::size_t levels_in_use_ = 0;
 };
 

@@ -32,7 +32,8 @@ class Connections {
     void add_light_sample(const CameraSubpaths& subpaths, std::size_t j, const LightSample& sample,
                           const BsdfEvaluation& f, Real weight);
     void add_join(const CameraSubpaths& subpaths, const VertexJoin& join);
-    /// Traces all shadow rays, reports what arrives, and forgets it. Shadow rays left out until then are counted too.
+    /// Traces all shadow rays, reports what arrives, and forgets it. Adds the rays that were left out to
+    /// Pruned::shadow_rays.
     void report(CameraSubpaths& subpaths);
 
   private:

@@ -5,10 +5,16 @@
 namespace raylex::transport {
 
 DirectLight::DirectLight(const PathContext& context, LightChoice choice, bool by_receiver, PathStrategy strategy)
-    : context_(&context), lights_(context.scene, *context.events, choice, by_receiver), strategy_(strategy) {}
+    : context_(&context), strategy_(strategy) {
+    if (context.plan != nullptr && context.plan->lights && context.plan->lights->is_of(choice, by_receiver))
+        lights_ = context.plan->lights;
+    else lights_ = std::make_shared<const LiveLights>(context.scene, *context.events, choice, by_receiver);
+}
 
 DirectLight::DirectLight(const PathContext& context, const LightLanguage* language)
-    : context_(&context), lights_(LiveLights::alike_everywhere(context.scene, *context.events, language)) {}
+    : context_(&context),
+      lights_(
+          std::make_shared<const LiveLights>(LiveLights::alike_everywhere(context.scene, *context.events, language))) {}
 
 bool DirectLight::draw(CameraSubpaths& camera, std::size_t j, LightSample& sample) const {
     const SceneView& scene = context_->scene;
@@ -21,7 +27,8 @@ bool DirectLight::draw(CameraSubpaths& camera, std::size_t j, LightSample& sampl
     TechniqueShares shares;
     if (!camera.record().takes_all(row)) {
         const display::Foresight::Ahead ahead = camera.record().ahead(row, v.sources[j].label, point.material);
-        lights = lights_.of(ahead);
+        if (!ahead.anything) return false;
+        lights = lights_->of(ahead);
         if (!ahead.scatters && lights != LiveLights::none && context_->plan != nullptr) shares = context_->plan->shares;
         camera.choose_techniques(row, lights, shares);
     }
@@ -34,7 +41,7 @@ bool DirectLight::draw(CameraSubpaths& camera, std::size_t j, LightSample& sampl
         counters.count(Pruned::light_samples_left_to_rays);
         return false;
     }
-    const LightChooser& chosen = lights_[lights];
+    const LightChooser& chosen = (*lights_)[lights];
     constexpr const SubpathDimensions& dimensions = subpath_dimensions<TransportMode::radiance>;
     const Real u_choice = chosen.needs_number() ? sampler.get_1d(dimensions.of(depth, light_choice_dimension)) : 0.0f;
     if (!scene.lights->sample(chosen, *scene.geometry, {point.position, point.shading_normal}, u_choice, camera.pair(j),
@@ -49,14 +56,14 @@ bool DirectLight::draw(CameraSubpaths& camera, std::size_t j, LightSample& sampl
 Real DirectLight::density(const Subpath& path, const EmitterHit& hit) const {
     if (path.specular || strategy_ == PathStrategy::scattering) return 0;
     const SceneView& scene = context_->scene;
-    return path.light_share * scene.lights->density(lights_[path.lights], *scene.geometry, hit.light,
+    return path.light_share * scene.lights->density((*lights_)[path.lights], *scene.geometry, hit.light,
                                                     {path.from, path.from_normal}, hit.point, hit.hit);
 }
 
 Real DirectLight::density(const Subpath& path, std::uint32_t light, const Vec3& direction) const {
     if (path.specular || strategy_ == PathStrategy::scattering) return 0;
     return path.light_share *
-           context_->scene.lights->environment_density(lights_[path.lights], light, path.from, direction);
+           context_->scene.lights->environment_density((*lights_)[path.lights], light, path.from, direction);
 }
 
 void DirectLight::report_hidden_environments(const CameraSubpaths& camera) const {

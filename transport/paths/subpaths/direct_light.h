@@ -5,6 +5,8 @@
 //     connections.report(camera);
 #pragma once
 
+#include <memory>
+
 #include "transport/paths/subpaths/connect.h"
 #include "transport/paths/subpaths/live_lights.h"
 
@@ -15,22 +17,22 @@ namespace raylex::transport {
 /// leaves all but delta lights to scattering.
 enum class PathStrategy : std::uint8_t { mis, light, scattering };
 
-/// Tables for a whole render, shared by all threads. Every vertex samples among the lights of which a channel can still
-/// take something (Law 4). Where only a light can follow a vertex, the plan's shares decide whether it takes a light
-/// sample.
+/// Tables for a whole render, shared by all threads. Every vertex samples among the lights whose light some channel can
+/// still accept (Law 4). At a last vertex the plan's shares decide whether it takes a light sample.
 class DirectLight {
   public:
     DirectLight() = default;
     /// `by_receiver`: where there are many lights they are chosen by what each can send to the vertex. `context` must
     /// outlive the object.
     DirectLight(const PathContext& context, LightChoice choice, bool by_receiver, PathStrategy strategy);
-    /// For methods whose weights cannot depend on where a path stands: one choice for all vertices, among the lights
-    /// that connections may meet by `language` (null: all).
+    /// For bdpt, whose weights need the same choice of lights at every vertex: among the lights that connections may
+    /// meet by `language` (null: all).
     DirectLight(const PathContext& context, const LightLanguage* language);
 
-    /// Queues a light sample for every vertex that can be connected with light. `weight(j, sample, f)` gives the weight
-    /// of multiple importance sampling of a sample that is not of a delta light or has several strategies; `f` is what
-    /// vertex j scatters towards the sample.
+    /// Queues a light sample for every vertex that can be connected with light. `weight(j, sample, f)` is called for
+    /// every sample and returns its weight of multiple importance sampling: 1 where no other technique finds that
+    /// light. `f` is what vertex j scatters towards the sample. Emitters that the subpaths have met are reported
+    /// before: this sets how the vertices look for light (Subpath::lights).
     template <class Weight>
     void sample(CameraSubpaths& camera, Connections& connections, Weight weight) const;
     /// The density, per steradian, with which a light sample from where the subpath was scattered finds the emitter
@@ -39,23 +41,24 @@ class DirectLight {
     /// The density, per steradian, with which a light sample from where the subpath was scattered finds the infinite
     /// light in `direction`; 0 where light sampling does not find it.
     [[nodiscard]] Real density(const Subpath& path, std::uint32_t light, const Vec3& direction) const;
-    /// Reports infinite lights that light sampling leaves to scattering as blocked, where a surface hides them.
+    /// For channels that take blocked light: where a ray hits a surface, reports with visibility 0 the infinite lights
+    /// behind the surface that light sampling never finds.
     void report_hidden_environments(const CameraSubpaths& camera) const;
     /// The choice among all lights that are sampled.
-    [[nodiscard]] const LightChooser& chooser() const { return lights_[LiveLights::all]; }
+    [[nodiscard]] const LightChooser& chooser() const { return (*lights_)[LiveLights::all]; }
 
   private:
     /// Decides whether vertex j takes a light sample and draws it. False: there is none.
     bool draw(CameraSubpaths& camera, std::size_t j, LightSample& sample) const;
 
     const PathContext* context_ = nullptr;
-    LiveLights lights_;
+    std::shared_ptr<const LiveLights> lights_;
     PathStrategy strategy_ = PathStrategy::mis;
 };
 
 template <class Weight>
 void DirectLight::sample(CameraSubpaths& camera, Connections& connections, Weight weight) const {
-    if (chooser().empty() && !lights_.none_is_live()) return;
+    if (chooser().empty() && !lights_->none_is_live()) return;
     camera.draw_light_pairs();
     const VertexBatch& v = camera.vertices();
     for (std::size_t j = 0; j < v.count; ++j) {

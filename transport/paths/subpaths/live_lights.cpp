@@ -22,7 +22,8 @@ std::vector<std::uint64_t> sets_of_terminals(const display::Foresight& foresight
 
 }  // namespace
 
-LiveLights::LiveLights(const SceneView& scene, const EventTable& events, LightChoice choice, bool by_receiver) {
+LiveLights::LiveLights(const SceneView& scene, const EventTable& events, LightChoice choice, bool by_receiver)
+    : choice_(choice), by_receiver_(by_receiver) {
     const std::span<const Light> lights = scene.lights->lights();
     const auto make = [&](std::span<const std::uint8_t> wanted) {
         return by_receiver ? LightChooser::by_receiver(lights, *scene.geometry, choice, wanted)

@@ -17,9 +17,13 @@ class LiveLights {
     /// `by_receiver`: LightChooser::by_receiver().
     LiveLights(const SceneView& scene, const EventTable& events, LightChoice choice, bool by_receiver);
 
-    /// For methods whose weights cannot depend on where a path stands: one choice for all vertices with light ahead,
-    /// among the lights that connections may meet by `language` (null: all).
+    /// For bdpt, whose weights need the same choice of lights at every vertex: among the lights that connections may
+    /// meet by `language` (null: all).
     static LiveLights alike_everywhere(const SceneView& scene, const EventTable& events, const LightLanguage* language);
+    /// Whether this was built with these arguments.
+    [[nodiscard]] bool is_of(LightChoice choice, bool by_receiver) const {
+        return choice_ == choice && by_receiver_ == by_receiver;
+    }
     /// Whether no light is chosen because no channel takes any of their light.
     [[nodiscard]] bool none_is_live() const { return none_is_live_; }
 
@@ -41,6 +45,8 @@ class LiveLights {
     std::vector<Set> sets_;  // ascending by lights
     std::vector<LightChooser> choosers_{2};
     bool none_is_live_ = false;
+    LightChoice choice_ = LightChoice::mis;
+    bool by_receiver_ = false;
 };
 
 /// One chooser for all vertices, among the lights for which `language` has `wanted`: `joins` where light is sampled,

@@ -13,11 +13,14 @@ PlannedPaths make_path_plan(const IntegratorContext& context, const PlanRequest&
         !events.foresight().at_camera().scatters)
         return planned;
     PathPlan& plan = planned.plan;
-    const LiveLights lights(context.scene, events, request.light_choice, request.lights_by_receiver);
+    // Built once, for the pilots and for the render.
+    plan.lights =
+        std::make_shared<const LiveLights>(context.scene, events, request.light_choice, request.lights_by_receiver);
+    const LiveLights& lights = *plan.lights;
     const bool may_end_rays = request.roulette_below > 0;
     if (may_end_rays && !lights[LiveLights::all].empty())
         plan.shares = choose_techniques(context, lights, planned.rays);
-    const PathTrials trials(context, request, plan.shares);
+    const PathTrials trials(context, request, plan);
     SplitChoice splits;
     if (request.splits) splits = choose_splits(context, trials, planned.rays);
     if (request.roulette && may_end_rays)

@@ -11,6 +11,7 @@ namespace raylex::transport {
 PathTrial PathTrials::make(const SplitPlan& splits, PathWatch* watch) const {
     PathTrial trial{std::make_unique<PathPlan>(), request_.make_trial()};
     trial.plan->shares = shares_;
+    trial.plan->lights = lights_;
     trial.plan->splits = splits;
     trial.plan->watch = watch;
     trial.plan->most_depth = PilotPaths::most_depth;

@@ -18,9 +18,9 @@ struct PathTrial {
 /// Makes integrators for pilots.
 class PathTrials {
   public:
-    /// All with these shares. Both references must outlive the object.
-    PathTrials(const IntegratorContext& context, const PlanRequest& request, const TechniqueShares& shares)
-        : context_(context), request_(request), shares_(shares) {}
+    /// All with the shares and lights of `plan`. The first two references must outlive the object.
+    PathTrials(const IntegratorContext& context, const PlanRequest& request, const PathPlan& plan)
+        : context_(context), request_(request), shares_(plan.shares), lights_(plan.lights) {}
     /// Paths are bounded by PilotPaths::most_depth. With a watch they do not end at random.
     [[nodiscard]] PathTrial make(const SplitPlan& splits, PathWatch* watch = nullptr) const;
 
@@ -28,6 +28,7 @@ class PathTrials {
     const IntegratorContext& context_;
     const PlanRequest& request_;
     const TechniqueShares shares_;
+    const std::shared_ptr<const LiveLights> lights_;
 };
 
 /// In scattering rays with what is done where they hit, as measured on cornell-grey and caustic-ball.
