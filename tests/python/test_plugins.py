@@ -1,5 +1,6 @@
 """Integrators, textures and sample filters in Python: right against C++, and what happens when they are wrong."""
 
+import threading
 import traceback
 import unittest
 
@@ -120,13 +121,102 @@ class Integrators(Case):
         @raylex.integrator("test_keeps")
         class Keeps:
             def integrate(self, batch):
-                kept.append((batch, batch.trace()))
+                points = batch.trace()
+                count = len(points)
+                light = points.sample_light(np.full(count, 0.5), np.full((count, 2), 0.5))
+                sample = points.sample(np.full(count, 0.5), np.full((count, 2), 0.5))
+                kept.append((batch, points, light, points.evaluate(light.wi), sample))
 
-        raylex.render(CORNELL, spp=1, resolution=(8, 8), integrator="test_keeps")
-        batch, points = kept[0]
-        self.assertRaylexError("over", batch.trace)
-        self.assertRaylexError("over", lambda: points.emitted)
-        self.assertRaylexError("over", points.go_on, points.sample(np.zeros(len(points)), np.zeros((len(points), 2))))
+        raylex.render(CORNELL, spp=1, resolution=(8, 8), integrator="test_keeps", channels={"heat": "float"})
+        batch, points, light, f, sample = kept[0]
+        count, rows = len(points), points.rows
+        none = np.zeros(0, int)
+        uses = {
+            "__len__": lambda: len(batch), "origins": lambda: batch.origins, "directions": lambda: batch.directions,
+            "pixels": lambda: batch.pixels, "samples": lambda: batch.samples, "channels": lambda: batch.channels,
+            "numbers": lambda: batch.numbers(0, rows), "numbers_2d": lambda: batch.numbers_2d(0, rows),
+            "trace": batch.trace, "live": batch.live, "discard": batch.discard,
+            "scatter": lambda: batch.scatter(points, sample), "add_emission": lambda: batch.add_emission(points, 1),
+            "add_background": lambda: batch.add_background(points, 1),
+            "add_light": lambda: batch.add_light(points, f, light, 1),
+            "write": lambda: batch.write("heat", np.ones(count), rows),
+            "splat": lambda: batch.splat("heat", np.ones(count), rows),
+            "write_distance": lambda: batch.write_distance(np.ones(count), rows),
+            "write_opacity": lambda: batch.write_opacity(np.ones(count), rows),
+            "add_samples": lambda: batch.add_samples(np.ones(count), np.ones(count), rows),
+        }
+        self.assertEqual({name for name in dir(batch) if not name.startswith("_")}, set(uses) - {"__len__"})
+        uses |= {
+            "trace rays": lambda: batch.trace(points.position, points.normal, rows),
+            "no distance": lambda: batch.write_distance(none, none),
+            "no rows": lambda: batch.add_samples(none, np.zeros((0, 3)), none),
+            "emitted": lambda: points.emitted, "albedo": lambda: points.albedo,
+            "world_position": lambda: points.world_position, "evaluate": lambda: points.evaluate(light.wi),
+            "sample": lambda: points.sample(np.full(count, 0.5), np.full((count, 2), 0.5)),
+            "sample_light": lambda: points.sample_light(np.full(count, 0.5), np.full((count, 2), 0.5)),
+            "occluded": lambda: points.occluded(points.normal), "go_on": lambda: points.go_on(sample),
+            "visible": light.visible,
+        }
+        for name, use in uses.items():
+            with self.subTest(name):
+                self.assertRaylexError("this batch is over; expected its use within integrate", use)
+        # The rest is made of numbers of its own.
+        arrays = {name: getattr(points, name) for name in ("rows", "missed", "distance", "position", "normal",
+                                                           "shading_normal", "wo", "uv")}
+        self.assertEqual({name for name in dir(points) if not name.startswith("_")} - set(uses), set(arrays))
+        self.assertEqual({len(array) for name, array in arrays.items() if name != "missed"}, {count})
+
+    def test_a_batch_lasts_as_long_as_another_threads_use_of_it(self):
+        found = []
+
+        @raylex.integrator("test_leaves")
+        class Leaves:
+            def integrate(self, batch):
+                if found:
+                    return
+                rows = np.zeros(1 << 20, int)  # takes far longer than integrate() has left
+                origins, directions = (getattr(batch, name)[rows] for name in ("origins", "directions"))
+                begins = threading.Event()
+
+                def use():
+                    begins.set()
+                    try:
+                        found.append(len(batch.trace(origins, directions, rows)))
+                    except raylex.RaylexError as error:
+                        found.append(error)
+
+                found.append(threading.Thread(target=use))
+                found[0].start()
+                begins.wait()
+
+        raylex.render(CORNELL, spp=1, resolution=(8, 8), integrator="test_leaves", threads=1)
+        found[0].join()
+        self.assertEqual(found[1], 1 << 20)
+
+    def test_points_of_another_batch(self):
+        kept = []
+
+        @raylex.integrator("test_mixes")
+        class Mixes:
+            def integrate(self, batch):
+                points = batch.trace()
+                numbers = np.full(len(points), 0.5), np.full((len(points), 2), 0.5)
+                light, sample = points.sample_light(*numbers), points.sample(*numbers)
+                kept.append((points, points.evaluate(light.wi), light, sample))
+                self.use(batch, *kept[0])
+
+        uses = {
+            "add_emission": lambda batch, points, f, light, sample: batch.add_emission(points, 1),
+            "add_background": lambda batch, points, f, light, sample: batch.add_background(points, 1),
+            "add_light": lambda batch, points, f, light, sample: batch.add_light(points, f, light, 1),
+            "scatter": lambda batch, points, f, light, sample: batch.scatter(points, sample),
+        }
+        for name, use in uses.items():
+            with self.subTest(name):
+                Mixes.use = staticmethod(use)
+                kept.clear()
+                self.assertRaylexError("these points are of another batch", raylex.render, CORNELL, spp=64,
+                                       resolution=(16, 16), integrator="test_mixes", threads=1)
 
     def test_plugins_in_cpp(self):
         right = raylex.render(CORNELL, spp=4, resolution=(16, 16), plugins=["planted_error"],
@@ -217,6 +307,19 @@ class Channels(Case):
         image = raylex.render(striped("test_writing"), spp=4, channels={"paint": "rgb"}, aovs=["a"], beauty=False)
         np.testing.assert_allclose(image["paint"][..., 1], 0.25 * image["a"], rtol=1e-6)
 
+    def test_services_are_over_when_the_call_is(self):
+        kept = []
+
+        @raylex.texture("test_keeps")
+        class Keeps:
+            def evaluate(self, at):
+                kept.append(at.services)
+                return np.full((len(at), 3), 0.5)
+
+        raylex.render(striped("test_keeps"), spp=4, channels={"paint": "rgb"})
+        for use in (lambda: kept[0].seen, lambda: kept[0].depth, lambda: kept[0].write("paint", 1)):
+            self.assertRaylexError("these services are over; expected their use within evaluate", use)
+
     def test_filters(self):
         image = raylex.render(quad(), spp=4, channels={"heat": "float"}, sample_filters=["test_three"])
         self.assertTrue((image["heat"] == 3).all())
@@ -282,6 +385,25 @@ class Filters(Case):
             self.assertSameBits(double[name], 2 * plain[name])  # a power of two: exact
         self.assertTrue(all(double.verify()))
         self.assertIn("auto", double.partitions)
+
+    def test_arrays_outlive_the_samples(self):
+        kept = []
+
+        @raylex.sample_filter("test_keeps")
+        class Keeps:
+            def apply(self, samples):
+                again = samples["beauty"]
+                samples["beauty"][...] = len(kept)
+                kept.append((samples, again, again.copy()))
+
+        raylex.render(CORNELL, spp=16, resolution=(32, 32), threads=1, sample_filters=["test_keeps"])
+        self.assertGreater(len(kept), 1)
+        for number, (_, array, then) in enumerate(kept):
+            self.assertTrue((then == number).all())
+            self.assertSameBits(array, then)  # the memory of the next batch is another one
+        samples = kept[0][0]
+        for use in (lambda: samples["beauty"], lambda: samples.names, lambda: samples.pixels, lambda: len(samples)):
+            self.assertRaylexError("these samples are over; expected their use within apply", use)
 
     def test_what_does_not_keep_splits_declares_none(self):
         @raylex.sample_filter("test_red")

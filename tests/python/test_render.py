@@ -25,12 +25,54 @@ time.sleep(1)
 """
 
 
+# Both daemon threads are in calls of raylex that callbacks make when the interpreter ends, or make them afterwards.
+DAEMON_CALLBACKS = """
+import sys, threading, time
+import raylex
+@raylex.integrator("slow")
+class Slow:
+    def integrate(self, batch):
+        time.sleep(0.05)
+        points = batch.trace()
+        batch.add_emission(points, 1)
+def look(progress):
+    time.sleep(0.05)
+    progress.image()
+size = dict(spp=100000, resolution=(128, 128), threads=2)
+for more in (dict(integrator="slow"), dict(progress=look)):
+    threading.Thread(target=lambda more=more: raylex.render(sys.argv[1], **size, **more), daemon=True).start()
+time.sleep(1)
+"""
+
+# What Python runs at its end after raylex's own part may still render, on threads that call Python.
+AT_THE_END = """
+import atexit, sys
+import numpy
+atexit.register(lambda: print(raylex.render(sys.argv[1], integrator="late", spp=1, resolution=(8, 8)).complete))
+import raylex
+@raylex.integrator("late")
+class Late:
+    def integrate(self, batch):
+        batch.add_emission(batch.trace(), 1)
+"""
+
+
 class Endings(Case):
     def test_a_render_in_a_daemon_thread_ends_with_the_interpreter(self):
         # Without a stop and a wait for it, the thread was ended amid C++ code: "terminate called", signal 6.
-        done = subprocess.run([sys.executable, "-c", DAEMON, CORNELL], capture_output=True, text=True, check=False,
+        self.assertEqual(self.run_to_its_end(DAEMON), "")
+
+    def test_callbacks_of_a_daemon_threads_render_end_with_the_interpreter(self):
+        self.assertEqual(self.run_to_its_end(DAEMON_CALLBACKS), "")
+
+    def test_renders_at_the_end_of_the_interpreter(self):
+        self.assertEqual(self.run_to_its_end(AT_THE_END), "True\n")
+
+    def run_to_its_end(self, script):
+        done = subprocess.run([sys.executable, "-c", script, CORNELL], capture_output=True, text=True, check=False,
                               timeout=60)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return done.stdout
 
 
 class SameAsTheProgram(Case):
@@ -208,6 +250,17 @@ class WhileItGoesOn(Case):
         raylex.render(white_furnace(), spp=4, progress=kept.append)
         self.assertTrue(kept)
         self.assertRaylexError("over", lambda: kept[0].fraction)
+
+    def test_progress_is_over_when_the_call_fails(self):
+        kept = []
+
+        def fails(now):
+            kept.append(now)
+            raise ZeroDivisionError
+
+        self.assertRaises(ZeroDivisionError, raylex.render, white_furnace(), spp=4, progress=fails)
+        for use in (lambda: kept[0].fraction, kept[0].image, kept[0].standard_error):
+            self.assertRaylexError("this progress is over", use)
 
 
 if __name__ == "__main__":

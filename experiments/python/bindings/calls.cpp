@@ -8,6 +8,8 @@
 #include <set>
 #include <thread>
 
+#include "experiments/python/bindings/bindings.h"
+
 namespace raylex::python {
 namespace {
 
@@ -16,6 +18,7 @@ struct Calls {
     std::condition_variable over;
     std::multiset<std::atomic<bool>*> stops;  // of the calls that go on; null for those that watch nothing
     std::optional<std::thread::id> ender;     // the thread that ends the interpreter
+    bool ending = false;                      // it waits for `stops`; what calls it makes later are its own
 };
 
 /// Never destroyed: threads may outlive the end of main().
@@ -24,9 +27,9 @@ Calls& calls() {
     return *all;
 }
 
-/// Where the interpreter is ending, keeps every thread but the one that ends it, without Python's lock.
+/// Where the interpreter is ending, keeps every thread that nobody waits for, without Python's lock.
 void stay_if_ending(std::unique_lock<std::mutex>& lock) {
-    if (!calls().ender || *calls().ender == std::this_thread::get_id()) return;
+    if (Callback::here() || !calls().ender || *calls().ender == std::this_thread::get_id()) return;
     lock.unlock();
     PyEval_SaveThread();
     for (;;) pause();
@@ -36,6 +39,8 @@ void stay_if_ending(std::unique_lock<std::mutex>& lock) {
 
 Call::Call(std::atomic<bool>* stop) : stop_(stop) {
     std::unique_lock lock(calls().mutex);
+    if (Callback::here() && calls().ending)
+        fail("the interpreter is ending, which stops this render; expected no more calls of raylex in it");
     stay_if_ending(lock);
     calls().stops.insert(stop_);
 }
@@ -54,7 +59,9 @@ void Call::end_all() {
     all.ender = std::this_thread::get_id();
     for (std::atomic<bool>* stop : all.stops)
         if (stop != nullptr) stop->store(true);
+    all.ending = true;
     all.over.wait(lock, [&] { return all.stops.empty(); });
+    all.ending = false;
 }
 
 }  // namespace raylex::python

@@ -9,7 +9,8 @@
 namespace raylex::python {
 
 /// From before the lock is let go to after it is taken back. When the interpreter ends, it sets `*stop` and waits for
-/// all calls; a call of a daemon thread then never returns.
+/// all calls; a call of a daemon thread then never returns. Calls within a Callback do return, since a call that the
+/// interpreter waits for waits for them. Errors: a call that begins in a Callback meanwhile, so that the callback ends.
 class Call {
   public:
     explicit Call(std::atomic<bool>* stop = nullptr);
@@ -21,6 +22,20 @@ class Call {
 
   private:
     std::atomic<bool>* stop_;
+};
+
+/// Python's lock on a thread of C++ that calls Python amid a Call.
+class Callback {
+  public:
+    Callback() { ++depth_; }
+    ~Callback() { --depth_; }
+    Callback(const Callback&) = delete;
+    Callback& operator=(const Callback&) = delete;
+    [[nodiscard]] static bool here() { return depth_ > 0; }
+
+  private:
+    pybind11::gil_scoped_acquire locked_;
+    inline static thread_local int depth_ = 0;
 };
 
 /// Without Python's lock for as long as it lives.

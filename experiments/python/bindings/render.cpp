@@ -13,6 +13,7 @@
 #include "experiments/job/rendering/job_scene.h"
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/python/bindings/arrays.h"
+#include "experiments/python/bindings/call_scope.h"
 #include "experiments/python/bindings/image.h"
 #include "experiments/python/bindings/run_control.h"
 #include "experiments/python/bindings/scene.h"
@@ -29,11 +30,15 @@ namespace {
 using transport::RenderProgress;
 
 /// What a callback sees. Arrays are made when they are asked for, during the call only.
-class Progress {
+class Progress : public CallScope {
   public:
     Progress(const RenderProgress& now, const std::vector<display::ChannelDefinition>& channels,
              display::ChannelId beauty, display::PixelRegion whole)
-        : now_(&now), channels_(channels), beauty_(beauty), whole_(whole) {}
+        : CallScope("this progress is over; expected its use during the callback only"),
+          now_(now),
+          channels_(channels),
+          beauty_(beauty),
+          whole_(whole) {}
 
     [[nodiscard]] double fraction() const {
         const auto total = static_cast<double>(std::max<std::uint64_t>(now().samples_total, 1));
@@ -44,12 +49,12 @@ class Progress {
 
     [[nodiscard]] py::array_t<double> image(const std::string& name) const {
         const display::ChannelId id = find(name);
-        std::vector<double> values = unlocked([&] { return now().image->resolve(id, whole_); });
+        std::vector<double> values = unlocked(*this, [&] { return now().image->resolve(id, whole_); });
         return shaped(std::move(values), id);
     }
     [[nodiscard]] py::array_t<double> standard_error(const std::string& name) const {
         const display::ChannelId id = find(name);
-        std::vector<double> values = unlocked([&] {
+        std::vector<double> values = unlocked(*this, [&] {
             std::vector<double> variance = now().image->resolve_variance_of_mean(id, whole_);
             for (double& each : variance) each = std::sqrt(each);
             return variance;
@@ -60,15 +65,15 @@ class Progress {
                  "statistics={name: ['mse']}, and a method whose samples belong to pixels");
         return shaped(std::move(values), id);
     }
-    void end() { now_ = nullptr; }
 
   private:
     [[nodiscard]] const RenderProgress& now() const {
-        if (now_ == nullptr || now_->image == nullptr)
-            fail("this progress is over; expected its use during the callback only");
-        return *now_;
+        check();
+        if (now_.image == nullptr) fail("no sample is finished yet, so there is no image");
+        return now_;
     }
     [[nodiscard]] display::ChannelId find(const std::string& name) const {
+        check();
         std::vector<std::string> names;
         for (std::size_t i = 0; i < channels_.size(); ++i) {
             const auto id = static_cast<display::ChannelId>(i);
@@ -83,7 +88,7 @@ class Progress {
         if (components != 1) shape.push_back(components);
         return owning_array(std::move(values), std::move(shape));
     }
-    const RenderProgress* now_;
+    const RenderProgress& now_;
     const std::vector<display::ChannelDefinition>& channels_;
     display::ChannelId beauty_;
     display::PixelRegion whole_;
@@ -162,11 +167,11 @@ class JobRender {
 
   private:
     void report(const RenderProgress& now, RunControl& control, const py::object& callback) const {
-        const py::gil_scoped_acquire locked;
+        const Callback locked;
         try {
             const auto progress = std::make_shared<Progress>(now, channels_, beauty_, whole_);
+            const std::unique_ptr<Progress, void (*)(Progress*)> ends(progress.get(), [](Progress* p) { p->end(); });
             const py::object answer = callback(progress);
-            progress->end();
             if (!answer.is_none() && !py::bool_(answer)) control.stop();
         } catch (...) { control.fail_with_current(); }
     }

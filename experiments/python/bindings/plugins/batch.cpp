@@ -33,14 +33,18 @@ Vec3 vec_of(const transport::Rgb& rgb) {
 
 Batch::Batch(const transport::CameraBatch& camera, const transport::IntegratorContext& context,
              transport::IntegratorThread& thread, transport::ThreadServices& services)
-    : camera_(&camera), context_(context), thread_(thread), services_(services) {
+    : CallScope("this batch is over; expected its use within integrate() only"),
+      camera_(camera),
+      context_(context),
+      thread_(thread),
+      services_(services) {
     for (std::size_t row = 0; row < camera.rays.size(); ++row)
         paths_.push_back(services.lpe.begin(static_cast<int>(row)));
 }
 
-const transport::CameraBatch& Batch::camera() const {
-    if (camera_ == nullptr) fail("this batch is over; expected its use within integrate() only");
-    return *camera_;
+void Batch::check_own(const Points& points) const {
+    check();
+    if (points.batch.get() != this) fail("these points are of another batch; expected points that this one traced");
 }
 
 std::vector<std::uint32_t> Batch::rows_of(const py::object& rows) const {
@@ -101,7 +105,7 @@ std::shared_ptr<Points> Batch::trace(std::vector<Ray> rays, std::vector<std::uin
     made->batch = shared_from_this();
     const std::uint32_t key = first_free_dimension + most_dimensions + depth_++;
     (first ? counters().camera_rays : counters().scattering_rays) += rays.size();
-    unlocked([&] {
+    unlocked(*this, [&] {
         const transport::EmbreeScene& geometry = *scene().geometry;
         std::vector<Hit> hits(rays.size());
         geometry.intersect(rays, hits);
@@ -144,15 +148,15 @@ std::shared_ptr<Points> Batch::trace(std::vector<Ray> rays, std::vector<std::uin
 }
 
 py::array_t<bool> Batch::live() const {
-    (void)camera();
+    check();
     return truths_of(count(), [&](std::size_t i) { return services_.lpe.live(paths_[i]); });
 }
 
 void Batch::scatter(const Points& points, const std::vector<transport::LobeList>& lobes) {
+    check_own(points);
     if (lobes.size() != points.count())
         fail("the scattering is of " + std::to_string(lobes.size()) + " points; expected " +
              std::to_string(points.count()));
-    (void)camera();
     transport::LobeParts parts;
     for (std::size_t i = 0; i < points.count(); ++i)
         services_.lpe.move(paths_[points.rows[i]],
@@ -161,7 +165,7 @@ void Batch::scatter(const Points& points, const std::vector<transport::LobeList>
 
 void Batch::contribute(std::uint32_t row, const Points* points, std::size_t i, const transport::LobeList* lobes,
                        std::uint32_t light, const transport::Rgb& value) {
-    (void)camera();
+    check();
     display::Tracker path = paths_[row];
     transport::LobeParts parts;
     if (lobes != nullptr)
@@ -208,7 +212,7 @@ py::array_t<float> Points::emitted() const {
 std::shared_ptr<Evaluation> Points::evaluate(const py::object& wi) const {
     const Triples directions(wi, count(), "wi");
     auto made = std::make_shared<Evaluation>();
-    unlocked([&] {
+    unlocked(*batch, [&] {
         for (std::size_t i = 0; i < count(); ++i)
             made->values.push_back(bsdfs[i].evaluate(points[i].wo, directions.vec(i)));
     });
@@ -220,7 +224,7 @@ std::shared_ptr<Sample> Points::sample(const py::object& choice, const py::objec
     check_shape(lobe, count(), 0, "choice");
     check_shape(u, count(), 2, "numbers");
     auto made = std::make_shared<Sample>();
-    unlocked([&] {
+    unlocked(*batch, [&] {
         for (std::size_t i = 0; i < count(); ++i)
             made->samples.push_back(
                 bsdfs[i].sample(points[i].wo, lobe.data()[i], {u.data()[2 * i], u.data()[2 * i + 1]}));
@@ -238,7 +242,7 @@ std::shared_ptr<LightSamples> Points::sample_light(const py::object& choice, con
     const transport::LightTable& lights = *batch->scene().lights;
     const transport::LightChooser& chooser = lights.chooser(transport::LightChoice::light_sampling);
     if (chooser.empty()) return made;
-    unlocked([&] {
+    unlocked(*batch, [&] {
         for (std::size_t i = 0; i < count(); ++i) {
             transport::LightSample& sample = made->samples[i];
             if (!lights.sample(chooser, *batch->scene().geometry, {points[i].position, points[i].shading_normal},
@@ -253,7 +257,7 @@ py::array_t<bool> Points::occluded(const py::object& directions, double distance
     const Triples towards(directions, count(), "directions");
     std::vector<std::uint8_t> blocked(count());
     batch->counters().shadow_rays += count();
-    unlocked([&] {
+    unlocked(*batch, [&] {
         std::vector<Ray> shadow;
         for (std::size_t i = 0; i < count(); ++i) {
             shadow.push_back(ray_from(i, towards.vec(i)));
@@ -267,7 +271,7 @@ py::array_t<bool> Points::occluded(const py::object& directions, double distance
 py::array_t<bool> visible(const LightSamples& lights) {
     const Points& from = *lights.from;
     std::vector<std::uint8_t> blocked(from.count(), 1);
-    unlocked([&] {
+    unlocked(*from.batch, [&] {
         std::vector<Ray> shadow;
         std::vector<std::size_t> which;
         for (std::size_t i = 0; i < from.count(); ++i) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "experiments/python/bindings/arrays.h"
+#include "experiments/python/bindings/call_scope.h"
 #include "transport/integrators/integrator.h"
 #include "transport/paths/first_hits.h"
 
@@ -15,24 +16,28 @@ namespace raylex::python {
 class Points;
 
 /// One call of integrate(); no use after it.
-class Batch : public std::enable_shared_from_this<Batch> {
+class Batch : public CallScope, public std::enable_shared_from_this<Batch> {
   public:
     Batch(const transport::CameraBatch& camera, const transport::IntegratorContext& context,
           transport::IntegratorThread& thread, transport::ThreadServices& services);
-    void end() { camera_ = nullptr; }
 
     [[nodiscard]] std::size_t count() const { return camera().rays.size(); }
-    [[nodiscard]] const transport::CameraBatch& camera() const;
-    [[nodiscard]] const transport::IntegratorContext& context() const { return context_; }
+    [[nodiscard]] const transport::CameraBatch& camera() const {
+        check();
+        return camera_;
+    }
     [[nodiscard]] const transport::SceneView& scene() const {
-        (void)camera();
+        check();
         return context_.scene;
     }
     [[nodiscard]] transport::IntegratorCounters& counters() const {
-        (void)camera();
+        check();
         return thread_.counters;
     }
-    [[nodiscard]] display::DisplayServices& display() const { return services_.display; }
+    [[nodiscard]] display::DisplayServices& display() const {
+        check();
+        return services_.display;
+    }
 
     /// Numbers of the samples of these rows; None: all. (rows,) and (rows, 2).
     [[nodiscard]] py::array_t<float> numbers(std::uint32_t dimension, const py::object& rows) const;
@@ -47,6 +52,8 @@ class Batch : public std::enable_shared_from_this<Batch> {
 
     /// Whether anything that the path of each row may still meet counts.
     [[nodiscard]] py::array_t<bool> live() const;
+    /// Errors: points of another batch, whose rows this one may not have.
+    void check_own(const Points& points) const;
     /// One event along each path: the scattering towards light that a sample or evaluation was of.
     void scatter(const Points& points, const std::vector<transport::LobeList>& lobes);
     void contribute(std::uint32_t row, const Points* points, std::size_t i, const transport::LobeList* lobes,
@@ -54,7 +61,7 @@ class Batch : public std::enable_shared_from_this<Batch> {
     [[nodiscard]] std::vector<std::uint32_t> rows_of(const py::object& rows) const;
 
   private:
-    const transport::CameraBatch* camera_;
+    const transport::CameraBatch& camera_;
     const transport::IntegratorContext& context_;
     transport::IntegratorThread& thread_;
     transport::ThreadServices& services_;

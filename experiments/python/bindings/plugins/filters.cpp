@@ -22,15 +22,15 @@ namespace {
 class Samples {
   public:
     Samples(display::SampleTable& table, ChannelId beauty) : table_(&table), beauty_(beauty) {}
-    /// What a filter changed of a plain channel counts as written.
+    /// What a filter changed goes into the table, where it counts as written.
     void end() {
-        for (const auto& [id, before] : before_) {
+        for (const auto& [id, copy] : copies_) {
             const auto components = static_cast<std::size_t>(display::component_count(table().channel(id).type));
             for (int row = 0; row < table().row_count(); ++row) {
                 const std::size_t at = static_cast<std::size_t>(row) * components;
-                const double* const now = table().values(id) + at;
-                if (std::memcmp(now, before.data() + at, components * sizeof(double)) != 0)
-                    static_cast<void>(table().edit(id, row));
+                const double* const now = copy->data() + at;
+                if (std::memcmp(now, table().values(id) + at, components * sizeof(double)) != 0)
+                    std::copy_n(now, components, table().edit(id, row).begin());
             }
         }
         table_ = nullptr;
@@ -42,19 +42,19 @@ class Samples {
             if (display::takes_samples(table().channel(i))) names.push_back(name_of(i));
         return names;
     }
-    /// (rows, components), (rows,) of one number: the table's own memory.
-    [[nodiscard]] py::array_t<double> values(const py::object& self, const std::string& name) const {
+    /// (rows, components), (rows,) of one number: a copy for end(), since Python may keep it longer than the table.
+    [[nodiscard]] py::array_t<double> values(const std::string& name) {
         for (ChannelId id = 0; id < table().channel_count(); ++id) {
             if (name_of(id) != name || !display::takes_samples(table().channel(id))) continue;
             table().touch(id);
             const int components = display::component_count(table().channel(id).type);
             std::vector<py::ssize_t> shape{table().row_count()};
             if (components != 1) shape.push_back(components);
-            if (table().channel(id).style == display::ChannelStyle::name && !before_.contains(id)) {
-                const double* const values = table().values(id);
-                before_[id].assign(values, values + table().row_count() * components);
-            }
-            return py::array_t<double>(std::move(shape), table().raw_values(id), self);
+            const double* const values = table().values(id);
+            Copy& copy = copies_[id];
+            if (!copy) copy = std::make_shared<std::vector<double>>(values, values + table().row_count() * components);
+            const py::capsule owner(new Copy(copy), [](void* p) { delete static_cast<Copy*>(p); });
+            return py::array_t<double>(std::move(shape), copy->data(), owner);
         }
         fail("there is no channel '" + name + "' in the samples", near_miss(name, names()));
     }
@@ -67,6 +67,7 @@ class Samples {
     [[nodiscard]] int rows() const { return table().row_count(); }
 
   private:
+    using Copy = std::shared_ptr<std::vector<double>>;
     [[nodiscard]] display::SampleTable& table() const {
         if (table_ == nullptr) fail("these samples are over; expected their use within apply() only");
         return *table_;
@@ -76,7 +77,7 @@ class Samples {
     }
     display::SampleTable* table_;
     ChannelId beauty_;
-    mutable std::map<ChannelId, std::vector<double>> before_;  // values of the plain channels that were read
+    std::map<ChannelId, Copy> copies_;  // of the channels that were read
 };
 
 class PythonFilter final : public display::SampleFilter {
@@ -114,7 +115,7 @@ void register_filter(const std::string& name, const py::object& type, const std:
         {name, help, python->parameters,
          [python](const ParameterSet& parameters,
                   const display::SampleFilterContext& context) -> Result<std::unique_ptr<display::SampleFilter>> {
-             const py::gil_scoped_acquire locked;
+             const Callback locked;
              transport::ParameterReader reader(parameters);
              auto object = make_instance(*python, reader);
              if (!object) return object.error();
@@ -131,12 +132,8 @@ void add_filters(py::module_& module) {
         .def_property_readonly("names", &Samples::names, "channels, 'beauty' among them")
         .def_property_readonly("pixels", &Samples::pixels, "int32 (rows, 2): x, y of each sample's pixel")
         .def("__len__", &Samples::rows)
-        .def(
-            "__getitem__",
-            [](const py::object& self, const std::string& name) {
-                return self.cast<const Samples&>().values(self, name);
-            },
-            "name"_a, "float64 (rows, components), (rows,) of one number. Writing changes the sample.");
+        .def("__getitem__", &Samples::values, "name"_a,
+             "float64 (rows, components), (rows,) of one number. Writing changes the sample.");
     module.def("_register_sample_filter", &register_filter, "name"_a, "type"_a, "help"_a, "defaults"_a);
 }
 

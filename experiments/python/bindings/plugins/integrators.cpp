@@ -52,7 +52,7 @@ class PythonIntegrator final : public transport::Integrator {
 Result<std::unique_ptr<transport::Integrator>> make_integrator(const PythonClass& python,
                                                                const transport::SceneEntity& entity,
                                                                std::optional<std::int64_t> max_depth) {
-    const py::gil_scoped_acquire locked;
+    const Callback locked;
     transport::ParameterReader reader(entity.parameters);
     std::vector<std::pair<std::string, std::int64_t>> more;
     if (max_depth) more.emplace_back("maxdepth", *max_depth);
@@ -81,6 +81,7 @@ void register_integrator(const std::string& name, const py::object& type, const 
 /// (rows,) of light that no point sends: environments in the directions that hit nothing.
 void add_background(Batch& batch, const Points& points, const py::object& throughput) {
     const Triples factor(throughput, points.missed.size(), "throughput");
+    batch.check_own(points);
     const transport::LightTable& lights = *batch.scene().lights;
     for (const std::uint32_t light : lights.environments())
         for (std::size_t i = 0; i < points.missed.size(); ++i) {
@@ -92,6 +93,7 @@ void add_background(Batch& batch, const Points& points, const py::object& throug
 
 void add_emission(Batch& batch, const Points& points, const py::object& throughput) {
     const Triples factor(throughput, points.count(), "throughput");
+    batch.check_own(points);
     const transport::LightTable& lights = *batch.scene().lights;
     for (std::size_t i = 0; i < points.count(); ++i) {
         const std::uint32_t light = points.light(i);
@@ -107,6 +109,8 @@ void add_light(Batch& batch, const Points& points, const Evaluation& f, const Li
         fail("evaluation and light samples are of " + std::to_string(f.values.size()) + " and " +
              std::to_string(lights.samples.size()) + " points; expected " + std::to_string(points.count()));
     const Triples values(value, points.count(), "value");
+    batch.check_own(points);
+    batch.check_own(*lights.from);  // their lights are numbers of this scene's
     for (std::size_t i = 0; i < points.count(); ++i) {
         const transport::Rgb light = values[i];
         if (!(lights.samples[i].pdf > 0) || light.is_black()) continue;

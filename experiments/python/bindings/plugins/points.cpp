@@ -68,6 +68,7 @@ void add_point_properties(py::class_<Points, std::shared_ptr<Points>>& points) {
         .def_property_readonly(
             "albedo",
             [](const Points& p) {
+                p.batch->check();  // closures may point to tables of the scene
                 return triples_of(p.count(), [&](auto i) {
                     const Rgb albedo = p.bsdfs[i].albedo(p.points[i].wo);
                     return numbers(albedo);

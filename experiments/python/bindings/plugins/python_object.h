@@ -36,7 +36,7 @@ class Held {
   public:
     explicit Held(py::object object) : object_(new py::object(std::move(object))) {}
     ~Held() {
-        const py::gil_scoped_acquire locked;
+        const Callback locked;
         delete object_;
     }
     Held(const Held&) = delete;
@@ -56,7 +56,7 @@ void claim_name(const std::string& kind, const std::string& name, bool taken);
 /// none.
 template <class Work>
 void guarded_call(const std::shared_ptr<RunControl>& control, Work&& work) {
-    const py::gil_scoped_acquire locked;
+    const Callback locked;
     if (control && control->failed()) return;
     try {
         work();

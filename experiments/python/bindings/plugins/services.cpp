@@ -17,6 +17,7 @@ bool send(display::DisplayServices& services, display::ChannelId id, int row, co
 }
 
 std::vector<int> rows_of(const Batch& batch, const py::object& rows) {
+    batch.check();  // no rows at all are an error too once the batch is over
     if (rows.is_none()) {
         const std::vector<std::uint32_t> all = batch.rows_of(rows);
         return {all.begin(), all.end()};
@@ -89,10 +90,12 @@ void send_values(display::DisplayServices& services, const std::string& name, co
 }
 
 py::array_t<bool> TextureServices::seen() const {
+    check();
     return truths_of(points_.size(), [&](std::size_t i) { return points_[i].services.camera_sees(); });
 }
 
 py::array_t<std::int32_t> TextureServices::depth() const {
+    check();
     return column_of<std::int32_t>(points_.size(), [&](std::size_t i) {
         const transport::VertexServices& services = points_[i].services;
         return services.display == nullptr ? -1 : static_cast<std::int32_t>(services.depth);
@@ -100,6 +103,7 @@ py::array_t<std::int32_t> TextureServices::depth() const {
 }
 
 void TextureServices::write(const std::string& name, const py::object& values) const {
+    const Use use(*this);  // NumPy lets go of Python's lock while it converts
     std::vector<int> rows;
     std::vector<std::size_t> seen;
     for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -128,6 +132,7 @@ void add_services(py::module_& module) {
         .def(
             "write",
             [](Batch& b, const std::string& name, const py::object& values, const py::object& rows) {
+                const Batch::Use use(b);
                 send_values(b.display(), name, rows_of(b, rows), values, Sending::write);
             },
             "name"_a, "values"_a, "rows"_a = py::none(),
@@ -137,6 +142,7 @@ void add_services(py::module_& module) {
         .def(
             "splat",
             [](Batch& b, const std::string& name, const py::object& values, const py::object& rows) {
+                const Batch::Use use(b);
                 send_values(b.display(), name, rows_of(b, rows), values, Sending::splat);
             },
             "name"_a, "values"_a, "rows"_a = py::none(), "Adds to what rows of a channel hold; else as write().")

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "experiments/python/bindings/arrays.h"
+#include "experiments/python/bindings/call_scope.h"
 #include "transport/textures/texture.h"
 
 namespace raylex::python {
@@ -17,10 +18,10 @@ void send_values(display::DisplayServices& services, const std::string& name, co
                  const py::object& values, Sending how);
 
 /// What a texture in Python writes through: the services of each point it is evaluated at.
-class TextureServices {
+class TextureServices : public CallScope {
   public:
-    explicit TextureServices(std::span<const transport::TexturePoint> points) : points_(points) {}
-    void end() { points_ = {}; }
+    explicit TextureServices(std::span<const transport::TexturePoint> points)
+        : CallScope("these services are over; expected their use within evaluate() only"), points_(points) {}
 
     /// bool (points,): whether the camera sees the point directly.
     [[nodiscard]] py::array_t<bool> seen() const;

@@ -125,7 +125,7 @@ void register_texture(const std::string& name, const py::object& type, const std
     claim_name("texture", name, registry.find(name) != nullptr);
     registry.add({name, help, python->parameters,
                   [python](transport::PatternReader& reader) -> Result<std::unique_ptr<transport::Pattern>> {
-                      const py::gil_scoped_acquire locked;
+                      const Callback locked;
                       auto object = make_instance(*python, reader);
                       if (!object) return object.error();
                       return std::unique_ptr<transport::Pattern>(
