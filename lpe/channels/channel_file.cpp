@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "lpe/channels/channel_errors.h"
+#include "lpe/channels/file_text.h"
 #include "lpe/failure.h"
 #include "lpe/limits.h"
 
@@ -41,6 +43,22 @@ ChannelFormat find_format(std::string_view path, std::string_view text) {
             "name the kind with --format");
 }
 
+ChannelFile parse_any(std::string_view text, const std::string& origin, ChannelFormat format) {
+    if (text.size() > limits::channel_file_bytes) {
+        fail_in(origin, "the file has " + std::to_string(text.size()) + " bytes; at most " +
+                            std::to_string(limits::channel_file_bytes) + " are read");
+    }
+    switch (format) {
+        case ChannelFormat::rib:
+            return parse_rib(text, origin);
+        case ChannelFormat::usda:
+            return parse_usda(text, origin);
+        case ChannelFormat::ini:
+            break;
+    }
+    return parse_ini(text, origin);
+}
+
 }  // namespace
 
 Result<ChannelFormat> channel_format(std::string_view path, std::string_view text) {
@@ -48,20 +66,18 @@ Result<ChannelFormat> channel_format(std::string_view path, std::string_view tex
 }
 
 Result<ChannelFile> parse_channel_file(std::string_view text, const std::string& origin, ChannelFormat format) {
+    return guarded([&] { return parse_any(text, origin, format); });
+}
+
+Result<ChannelFile> parse_channels(std::string_view text, const std::string& origin, ChannelFormat format,
+                                   std::vector<Error>& errors) {
     return guarded([&]() -> ChannelFile {
-        if (text.size() > limits::channel_file_bytes) {
-            fail_in(origin, "the file has " + std::to_string(text.size()) + " bytes; at most " +
-                                std::to_string(limits::channel_file_bytes) + " are read");
+        try {
+            return parse_any(text, origin, format);
+        } catch (ChannelErrors& wrong) {
+            errors.insert(errors.end(), wrong.errors.begin(), wrong.errors.end());
+            return std::move(wrong.file);
         }
-        switch (format) {
-            case ChannelFormat::rib:
-                return parse_rib(text, origin);
-            case ChannelFormat::usda:
-                return parse_usda(text, origin);
-            case ChannelFormat::ini:
-                break;
-        }
-        return parse_ini(text, origin);
     });
 }
 
@@ -69,8 +85,8 @@ std::string statistics_of(const FileChannel& channel) {
     for (const std::string& parameter : channel.parameters) {
         const std::size_t at = parameter.find("statistics");
         if (at == std::string::npos) { continue; }
-        for (const char* kind : {"variance", "mse", "even", "odd"}) {
-            if (parameter.find("\"" + std::string(kind) + "\"", at) != std::string::npos) { return kind; }
+        for (const std::string_view kind : statistics_names) {
+            if (parameter.find("\"" + std::string(kind) + "\"", at) != std::string::npos) { return std::string(kind); }
         }
     }
     return {};

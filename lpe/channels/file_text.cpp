@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "lpe/channels/channel_errors.h"
 #include "lpe/failure.h"
 #include "lpe/language/source_text.h"
 
@@ -46,7 +47,7 @@ int FileText::column_of(std::size_t position) const {
     return static_cast<int>(position - line_begins_[static_cast<std::size_t>(line_of(position)) - 1]) + 1;
 }
 
-void FileText::fail_at(std::size_t position, std::string message, std::string hint) const {
+Error FileText::error_at(std::size_t position, std::string message, std::string hint) const {
     const TextPlace place = place_of(*file_, position);
     Error error;
     error.message = std::move(message);
@@ -55,7 +56,34 @@ void FileText::fail_at(std::size_t position, std::string message, std::string hi
     error.line = place.line;
     error.column = place.column;
     error.excerpt = place.line_text;
-    throw Failure{std::move(error)};
+    return error;
+}
+
+void FileText::fail_at(std::size_t position, std::string message, std::string hint) const {
+    throw Failure{error_at(position, std::move(message), std::move(hint))};
+}
+
+void FileText::note(std::size_t position, std::string message, std::string hint) {
+    errors_.push_back(error_at(position, std::move(message), std::move(hint)));
+}
+
+void FileText::note_unless_known(std::size_t position, const std::string& what, std::string_view word,
+                                 std::span<const std::string_view> known) {
+    if (std::find(known.begin(), known.end(), word) != known.end()) { return; }
+    std::string list;
+    for (const std::string_view each : known) { list += (list.empty() ? "" : ", ") + std::string(each); }
+    const std::string near = nearest(word, known.data(), known.size());
+    note(position, "unknown " + what + " '" + std::string(word) + "'; expected one of: " + list,
+         near.empty() ? "" : "did you mean '" + near + "'?");
+}
+
+ChannelFile FileText::return_or_throw(ChannelFile file) {
+    if (errors_.empty()) { return file; }
+    ChannelErrors wrong;
+    wrong.error = errors_.front();
+    wrong.errors = std::move(errors_);
+    wrong.file = std::move(file);
+    throw wrong;
 }
 
 std::string FileText::describe(std::size_t position) const {

@@ -2,16 +2,21 @@
 // their bytes stood.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "lpe/channels/channel_file.h"
 #include "lpe/language/source_map.h"
 #include "lpe/program.h"
 
 namespace raylex::lpe {
+
+inline constexpr std::array<std::string_view, 4> statistics_names{"variance", "mse", "even", "odd"};
 
 /// A string of a file after its escapes are resolved.
 class MappedText {
@@ -53,6 +58,13 @@ class FileText {
     [[nodiscard]] int line_of(std::size_t position) const;
     [[nodiscard]] int column_of(std::size_t position) const;
     [[noreturn]] void fail_at(std::size_t position, std::string message, std::string hint = {}) const;
+    /// An error of a single channel: the reader goes on, and return_or_throw() has it.
+    void note(std::size_t position, std::string message, std::string hint = {});
+    /// Notes a word that is none of the known ones; `what` is what it stands for.
+    void note_unless_known(std::size_t position, const std::string& what, std::string_view word,
+                           std::span<const std::string_view> known);
+    /// The file where no error was noted. Throws ChannelErrors.
+    ChannelFile return_or_throw(ChannelFile file);
     /// What stands at `position`, for a message.
     [[nodiscard]] std::string describe(std::size_t position) const;
 
@@ -60,7 +72,10 @@ class FileText {
     [[nodiscard]] ChannelSource source(std::string name, const MappedText& text, std::size_t offset = 0) const;
 
   private:
+    [[nodiscard]] Error error_at(std::size_t position, std::string message, std::string hint) const;
+
     std::shared_ptr<const TextFile> file_;
+    std::vector<Error> errors_;
     std::size_t position_ = 0;
     std::vector<std::size_t> line_begins_;
 };

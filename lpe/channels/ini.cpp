@@ -32,7 +32,7 @@ class IniReader {
                 in_.take_line();
             }
         }
-        return std::move(file_);
+        return in_.return_or_throw(std::move(file_));
     }
 
   private:
@@ -56,8 +56,8 @@ class IniReader {
         if (path.starts_with(macro)) {
             add_macro(begin, path.substr(macro.size()), value);
         } else if (path.find('/') != std::string_view::npos) {
-            in_.fail_at(begin, "unknown entry '" + std::string(root) + std::string(path) +
-                                   "'; expected /prman/lpe/macro/NAME, or a slot such as /prman/lpe/specular2");
+            in_.note(begin, "unknown entry '" + std::string(root) + std::string(path) +
+                                "'; expected /prman/lpe/macro/NAME, or a slot such as /prman/lpe/specular2");
         } else {
             const std::size_t at = value.position(0);
             file_.lobe_options.push_back(
@@ -67,7 +67,8 @@ class IniReader {
 
     void add_macro(std::size_t begin, std::string_view name, const MappedText& value) {
         if (value.text().empty()) {
-            in_.fail_at(begin, "the macro '" + std::string(name) + "' has no expression; expected one behind its name");
+            in_.note(begin, "the macro '" + std::string(name) + "' has no expression; expected one behind its name");
+            return;
         }
         const std::size_t offset = expression_offset(value.text());
         ChannelSource source = in_.source(std::string(name), value, offset == std::string_view::npos ? 0 : offset);

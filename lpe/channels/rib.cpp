@@ -6,12 +6,15 @@
 //     DisplayChannel "color lpe:diffuse"
 //     Option "lpe" "string diffuse2" ["Diffuse,HairDiffuse"]
 #include <algorithm>
+#include <array>
+#include <span>
 #include <string>
 #include <tuple>
 #include <utility>
 
 #include "lpe/channels/channel_file.h"
 #include "lpe/channels/file_text.h"
+#include "lpe/language/source_text.h"
 #include "lpe/limits.h"
 
 namespace raylex::lpe {
@@ -24,6 +27,12 @@ bool is_white(char c) {
 bool is_letter(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
 }
+
+// The words that are read here. There are many more: only what is nearly one of these is a slip.
+constexpr std::array<std::string_view, 2> requests{"DisplayChannel", "Option"};
+constexpr std::array<std::string_view, 3> parameters{"source", "statistics", "filter"};
+constexpr std::array<std::string_view, 10> types{"color",  "float",  "integer", "point",  "vector",
+                                                 "normal", "string", "matrix",  "hpoint", "mpoint"};
 
 /// "varying color name" as its type and its name.
 std::pair<std::string, std::string> split_declaration(std::string_view text) {
@@ -59,13 +68,22 @@ class RibReader {
                 read_display_channel(begin, comment);
             } else if (request == "Option") {
                 read_option();
+            } else {
+                note_misspelt(begin, "request", request, requests);
             }
             skip_arguments();
         }
-        return std::move(file_);
+        return in_.return_or_throw(std::move(file_));
     }
 
   private:
+    void note_misspelt(std::size_t begin, const std::string& what, std::string_view word,
+                       std::span<const std::string_view> known) {
+        const std::string near = nearest(word, known.data(), known.size());
+        if (near.empty() || near == word) { return; }
+        in_.note(begin, "unknown " + what + " '" + std::string(word) + "'", "did you mean '" + near + "'?");
+    }
+
     /// Blanks and comments; lines of comment gather for the request that follows them directly.
     void skip_blank() {
         int newlines = 0;
@@ -212,6 +230,28 @@ class RibReader {
         }
     }
 
+    /// What stands beside the source.
+    void keep_parameter(std::size_t begin, const MappedText& declaration, const Value& value, FileChannel& channel) {
+        const std::string parameter = split_declaration(declaration.text()).second;
+        if (parameter == "statistics" && value.is_string && !value.string.text().empty()) {
+            in_.note_unless_known(value.begin, parameter, value.string.text(), statistics_names);
+        }
+        note_misspelt(begin, "parameter", parameter, parameters);
+        channel.parameters.emplace_back(in_.text().substr(begin, value.end - begin));
+    }
+
+    /// "color lpe:CD<L.>" declares a channel named by its expression. Returns where that begins, or npos.
+    static std::size_t name_by_expression(const std::string& declared, FileChannel& channel, std::string& name) {
+        const std::size_t offset = expression_offset(declared);
+        if (offset == std::string::npos) { return offset; }
+        name = declared.substr(offset - 4);
+        const std::string_view before = std::string_view(declared).substr(0, offset - 4);
+        channel.type = before.find_first_not_of(' ') == std::string_view::npos
+                           ? "color"
+                           : std::string(before.substr(0, before.find_last_not_of(" \t") + 1));
+        return offset;
+    }
+
     void read_display_channel(std::size_t request, const std::string& comment) {
         if (!at_argument() || in_.peek() != '"') {
             in_.fail_at(request, "DisplayChannel has no name; expected \"color name\" behind it");
@@ -224,17 +264,21 @@ class RibReader {
         std::string name;
         bool has_source = false;
         std::tie(channel.type, name) = split_declaration(declared.text());
+        const std::string_view type = std::string_view(channel.type).substr(channel.type.rfind(' ') + 1);
+        note_misspelt(name_begin, "type", type.substr(0, type.find_first_of("[0123456789")), types);
         take_parameters([&](std::size_t begin, const MappedText& declaration, Value value) {
             if (split_declaration(declaration.text()).second != "source") {
-                channel.parameters.emplace_back(in_.text().substr(begin, value.end - begin));
+                keep_parameter(begin, declaration, value, channel);
                 return;
             }
             if (std::exchange(has_source, true)) {
-                in_.fail_at(begin, "channel '" + name + "' has a second source; expected one");
+                in_.note(begin, "channel '" + name + "' has a second source; expected one");
+                return;
             }
             if (!value.is_string) {
-                in_.fail_at(value.begin,
-                            "the source of channel '" + name + "' is no string; expected [\"color lpe:...\"]");
+                in_.note(value.begin,
+                         "the source of channel '" + name + "' is no string; expected [\"color lpe:...\"]");
+                return;
             }
             offset = expression_offset(value.string.text());
             if (offset == std::string_view::npos) {
@@ -243,15 +287,8 @@ class RibReader {
             expression = std::move(value.string);
         });
         if (offset == std::string_view::npos && expression.text().empty()) {
-            offset = expression_offset(declared.text());  // "color lpe:CD<L.>": the name is the expression
-            if (offset != std::string_view::npos) {
-                name = declared.text().substr(offset - 4);
-                const std::string_view before = std::string_view(declared.text()).substr(0, offset - 4);
-                channel.type = before.find_first_not_of(' ') == std::string_view::npos
-                                   ? "color"
-                                   : std::string(before.substr(0, before.find_last_not_of(" \t") + 1));
-                expression = declared;
-            }
+            offset = name_by_expression(declared.text(), channel, name);
+            if (offset != std::string_view::npos) { expression = declared; }
         }
         count(request);
         if (offset == std::string_view::npos) {
@@ -263,10 +300,14 @@ class RibReader {
             return;
         }
         if (offset >= expression.text().size()) {
-            in_.fail_at(expression.position(offset),
-                        "channel '" + name + "' has an empty expression; expected one behind 'lpe:'");
+            in_.note(expression.position(offset),
+                     "channel '" + name + "' has an empty expression; expected one behind 'lpe:'");
+            return;
         }
-        if (name.empty()) { in_.fail_at(name_begin, "DisplayChannel has an empty name; expected \"color name\""); }
+        if (name.empty()) {
+            in_.note(name_begin, "DisplayChannel has an empty name; expected \"color name\"");
+            return;
+        }
         channel.source = in_.source(name, expression, offset);
         channel.comment = comment;
         file_.channels.push_back(std::move(channel));

@@ -70,7 +70,7 @@ class UsdaReader {
         if (!open_.empty()) {
             in_.fail_at(open_.back().begin, "the prim '" + open_.back().name + "' is not closed; expected '}'");
         }
-        return std::move(file_);
+        return in_.return_or_throw(std::move(file_));
     }
 
   private:
@@ -368,6 +368,9 @@ class UsdaReader {
             prim.source_type = std::move(value);
         } else {
             if (name == "driver:parameters:aov:name" && value.is_string) { prim.aov_name = value; }
+            if (name.ends_with(":statistics") && value.is_string && !value.text.text().empty()) {
+                in_.note_unless_known(value.begin, "statistics", value.text.text(), statistics_names);
+            }
             prim.channel.parameters.emplace_back(statement);
         }
     }
@@ -393,22 +396,24 @@ class UsdaReader {
             return;
         }
         if (!prim.source_name) {
-            in_.fail_at(prim.begin, "RenderVar '" + prim.name +
-                                        "' has sourceType \"lpe\" but no sourceName; expected string "
-                                        "sourceName = \"C...\"");
+            in_.note(prim.begin, "RenderVar '" + prim.name +
+                                     "' has sourceType \"lpe\" but no sourceName; expected string "
+                                     "sourceName = \"C...\"");
+            return;
         }
         if (!prim.source_name->is_string) {
-            in_.fail_at(prim.source_name->begin, "the sourceName of RenderVar '" + prim.name +
-                                                     "' is no string; expected an "
-                                                     "expression in quotes");
+            in_.note(prim.source_name->begin,
+                     "the sourceName of RenderVar '" + prim.name + "' is no string; expected an expression in quotes");
+            return;
         }
         if (++found_ > limits::file_channels) {
             in_.fail_at(prim.begin, "the file has more than " + std::to_string(limits::file_channels) + " channels");
         }
         const std::size_t offset = named_so ? expression_offset(prim.source_name->text.text()) : 0;
         if (offset >= prim.source_name->text.text().size()) {
-            in_.fail_at(prim.source_name->begin,
-                        "the sourceName of RenderVar '" + prim.name + "' is empty; expected an expression");
+            in_.note(prim.source_name->begin,
+                     "the sourceName of RenderVar '" + prim.name + "' is empty; expected an expression");
+            return;
         }
         FileChannel channel = std::move(prim.channel);
         const bool renamed = prim.aov_name && !prim.aov_name->text.text().empty();

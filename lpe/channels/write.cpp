@@ -162,8 +162,9 @@ class Writer {
             text += "        }\n";
         }
         text += "    }\n}\n";
-        if (!file_.lobe_options.empty()) {
-            warnings_.emplace_back("USD has no place for lobe slots; they are left out");
+        for (const LobeOption& option : file_.lobe_options) {
+            warnings_.push_back(option.origin + ":" + std::to_string(option.line) +
+                                ": USD has no place for the lobe slot '" + option.slot + "'; it is left out");
         }
         finish("USD");
         return text;
@@ -174,7 +175,8 @@ class Writer {
     [[nodiscard]] std::string expression_of(const ChannelSource& source, bool of_one_line = true) const {
         const bool own = reader_ == Reader::renderman && source.dialect == Dialect::renderman;
         if (Status readable = renderman_reads(source, true); own && !readable) { throw Failure{readable.error()}; }
-        return own || of_one_line ? one_line(source, reader_) : source.expression;
+        const std::string text = own || of_one_line ? one_line(source, reader_) : source.expression;
+        return text.starts_with("lpe:") ? text.substr(4) : text;  // the format's own mark stands before it
     }
 
     /// The parameters in this format's own words: RIB's begin with a quote, USD's do not. Statistics have both.

@@ -131,15 +131,16 @@ TEST_CASE("a preview shows any OpenEXR file: half, single part, luminance alone,
     CHECK(run_raylex(folder, "preview half.exr --exposure 60 -o white.png").code == 0);
 }
 
-TEST_CASE("Blender reads every layer of a file with ids, each with its values", "[.full]") {
+TEST_CASE("Blender reads every layer of a file with ids and single values, each with its values", "[.full]") {
     if (std::system("blender --version >/dev/null 2>&1") != 0) RAYLEX_SKIP("blender is not installed");
     const SceneFolder folder;
     const std::string script = source_dir() + "/tests/experiments/data/blender_reads.py";
-    const Outcome read = run_shell(
-        folder,
-        "\"$RAYLEX\" render room.pbrt -o a.exr --aov id --aov Nn --aov albedo --cryptomatte object --statistics "
-        "beauty=mse --lpe 'direct=C<RD>L' >&2 && blender -b --factory-startup --python '" +
-            script + "' -- a.exr");
+    const Outcome read = run_shell(folder,
+                                   "\"$RAYLEX\" render room.pbrt -o a.exr --aov id --aov VLen --aov zback --aov u "
+                                   "--aov Nn --aov albedo --cryptomatte "
+                                   "object --statistics beauty=mse --layer zfar=z:zmax --layer depth=z:zmin --lpe "
+                                   "'direct=C<RD>L' >&2 && blender -b --factory-startup --python '" +
+                                       script + "' -- a.exr");
     CAPTURE(read.out, read.err);
     REQUIRE(read.code == 0);
     auto image = read_exr(folder.path("a.exr"));
@@ -157,7 +158,7 @@ TEST_CASE("Blender reads every layer of a file with ids, each with its values", 
         CHECK(std::stof(line[2]) == Approx(largest).epsilon(1e-6));  // float in, float out
         ++layers;
     }
-    CHECK(layers + 1 == image->layers.size());  // all but id, which Blender has no form for
+    CHECK(layers + 4 == image->layers.size());  // all but id, VLen, zback and zfar, which Blender has no form for
 }
 
 TEST_CASE("names that a preview does not know are answered with the nearest ones", "[law7]") {

@@ -1,8 +1,10 @@
 #include <catch2/catch.hpp>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "display/output/color/primaries.h"
+#include "display/output/comparison/comparison.h"
 #include "display/output/splits/split_check.h"
 #include "files.h"
 
@@ -50,6 +52,18 @@ TEST_CASE("metrics are the formulas they name, computed by hand", "[display][com
     CHECK(value(reference, reference, ErrorMetric::mean_ratio, 'A') == 1);
     CHECK(std::string(formula(ErrorMetric::relmse)) == "mean((a-b)^2 / (b^2 + 0.01))");
     CHECK(std::string(formula(ErrorMetric::mean_ratio)) == "mean(a) / mean(b)");
+}
+
+TEST_CASE("a metric's name may be written with underscores", "[display][compare]") {
+    for (const raylex::display::AnyMetric& each : raylex::display::all_metrics()) {
+        std::string name = each.name;
+        std::replace(name.begin(), name.end(), '-', '_');
+        CAPTURE(name);
+        const auto found = raylex::display::require_metric(name, {});
+        REQUIRE(found);
+        CHECK(found->name == each.name);
+    }
+    CHECK_FALSE(raylex::display::require_metric("mean__ratio", {}));
 }
 
 TEST_CASE("the second image is the reference: metrics are not symmetric", "[display][compare]") {

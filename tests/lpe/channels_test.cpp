@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lpe/algebra/proofs/check.h"
+#include "lpe/channels/channel_errors.h"
 #include "lpe/channels/channel_file.h"
 #include "lpe/channels/lobe_slots.h"
 
@@ -305,6 +306,52 @@ TEST_CASE("broken files are refused with file, line and column", "[channels][law
     CHECK_FALSE(channel_format("a.txt", "hello"));
     CHECK(*channel_format("a.txt", "#usda 1.0") == ChannelFormat::usda);
     CHECK(*channel_format("a.txt", "DisplayChannel \"color a\"") == ChannelFormat::rib);
+}
+
+TEST_CASE("what is wrong with single channels is told of all of them, and the others are read", "[channels][law7]") {
+    std::vector<Error> errors;
+    auto file = parse_channels(
+        "DisplayChannel \"color a\" \"string source\" [\"color lpe:C.*\"]\n"
+        "DisplayChanel \"color b\" \"string source\" [\"color lpe:CD\"]\n"
+        "DisplayChannel \"colour c\" \"string source\" [\"color lpe:CD\"]\n"
+        "DisplayChannel \"color d\" \"string source\" [\"color lpe:\"]\n"
+        "DisplayChannel \"color e\" \"string source\" [\"color lpe:CD\"] \"string statistics\" [\"msee\"]\n"
+        "DisplayChannel \"color f\" \"string sorce\" [\"color lpe:CD\"]\n"
+        "DisplayChannel \"varying float g\"\nDisplayChannel \"float[2] h\"\nDisplay \"a.exr\" \"openexr\" \"a\"\n"
+        "Optoin \"lpe\" \"string diffuse2\" [\"Hair\"]\n",
+        "file", ChannelFormat::rib, errors);
+    REQUIRE(file.ok());
+    CHECK(file->channels.front().source.name == "a");
+    CHECK(file->other_channels.back().source.name == "h");
+    std::vector<std::string> told;
+    for (const Error& error : errors)
+        told.push_back(std::to_string(error.line) + " " + error.message.substr(0, error.message.find(';')) + " " +
+                       error.hint);
+    CHECK(told == std::vector<std::string>{"2 unknown request 'DisplayChanel' did you mean 'DisplayChannel'?",
+                                           "3 unknown type 'colour' did you mean 'color'?",
+                                           "4 channel 'd' has an empty expression ",
+                                           "5 unknown statistics 'msee' did you mean 'mse'?",
+                                           "6 unknown parameter 'sorce' did you mean 'source'?",
+                                           "10 unknown request 'Optoin' did you mean 'Option'?"});
+    errors.clear();
+    REQUIRE(
+        parse_channels("#usda 1.0\ndef RenderVar \"a\" { token sourceType = \"lpe\" }\n"
+                       "def RenderVar \"b\" { string sourceName = \"CD\"; token sourceType = \"lpe\"\n"
+                       "  string driver:parameters:aov:statistics = \"msee\" }\n",
+                       "file", ChannelFormat::usda, errors));
+    REQUIRE(errors.size() == 2);
+    CHECK(errors[1].line == 4);
+    errors.clear();
+    REQUIRE(parse_channels("/prman/lpe/macro/a\n/prman/lpe/other/b c\n", "file", ChannelFormat::ini, errors));
+    CHECK(errors.size() == 2);
+}
+
+TEST_CASE("a mark that an expression has is not written a second time", "[channels]") {
+    ChannelFile file;
+    file.channels.emplace_back().source = {"a", "lpe:CD", Dialect::renderman, "file", 1, 1, {}};
+    for (const ChannelFormat format : {ChannelFormat::rib, ChannelFormat::usda, ChannelFormat::ini})
+        CHECK(written(file, format).find("lpe:lpe:") == std::string::npos);
+    CHECK(written(file, ChannelFormat::rib).find("[\"color lpe:CD\"]") != std::string::npos);
 }
 
 TEST_CASE("deep, long and damaged files end in a result or an error, quickly", "[channels][law7]") {

@@ -73,8 +73,10 @@ std::vector<AnyMetric> all_metrics() {
 }
 
 std::optional<AnyMetric> find_metric(std::string_view name) {
+    std::string hyphens(name);  // Python's names have underscores
+    std::replace(hyphens.begin(), hyphens.end(), '_', '-');
     for (AnyMetric& each : all_metrics())
-        if (each.name == name) return std::move(each);
+        if (each.name == hyphens) return std::move(each);
     return std::nullopt;
 }
 

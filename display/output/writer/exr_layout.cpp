@@ -1,11 +1,13 @@
 #include "display/output/writer/exr_layout.h"
 
 #include <algorithm>
+#include <array>
 #include <set>
 #include <string_view>
 
 #include "display/output/reader/exr_layers.h"
 #include "display/services/channel_settings.h"
+#include "display/services/parameters.h"
 
 namespace raylex::display {
 
@@ -97,6 +99,16 @@ Status check_partition(std::span<const ChannelDefinition> channels, ChannelId be
     return success();
 }
 
+/// Blender (3.4) stops at a part of which it makes nothing, and every part behind it is black there. It makes something
+/// of a plane whose last word is a letter or one of these names, in any case.
+bool blender_reads(const PlannedPart& part) {
+    return std::any_of(part.planes.begin(), part.planes.end(), [](const std::string& plane) {
+        const std::string word = lower_case(std::string_view(plane).substr(plane.rfind('.') + 1));
+        constexpr std::array names{"red", "green", "blue", "alpha", "depth"};
+        return word.size() == 1 || std::find(names.begin(), names.end(), word) != names.end();
+    });
+}
+
 std::string interop_id(const ChannelDefinition& channel, const Chromaticities& primaries) {
     const ChannelKind kind = kind_of(channel);
     return kind == ChannelKind::light || kind == ChannelKind::color ? color_interop_id(primaries) : "data";
@@ -166,10 +178,7 @@ std::vector<PlannedPart> plan_parts(std::span<const ChannelDefinition> channels,
         part.attributes["colorInteropID"] = "data";
         parts.push_back(std::move(part));
     }
-    // Blender (3.4) reads every part behind one of unsigned integers as black.
-    std::stable_partition(parts.begin(), parts.end(), [&channels](const PlannedPart& part) {
-        return part.data != nullptr || channels[static_cast<std::size_t>(part.channel)].type != ChannelType::integer;
-    });
+    std::stable_partition(parts.begin(), parts.end(), blender_reads);
     for (std::size_t i = 0; i < description.partitions.size(); ++i) {
         const PartitionDeclaration& partition = description.partitions[i];
         // An image must not be lost over a partition that cannot be; the header says why it is not there.

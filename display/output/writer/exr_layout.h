@@ -32,7 +32,7 @@ inline constexpr std::size_t verdict_length = 192;
 [[nodiscard]] bool is_declared(std::span<const ChannelDefinition> channels, ChannelId beauty,
                                const PartitionDeclaration& partition);
 
-/// The part that beauty is in comes first, the others in the channels' order, those of unsigned integers behind them.
+/// The part that beauty is in comes first, then in the channels' order those that Blender reads, then the others.
 std::vector<PlannedPart> plan_parts(std::span<const ChannelDefinition> channels, ChannelId beauty,
                                     const ImageDescription& description);
 

@@ -152,12 +152,28 @@ int merge_files(const AskOptions& options) {
     return judge_atlas(**file);
 }
 
+/// Files of channels may ask for more than an atlas has.
+void leave_out_no_light(Job& job) {
+    const auto left = [](const std::string& what) {
+        print_warning("an atlas has light alone; " + what + " is left out");
+    };
+    for (const AovRequest& aov : job.aovs) left("'" + aov.name + "'");
+    for (const display::ChannelDefinition& channel : job.declared) left("'" + channel.name + "'");
+    for (const display::LayerRequest& layer : job.settings.layers) left("'" + layer.name + "'");
+    for (const display::RuleRequest& rule : job.settings.rules) left("the rule of '" + rule.channel + "'");
+    if (!job.settings.cryptomatte.empty()) left("cryptomatte");
+    job.aovs.clear();
+    job.declared.clear();
+    job.settings.layers.clear();
+    job.settings.rules.clear();
+    job.settings.cryptomatte.clear();
+}
+
 int write_layers(const CLI::App& command, display::AtlasFile& atlas, const AskOptions& options,
                  const CommandContext& context) {
     Job job;
     if (Status read = read_expressions(command, options, job); !read) return report_error(read.error());
-    for (const AovRequest& aov : job.aovs) print_warning("an atlas has light alone; '" + aov.name + "' is left out");
-    job.aovs.clear();
+    leave_out_no_light(job);
     auto answered = answer_question(atlas, job, {options.intervals, options.errors});
     if (!answered) return report_error(answered.error());
     for (const std::string& note : answered->notes) print_warning(note);

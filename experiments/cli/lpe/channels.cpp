@@ -88,8 +88,8 @@ Status take_channel_files(ChannelArguments& arguments) {
     return success();
 }
 
-Result<ChannelSet> read_channel_set(const ChannelArguments& arguments, lpe::Dialect dialect) {
-    auto set = read_channel_files(arguments.files, arguments.format, dialect);
+Result<ChannelSet> read_channel_set(const ChannelArguments& arguments, lpe::Dialect dialect, bool every_error) {
+    auto set = read_channel_files(arguments.files, arguments.format, dialect, every_error);
     if (!set) return set;
     for (const std::string& warning : set->file.warnings) print_warning(warning);
     for (const std::string& text : arguments.named) {
@@ -99,7 +99,8 @@ Result<ChannelSet> read_channel_set(const ChannelArguments& arguments, lpe::Dial
         channel.source = {request->name, request->expression, request->dialect, request->location.file, 0, 0, {}};
         set->file.channels.push_back(std::move(channel));
     }
-    if (Status single = take_same_once(*set); !single) return single.error();
+    take_same_once(*set);
+    if (!every_error && !set->errors.empty()) return set->errors.front();
     return set;
 }
 

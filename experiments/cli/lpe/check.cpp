@@ -45,20 +45,21 @@ const char* word_for(lpe::Verdict verdict) {
     return "";
 }
 
-/// Whether what is written is for RenderMan itself, which lacks our extensions.
-bool writes_for_renderman(const CheckOptions& options) {
+/// What is written for RenderMan itself, which lacks our extensions.
+Written written_for_renderman(const CheckOptions& options) {
     const auto written = [&](const char* format) {
         return options.output.format == format ||
                (options.output.format.empty() && options.output.path.ends_with(std::string(".") + format));
     };
-    return options.reader.value() == lpe::Reader::renderman &&
-           (written("rib") || written("ini") || written("usda") || written("usd"));
+    if (options.reader.value() != lpe::Reader::renderman) return Written::nothing;
+    if (written("ini")) return Written::with_macros;
+    return written("rib") || written("usda") || written("usd") ? Written::without_macros : Written::nothing;
 }
 
 /// What the layers leave, as an expression for the application that the channels are of, else for raylex.
 void find_rest(const CheckOptions& options, const ChannelSet& set, CheckPicture& picture) {
-    const bool renderman =
-        writes_for_renderman(options) || (set.of_renderman && options.reader.value() == lpe::Reader::renderman);
+    const bool renderman = written_for_renderman(options) != Written::nothing ||
+                           (set.of_renderman && options.reader.value() == lpe::Reader::renderman);
     const auto& layers = picture.layers;
     if (renderman) {
         auto rest = lpe::rest_expression(layers.sources, layers.whole, options.words, lpe::Reader::renderman);
@@ -368,10 +369,9 @@ Status warn_about_labels(const CheckOptions& options, const std::vector<lpe::Cha
     return success();
 }
 
-int report_all(const std::vector<Error>& errors, std::size_t channels) {
+int report_all(const std::vector<Error>& errors) {
     for (const Error& error : errors) report_error(error);
-    if (errors.size() > 1)
-        return report_error(std::to_string(errors.size()) + " errors in " + std::to_string(channels) + " channels");
+    if (errors.size() > 1) return report_error(std::to_string(errors.size()) + " errors in the channels");
     return exit_bad_input;
 }
 
@@ -396,13 +396,14 @@ int run_check(CheckOptions options) {
         return report_error("--json and -o - both write to standard output; expected the name of a file behind -o");
     take_standard_output_for(options.output.path);
     if (Status taken = take_channel_files(options.channels); !taken) return report_error(taken.error());
-    auto set = read_channel_set(options.channels, options.dialect.value());
+    auto set = read_channel_set(options.channels, options.dialect.value(), true);
     if (!set) return report_error(set.error());
-    if (set->file.channels.empty()) return report_error(resolved_channels(*set, options.channels).error());
+    if (set->file.channels.empty() && set->errors.empty())
+        return report_error(resolved_channels(*set, options.channels).error());
     std::vector<Error> errors;
     const std::vector<lpe::ChannelSource> sources =
-        read_all(*set, errors, options.reader.value(), writes_for_renderman(options));
-    if (!errors.empty()) return report_all(errors, set->file.channels.size());
+        read_all(*set, errors, options.reader.value(), written_for_renderman(options));
+    if (!errors.empty()) return report_all(errors);
     for (const lpe::ChannelSource& source : sources)
         if (source.name == options.rest)
             return report_error("--rest " + options.rest + ": a channel has that name; expected another one");

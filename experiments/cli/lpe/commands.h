@@ -64,8 +64,9 @@ Result<bool> is_channel_file(const std::string& text);
 /// Takes the files among the arguments to the files. Commands do so first.
 Status take_channel_files(ChannelArguments& arguments);
 
-/// What the files and the arguments say, each channel with its own name; warnings are printed.
-Result<ChannelSet> read_channel_set(const ChannelArguments& arguments, lpe::Dialect dialect);
+/// What the files and the arguments say, each channel with its own name; warnings are printed. The first error of a
+/// single channel is the result, or with `every_error` all are in the set.
+Result<ChannelSet> read_channel_set(const ChannelArguments& arguments, lpe::Dialect dialect, bool every_error = false);
 
 /// The set's channels, names in expressions resolved; warnings are printed. Errors: no channel at all.
 Result<std::vector<lpe::ChannelSource>> resolved_channels(const ChannelSet& set, const ChannelArguments& arguments);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <tuple>
 
 #include "experiments/program/console.h"
 #include "lpe/algebra/proofs/check.h"
@@ -69,8 +70,10 @@ Result<lpe::Words> words_of(const PathOptions& options, const std::optional<Scen
 }
 
 std::vector<lpe::ChannelSource> read_all(const ChannelSet& set, std::vector<Error>& errors, lpe::Reader reader,
-                                         bool written) {
+                                         Written written) {
     std::vector<lpe::ChannelSource> sources;
+    lpe::MacroTable macros;
+    for (const lpe::ChannelSource& macro : set.file.macros) static_cast<void>(macros.add(macro));
     std::vector<std::string> warnings;
     std::set<std::string> known;  // a macro's error comes up in every channel that uses it
     const auto refuse = [&](const Status& read) {
@@ -82,8 +85,9 @@ std::vector<lpe::ChannelSource> read_all(const ChannelSet& set, std::vector<Erro
     };
     for (const lpe::ChannelSource& macro : set.file.macros)
         if (of_renderman(macro)) refuse(lpe::renderman_reads(macro));
+    for (const Error& error : set.errors) refuse(error);
     ChannelSet one;
-    one.file.macros = set.file.macros;
+    one.file.macros = macros.list();
     for (const lpe::FileChannel& channel : set.file.channels) {
         one.file.channels.assign(1, channel);
         auto expanded = expanded_channels(one, warnings);
@@ -93,10 +97,16 @@ std::vector<lpe::ChannelSource> read_all(const ChannelSet& set, std::vector<Erro
             refuse(prefixes.error());
             continue;
         }
-        if (written || of_renderman(channel.source)) refuse(lpe::renderman_reads(channel.source, written));
+        const bool writes = written != Written::nothing;
+        if (writes || of_renderman(channel.source))
+            refuse(lpe::renderman_reads(
+                written == Written::without_macros ? without_macros(channel.source, macros) : channel.source, writes));
         sources.push_back(std::move(expanded->front()));
     }
     for (const std::string& warning : warnings) print_warning(warning);
+    std::stable_sort(errors.begin(), errors.end(), [](const Error& a, const Error& b) {
+        return std::tie(a.file, a.line) < std::tie(b.file, b.line);
+    });
     return sources;
 }
 

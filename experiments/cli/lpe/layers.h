@@ -2,6 +2,7 @@
 // paths that there are.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -23,10 +24,14 @@ void add_path_options(CLI::App& command, PathOptions& options);
 Result<lpe::Words> words_of(const PathOptions& options, const std::optional<SceneWords>& scene, const ChannelSet& set,
                             std::span<const lpe::ChannelSource> channels);
 
-/// The channels as expressions; every one that cannot be read is an error of the list, for a reader of RenderMan's
-/// also what its files, or all channels where they are `written` for it, have of ours. Warnings are printed.
+/// What of the channels is written for RenderMan: nothing, or all, with macros or with what they stand for.
+enum class Written : std::uint8_t { nothing, with_macros, without_macros };
+
+/// The channels as expressions. Every one that cannot be read is an error of the list, as are the set's own errors; for
+/// a reader of RenderMan's also what its files, or all channels where they are written for it, have of ours. The list
+/// is in the order of the files' lines. Warnings are printed.
 std::vector<lpe::ChannelSource> read_all(const ChannelSet& set, std::vector<Error>& errors, lpe::Reader reader,
-                                         bool written);
+                                         Written written);
 
 struct Layers {
     std::vector<lpe::ChannelSource> sources;

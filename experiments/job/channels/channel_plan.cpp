@@ -66,15 +66,19 @@ class Planner {
         return success();
     }
 
+    /// Whether a channel of that name with the same meaning is planned: both are one layer.
+    [[nodiscard]] bool is_there(const lpe::ChannelSource& source) const {
+        const auto known = index_.find(source.name);
+        return known != index_.end() && mean_the_same(sources_[known->second], source, job_.macros);
+    }
+
     Status add_expression(const ExpressionRequest& request) {
         const SourceLocation& where = request.location;
         auto expansion = lpe::expand_names(
             {request.name, request.expression, request.dialect, where.file, where.line, where.column, {}, request.map},
             job_.macros);
         if (!expansion) return expansion.error();
-        if (const auto known = index_.find(request.name);
-            known != index_.end() && mean_the_same(sources_[known->second], expansion->source, job_.macros))
-            return success();
+        if (is_there(expansion->source)) return success();
         ChannelDefinition channel;
         channel.name = request.name;
         channel.style = ChannelStyle::expression;
@@ -278,6 +282,10 @@ class Planner {
         declared.name = partition;
         declared.location.file = "partition " + partition;
         for (const ExpressionRequest& request : requests) {
+            declared.channels.push_back(request.name);
+            lpe::ChannelSource source{
+                request.name, request.expression, request.dialect, request.location.file, 0, 0, {}};
+            if (is_there(source)) continue;
             ChannelDefinition channel;
             channel.name = request.name;
             channel.style = ChannelStyle::expression;
@@ -286,8 +294,7 @@ class Planner {
             channel.space = "rendering colour space";
             Status added = add_channel(std::move(channel), request.location);
             if (!added) return added;
-            sources_.back() = {request.name, request.expression, request.dialect, request.location.file, 0, 0, {}};
-            declared.channels.push_back(request.name);
+            sources_.back() = std::move(source);
         }
         if (!job_.settings.beauty) return success();  // nothing to sum to
         return prove(declared);

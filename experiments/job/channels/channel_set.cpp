@@ -5,26 +5,18 @@
 #include <iterator>
 #include <map>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "experiments/job/channel_tables.h"
 #include "experiments/program/console.h"
 #include "lpe/algebra/proofs/relations.h"
-#include "lpe/channels/file_text.h"
+#include "lpe/channels/channel_errors.h"
 #include "lpe/read_input.h"
 
 namespace raylex::experiments {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::optional<lpe::ChannelFormat> format_named(const std::string& name) {
-    if (name == "rib") return lpe::ChannelFormat::rib;
-    if (name == "usda") return lpe::ChannelFormat::usda;
-    if (name == "ini") return lpe::ChannelFormat::ini;
-    return std::nullopt;
-}
 
 Status add_toml(const std::string& text, const std::string& path, ChannelSet& set) {
     auto job = parse_channel_tables(text, path);
@@ -47,6 +39,8 @@ Status add_toml(const std::string& text, const std::string& path, ChannelSet& se
     const std::vector<display::StatisticRequest>& statistics = job->settings.statistics;
     set.statistics.insert(set.statistics.end(), statistics.begin(), statistics.end());
     set.aovs.insert(set.aovs.end(), job->aovs.begin(), job->aovs.end());
+    job->job_text = text;
+    set.tables.push_back(*std::move(job));
     return success();
 }
 
@@ -57,7 +51,7 @@ Status add_file(const std::string& path, const std::string& format, lpe::Dialect
         set.of_renderman = false;
         return add_toml(*text, path, set);
     }
-    std::optional<lpe::ChannelFormat> kind = format_named(format);
+    std::optional<lpe::ChannelFormat> kind = channel_format_named(format);
     if (!kind) {
         auto told = lpe::channel_format(path, *text);
         if (!told) {
@@ -69,7 +63,7 @@ Status add_file(const std::string& path, const std::string& format, lpe::Dialect
     }
     if (*kind == lpe::ChannelFormat::usda) set.of_renderman = false;
     if (*kind != lpe::ChannelFormat::usda || dialect == lpe::Dialect::renderman) set.renderman_files.push_back(path);
-    auto file = lpe::parse_channel_file(*text, path, *kind);
+    auto file = lpe::parse_channels(*text, path, *kind, set.errors);
     if (!file) return file.error();
     for (lpe::FileChannel& channel : file->channels) {
         // RIB and rendermn.ini are RenderMan's own; USD says nothing of the language.
@@ -84,38 +78,6 @@ Status add_file(const std::string& path, const std::string& format, lpe::Dialect
     append(set.file.other_channels, file->other_channels);
     append(set.file.warnings, file->warnings);
     return success();
-}
-
-/// Names that layers may have; others are changed into ones that they may.
-class LayerNames {
-  public:
-    std::string fit(const std::string& name) {
-        std::string fitted;
-        for (const char c : name) {
-            const bool fits = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-                              c == '-' || c == ':' || c == '.';
-            if (fits) fitted += c;
-            else if (fitted.empty() || fitted.back() != '_') fitted += '_';
-        }
-        while (!fitted.empty() && fitted.back() == '.') fitted.pop_back();
-        if (!check_layer_name(fitted, {})) fitted = "layer_" + fitted.substr(0, 100);
-        if (!check_layer_name(fitted, {})) fitted = "layer";
-        const std::string stem = fitted;
-        for (int k = 2; !taken_.insert(fitted).second; ++k) fitted = stem + "_" + std::to_string(k);
-        if (fitted != name) ++changed_;
-        return fitted;
-    }
-    [[nodiscard]] std::size_t changed() const { return changed_; }
-
-  private:
-    std::set<std::string> taken_;
-    std::size_t changed_ = 0;
-};
-
-std::string list_text(const std::vector<std::string>& names) {
-    std::string text;
-    for (const std::string& each : names) text += (text.empty() ? "" : ", ") + lpe::quoted(each);
-    return "[" + text + "]";
 }
 
 /// Whether a channel takes every path there is, or all that meet no medium: what renderers call the beauty.
@@ -164,8 +126,57 @@ void add_statistic(const ChannelSet& set, const lpe::FileChannel& channel, Job& 
     if (twice || layer != source.name) warnings.push_back(who + ") of '" + of + "': it is the layer '" + layer + "'");
 }
 
+/// What a file says of a channel beside its source and statistics. A filter that is a rule becomes that of the job's
+/// channel `name`, or with `beside` a further layer of it; whatever else there is is left out. Returns whether there is
+/// a further layer.
+bool add_parameters(const lpe::FileChannel& channel, const std::string& name, Job& job, lpe::LeftOut& left,
+                    bool beside = false) {
+    const lpe::ChannelSource& source = channel.source;
+    bool further = false;
+    for (const std::string& each : channel.parameters) {
+        lpe::LeftOut out;
+        lpe::leave_out(channel, each, out);
+        const std::string& parameter = out.begin()->first;
+        if (parameter == "source" || parameter.ends_with("statistics")) continue;
+        const std::size_t end = each.rfind('"'), begin = end == 0 ? end : each.rfind('"', end - 1);
+        auto rule = display::parse_rule_request(name, begin < end ? each.substr(begin + 1, end - begin - 1) : "",
+                                                {source.origin, source.origin_line, source.origin_column});
+        const bool known = std::any_of(job.settings.rules.begin(), job.settings.rules.end(),
+                                       [&](const display::RuleRequest& other) { return other.channel == name; });
+        const bool filter = parameter == "filter" || parameter.ends_with(":filter");
+        const bool light_or_aov = !name.empty() && lpe::statistics_of(channel).empty();
+        if (!filter || !light_or_aov || !rule || rule->rule == display::FilterRule::filter || (known && !beside)) {
+            lpe::leave_out(channel, each, left);
+        } else if (beside) {
+            job.settings.layers.push_back({source.name, name, rule->rule, rule->location});
+            further = true;
+        } else {
+            job.settings.rules.push_back(*std::move(rule));
+        }
+    }
+    return further;
+}
+
+/// What TOML files ask for beside channels, statistics and partitions.
+void add_tables(const ChannelSet& set, Job& job) {
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    for (const Job& from : set.tables) {
+        append(job.settings.rules, from.settings.rules);
+        append(job.settings.layers, from.settings.layers);
+        append(job.declared, from.declared);
+        for (const geoaovs::MatteKind kind : from.settings.cryptomatte)
+            if (std::count(job.settings.cryptomatte.begin(), job.settings.cryptomatte.end(), kind) == 0)
+                job.settings.cryptomatte.push_back(kind);
+        if (from.settings.cryptomatte_ranks != geoaovs::Cryptomatte::default_ranks)
+            job.settings.cryptomatte_ranks = from.settings.cryptomatte_ranks;
+        job.shipped_partition |= from.shipped_partition;
+        job.light_groups |= from.light_groups;
+        if (from.techniques) job.techniques = from.techniques;
+    }
+}
+
 /// Channels without an expression: AOVs that raylex has, the image and its statistics; the others are named.
-void add_others(const ChannelSet& set, Job& job, std::vector<std::string>& warnings) {
+void add_others(const ChannelSet& set, Job& job, lpe::LeftOut& settings, std::vector<std::string>& warnings) {
     std::string left;
     for (const lpe::FileChannel& channel : set.file.other_channels) {
         const lpe::ChannelSource& source = channel.source;
@@ -175,7 +186,10 @@ void add_others(const ChannelSet& set, Job& job, std::vector<std::string>& warni
         if (image) continue;
         if (aov && !spread) {
             job.aovs.push_back({aov->name, {source.origin, source.origin_line, source.origin_column}});
-            if (aov->name != source.name)
+            const bool beside = aov->name != source.name && check_layer_name(source.name, {}) &&
+                                std::any_of(set.file.other_channels.begin(), set.file.other_channels.end(),
+                                            [&](const auto& each) { return each.source.name == aov->name; });
+            if (!add_parameters(channel, aov->name, job, settings, beside) && aov->name != source.name)
                 warnings.push_back("channel '" + source.name + "' of " + source.origin + " is the layer '" + aov->name +
                                    "'");
         } else {
@@ -185,30 +199,14 @@ void add_others(const ChannelSet& set, Job& job, std::vector<std::string>& warni
     if (!left.empty()) warnings.push_back("channels of what raylex has no name for are left out: " + left);
 }
 
-/// The set for formats that hold channels alone: what TOML keeps in tables of statistics and AOVs are channels there.
-lpe::ChannelFile as_channels(const ChannelSet& set) {
-    lpe::ChannelFile file = set.file;
-    for (const display::StatisticRequest& each : set.statistics) {
-        lpe::FileChannel spread;
-        spread.source.expression = each.channel == "beauty" ? "C.*[<L.>O]" : each.channel;
-        const std::string kind = display::statistic_name(each.statistic);
-        for (const lpe::FileChannel& of : set.file.channels)
-            if (of.source.name == each.channel) spread.source = of.source;
-        spread.source.name = each.channel + "_" + kind;
-        spread.parameters = {"\"string statistics\" [\"" + kind + "\"]"};
-        const bool light = spread.source.expression != each.channel;
-        (light ? file.channels : file.other_channels).push_back(std::move(spread));
-    }
-    for (const AovRequest& each : set.aovs) {
-        lpe::FileChannel& other = file.other_channels.emplace_back();
-        other.source.name = other.source.expression = each.name;
-        const auto aov = transport::named_channel(each.name, {});
-        if (aov && display::component_count(aov->type) == 1) other.type = "float";
-    }
-    return file;
-}
-
 }  // namespace
+
+std::optional<lpe::ChannelFormat> channel_format_named(const std::string& name) {
+    if (name == "rib") return lpe::ChannelFormat::rib;
+    if (name == "usda") return lpe::ChannelFormat::usda;
+    if (name == "ini") return lpe::ChannelFormat::ini;
+    return std::nullopt;
+}
 
 const std::vector<std::string>& channel_format_names() {
     static const std::vector<std::string> names{"toml", "rib", "usda", "ini"};
@@ -216,11 +214,12 @@ const std::vector<std::string>& channel_format_names() {
 }
 
 Result<ChannelSet> read_channel_files(const std::vector<std::string>& paths, const std::string& format,
-                                      lpe::Dialect dialect) {
+                                      lpe::Dialect dialect, bool every_error) {
     ChannelSet set;
     set.of_renderman = !paths.empty();
     for (const std::string& path : paths)
         if (Status added = add_file(path, format, dialect, set); !added) return added.error();
+    if (!every_error && !set.errors.empty()) return set.errors.front();
     if (set.file.channels.empty()) {
         for (lpe::ChannelSource& macro : set.file.macros) {
             lpe::FileChannel channel;
@@ -241,10 +240,10 @@ bool mean_the_same(const lpe::ChannelSource& a, const lpe::ChannelSource& b, con
     return difference && !*difference;
 }
 
-Status take_same_once(ChannelSet& set) {
+void take_same_once(ChannelSet& set) {
     lpe::MacroTable macros;
     for (const lpe::ChannelSource& macro : set.file.macros)
-        if (Status added = macros.add(macro); !added) return added;
+        if (Status added = macros.add(macro); !added) set.errors.push_back(added.error());
     std::vector<lpe::FileChannel> kept;
     std::map<std::string, std::size_t> known;
     for (lpe::FileChannel& channel : set.file.channels) {
@@ -257,14 +256,20 @@ Status take_same_once(ChannelSet& set) {
         if (fresh || same) continue;
         const lpe::ChannelSource& first = kept[place->second].source;
         const std::string line = first.origin_line > 0 ? ":" + std::to_string(first.origin_line) : "";
-        return error_at({source.origin_line > 0 ? source.origin : std::string(), source.origin_line, 0},
-                        "the channel name '" + source.name +
-                            "' is used twice with two meanings; expected every channel to have "
-                            "its own name",
-                        source.origin_line > 0 ? "the first one is in " + first.origin + line : std::string());
+        set.errors.push_back(
+            error_at({source.origin_line > 0 ? source.origin : std::string(), source.origin_line, 0},
+                     "the channel name '" + source.name +
+                         "' is used twice with two meanings; expected every channel to have its own name",
+                     source.origin_line > 0 ? "the first one is in " + first.origin + line : std::string()));
     }
     set.file.channels = std::move(kept);
-    return success();
+}
+
+lpe::ChannelSource without_macros(const lpe::ChannelSource& source, const lpe::MacroTable& macros) {
+    auto with = lpe::expand_names(source, macros);
+    const auto built_in = lpe::expand_names(source);
+    const bool uses = with && (!built_in || built_in->source.expression != with->source.expression);
+    return uses ? std::move(with->source) : source;
 }
 
 Result<std::vector<lpe::ChannelSource>> expanded_channels(const ChannelSet& set, std::vector<std::string>& warnings) {
@@ -293,17 +298,18 @@ Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& war
     lpe::LeftOut settings;
     for (const lpe::FileChannel& channel : set.file.channels) {
         const lpe::ChannelSource& source = channel.source;
-        for (const std::string& each : channel.parameters)
-            if (each.find("statistics") == std::string::npos) lpe::leave_out(channel, each, settings);
         if (!lpe::statistics_of(channel).empty()) {
+            add_parameters(channel, source.name, job, settings);
             add_statistic(set, channel, job, warnings);
             continue;
         }
         if (!check_layer_name(source.name, {}) && is_all_light(source, job.macros)) {
             warnings.push_back("channel '" + source.name + "' of " + source.origin +
                                " is the image itself, and is not made a layer beside it");
+            add_parameters(channel, "", job, settings);
             continue;
         }
+        add_parameters(channel, source.name, job, settings);
         job.expressions.push_back({source.name,
                                    source.expression,
                                    source.dialect,
@@ -313,89 +319,21 @@ Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& war
     job.partitions.insert(job.partitions.end(), set.partitions.begin(), set.partitions.end());
     job.aovs.insert(job.aovs.end(), set.aovs.begin(), set.aovs.end());
     for (const display::StatisticRequest& each : set.statistics) add_once(each, job.settings.statistics);
+    add_tables(set, job);
+    std::vector<std::string> of_others;
+    add_others(set, job, settings, of_others);
     if (!settings.empty())
         warnings.push_back("what channels say beside their expression has no place in a job, and is left out: " +
                            lpe::left_out_text(settings));
-    add_others(set, job, warnings);
-    if (set.file.channels.empty() && job.aovs.size() == aovs)
+    warnings.insert(warnings.end(), of_others.begin(), of_others.end());
+    const bool asks = std::any_of(set.tables.begin(), set.tables.end(), [](const Job& each) {
+        return !each.declared.empty() || !each.settings.layers.empty() || !each.settings.cryptomatte.empty() ||
+               each.shipped_partition || each.light_groups || each.techniques;
+    });
+    if (set.file.channels.empty() && !asks && job.aovs.size() == aovs)
         return error_at({"--channels", 0, 0},
                         "the file declares no channel with an expression, and no AOV that raylex has; expected one");
     return success();
-}
-
-/// What a render of the set would be asked for, as tables of a job.
-Result<std::string> toml_text(const ChannelSet& set, std::vector<std::string>& warnings) {
-    Job job;
-    if (Status added = add_to_job(set, job, warnings); !added) return added.error();
-    std::string text;
-    const auto separate = [&text] { text += text.empty() ? "" : "\n"; };
-    if (!set.file.macros.empty()) text += "[macros]\n";
-    for (const lpe::ChannelSource& macro : set.file.macros)
-        text += macro.name + " = " + lpe::quoted(macro.expression) + "\n";
-    if (!set.file.lobe_options.empty()) {
-        separate();
-        text += "[lobe_slots]\n";
-    }
-    for (const lpe::LobeOption& option : set.file.lobe_options)
-        text += option.slot + " = " + lpe::quoted(option.names) + "\n";
-    std::vector<std::string> aovs;
-    std::map<std::string, std::vector<std::string>> statistics;
-    for (const AovRequest& each : job.aovs) aovs.push_back(each.name);
-    for (const display::StatisticRequest& each : job.settings.statistics)
-        statistics[each.channel].emplace_back(display::statistic_name(each.statistic));
-    LayerNames names;
-    std::string channels;
-    for (const ExpressionRequest& request : job.expressions) {
-        const auto file = std::find_if(set.file.channels.begin(), set.file.channels.end(),
-                                       [&](const auto& each) { return each.source.name == request.name; });
-        channels += "\n" + lpe::commented(file->comment, "#") +
-                    "[[channel]]\nname = " + lpe::quoted(names.fit(request.name)) +
-                    "\nlpe = " + lpe::quoted(request.expression) + "\n";
-        if (request.dialect == lpe::Dialect::osl) channels += "dialect = \"osl\"\n";
-        if (const auto found = statistics.find(request.name); found != statistics.end()) {
-            channels += "statistics = " + list_text(found->second) + "\n";
-            statistics.erase(found);
-        }
-    }
-    if (!aovs.empty()) {
-        separate();
-        text += "[channels]\naovs = " + list_text(aovs) + "\n";
-    }
-    if (!statistics.empty()) {
-        separate();
-        text += "[channels.statistics]\n";
-    }
-    for (const auto& [channel, kinds] : statistics) text += lpe::quoted(channel) + " = " + list_text(kinds) + "\n";
-    text += channels.substr(text.empty() && !channels.empty() ? 1 : 0);
-    for (const PartitionRequest& partition : set.partitions) {
-        separate();
-        text += "[[partition]]\nname = " + lpe::quoted(partition.name) + "\n";
-        if (!partition.of.empty()) text += "of = " + lpe::quoted(partition.of) + "\n";
-        text += "channels = [";
-        for (const std::string& name : partition.channels) text += "\n    " + lpe::quoted(name) + ",";
-        text += "\n]\n";
-        if (!partition.rest.empty()) text += "rest = " + lpe::quoted(partition.rest) + "\n";
-    }
-    if (names.changed() > 0)
-        warnings.push_back(std::to_string(names.changed()) + " names of channels cannot be layers; they are changed");
-    return text;
-}
-
-Result<std::string> channel_set_text(const ChannelSet& set, const std::string& path, const std::string& format,
-                                     std::vector<std::string>& warnings, lpe::Reader reader) {
-    const bool no_file = path.empty() || is_standard_output(path);
-    if (format == "toml" || (format.empty() && (no_file || path.ends_with(".toml")))) return toml_text(set, warnings);
-    std::optional<lpe::ChannelFormat> kind = format_named(format);
-    if (!kind) {
-        auto told = lpe::channel_format(path, {});
-        if (!told) return told.error();
-        kind = *told;
-    }
-    return lpe::write_channel_file(as_channels(set), *kind, warnings, reader);
-}
-
-Status write_channel_text(const std::string& text, const std::string& path) {
-    return write_text(path.empty() ? "-" : path, text);
 }
 
 }  // namespace raylex::experiments

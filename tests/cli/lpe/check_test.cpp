@@ -121,7 +121,7 @@ TEST_CASE("lpe check names every expression that cannot be read") {
     CHECK(contains(outcome.err, "show.rib:1:57: found 'X'"));
     CHECK(contains(outcome.err, "show.rib:3:"));
     CHECK(contains(outcome.err, "show.rib:4:"));
-    CHECK(contains(outcome.err, "3 errors in 4 channels"));
+    CHECK(contains(outcome.err, "3 errors in the channels"));
     folder.write("m.ini", "/prman/lpe/macro/bad C<RX>\n");
     folder.write("two.rib", channel("a", "bad") + channel("b", "unoccluded;bad"));
     const Outcome macro = run_raylex(folder, "lpe check two.rib m.ini");
@@ -136,7 +136,7 @@ TEST_CASE("what RenderMan does not read is an error in files that are for it", "
     check_refused(folder, "lpe check show.rib",
                   {"show.rib:2:", "'glossy' has 'G', which raylex reads and RenderMan does not", "S is every specular",
                    "show.rib:3:", "'mirror' has '-', 'G'", "show.rib:4:", "'fog' has 'V'", "show.rib:6:", "s1t3;",
-                   "4 errors in 6 channels", "--for raylex"});
+                   "4 errors in the channels", "--for raylex"});
     CHECK_FALSE(contains(run_raylex(folder, "lpe check show.rib").err, "Village"));
     CHECK(run_raylex(folder, "lpe check show.rib --for raylex").code == 1);
     folder.write("rendermn.ini", "/prman/lpe/macro/glossy C<RG>.*\n");
@@ -231,6 +231,84 @@ TEST_CASE("conversions keep statistics and AOVs, and name what has no place") {
     CHECK(run_raylex(folder, "lpe check show.ini").code == 0);
     CHECK(run_raylex(folder, "lpe check show.rib -o same.rib").code == 0);
     CHECK(contains(folder.read("same.rib"), "DisplayChannel \"float depth\" \"string source\" [\"z\"]"));
+}
+
+TEST_CASE("conversions of a TOML file lose no definition without a word") {
+    const Folder folder;
+    const std::string all =
+        "[macros]\ncaustics = \"C<RD>S+[<L.>O]\"\n[lobe_slots]\nspecular5 = \"coat\"\n[channels]\n"
+        "aovs = [\"z\", \"Nn\"]\ncryptomatte = [\"object\"]\ncryptomatte_ranks = 4\n"
+        "rules = { z = \"zmax\", heat = \"max\" }\nshipped_partition = true\nlight_groups = true\n"
+        "techniques = \"pyramid:caus\"\n[channels.statistics]\nbeauty = [\"mse\"]\n"
+        "[[channel]]\nname = \"caus\"\nlpe = \"lpe:caustics\"\nstatistics = [\"variance\"]\nrule = \"max\"\n"
+        "[[channel]]\nname = \"other\"\nlpe = \"!($caustics)\"\n[[channel]]\nname = \"heat\"\ntype = \"float\"\n"
+        "[[layer]]\nname = \"z_far\"\nchannel = \"z\"\nrule = \"zmin\"\n"
+        "[[partition]]\nname = \"mine\"\nchannels = [\"caus\", \"other\"]\n";
+    folder.write("all.toml", all);
+    const Outcome toml = run_raylex(folder, "lpe check all.toml -o once.toml");
+    INFO(toml.err << folder.read("once.toml"));
+    CHECK(toml.code == 0);
+    CHECK_FALSE(contains(toml.err, "left out"));
+    for (const char* kept :
+         {"caustics = \"C<RD>S+[<L.>O]\"", "specular5 = \"coat\"", "aovs = [\"z\", \"Nn\"]",
+          "cryptomatte = [\"object\"]", "cryptomatte_ranks = 4", "rules = { heat = \"max\", z = \"zmax\" }",
+          "shipped_partition = true", "light_groups = true", "techniques = \"pyramid:caus\"", "\"beauty\" = [\"mse\"]",
+          "lpe = \"lpe:caustics\"\nstatistics = [\"variance\"]\nrule = \"max\"", "name = \"heat\"\ntype = \"float\"",
+          "[[layer]]\nname = \"z_far\"\nchannel = \"z\"\nrule = \"zmin\"", "[[partition]]\nname = \"mine\""}) {
+        CAPTURE(kept);
+        CHECK(contains(folder.read("once.toml"), kept));
+    }
+    CHECK(run_raylex(folder, "lpe check once.toml -o twice.toml").code == 0);
+    CHECK(folder.read("twice.toml") == folder.read("once.toml"));
+    for (const std::string format : {"rib", "usda", "ini"}) {
+        CAPTURE(format);
+        const Outcome out = run_raylex(folder, "lpe check all.toml --for raylex -o x." + format);
+        const std::string text = folder.read("x." + format);
+        INFO(out.err << text);
+        CHECK(out.code == 0);
+        CHECK_FALSE(contains(text, "lpe:lpe:"));
+        CHECK(contains(text, "caustics") == (format == "ini"));
+        CHECK(contains(out.err, "all.toml:2: the macro 'caustics' is written out") == (format != "ini"));
+        for (const char* lost : {"all.toml:7: ", "'cryptomatte' of", "all.toml:10: ", "'shipped_partition' of",
+                                 "all.toml:11: ", "'light_groups' of", "all.toml:12: ", "'techniques' of",
+                                 "all.toml:29: ", "the partition 'mine'"})
+            CHECK(contains(out.err, lost));
+        CHECK(contains(out.err, "all.toml:4: USD has no place for the lobe slot 'specular5'") == (format == "usda"));
+        CHECK(run_raylex(folder, "lpe check x." + format + " --for raylex --volume").code == 0);
+    }
+    const std::string rib = folder.read("x.rib");
+    CHECK(contains(rib, "\"color caus\" \"string source\" [\"color lpe:C<RD>S+[<L.>O]\"] \"string filter\" [\"max\"]"));
+    CHECK(contains(rib, "DisplayChannel \"float z\" \"string filter\" [\"zmax\"]"));
+    CHECK(contains(rib, "DisplayChannel \"float z_far\" \"string filter\" [\"zmin\"] \"string source\" [\"z\"]"));
+    CHECK(contains(rib, "DisplayChannel \"float heat\""));
+    CHECK(contains(rib, "DisplayChannel \"normal Nn\""));
+    const Outcome back = run_raylex(folder, "lpe check x.rib --for raylex --volume -o back.toml");
+    INFO(back.err << folder.read("back.toml"));
+    CHECK(contains(folder.read("back.toml"), "rules = { z = \"zmax\" }"));
+    CHECK(contains(folder.read("back.toml"), "[[layer]]\nname = \"z_far\"\nchannel = \"z\"\nrule = \"zmin\""));
+    // For RenderMan a macro's expression is what counts.
+    folder.write("plain.toml", "[macros]\nmine = \"C[DS]*[<L.>O]\"\n[[channel]]\nname = \"all\"\nlpe = \"$mine\"\n");
+    CHECK(run_raylex(folder, "lpe check plain.toml --no-volume -o plain.rib").code == 0);
+    check_refused(folder, "lpe check all.toml -o x.rib", {"all.toml:", "'other' has '!'"});
+}
+
+TEST_CASE("every error of a file of channels is named at once", "[law7]") {
+    const Folder folder;
+    folder.write("bad.rib", channel("a", "C<RD>L") + channel("b", "C[DS+L") + "DisplayChanel \"color c\"\n" +
+                                channel("d", "") + channel("e", "C<RX>L") + channel("a", "C<RS>L") +
+                                channel("f", "CL", " \"string statistics\" [\"msee\"]"));
+    const Outcome outcome = run_raylex(folder, "lpe check bad.rib");
+    INFO(outcome.err);
+    CHECK(outcome.code == 2);
+    std::size_t at = 0;
+    for (const char* line : {"bad.rib:2:", "bad.rib:3:1: unknown request 'DisplayChanel'", "'DisplayChannel'?",
+                             "bad.rib:4:", "bad.rib:5:", "bad.rib:6", "two meanings", "bad.rib:7:", "'mse'?",
+                             "6 errors in the channels"}) {
+        CAPTURE(line);
+        at = outcome.err.find(line, at);
+        REQUIRE(at != std::string::npos);
+    }
+    check_refused(folder, "lpe explain bad.rib", {"bad.rib:3:1"});
 }
 
 TEST_CASE("what is offered as a rest is readable by the application of the file") {

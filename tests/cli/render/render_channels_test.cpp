@@ -96,11 +96,13 @@ TEST_CASE("channels of a file without expressions are AOVs, and a name is taken 
     check_refused(folder, "render room.pbrt -o c.exr --channels show.rib --rename albdo=x", {"--rename", "'albdo=x'"});
     // An atlas has no AOVs, and answers the rest of such a file.
     folder.write("light.rib",
-                 "DisplayChannel \"float z\"\nDisplayChannel \"color d\" \"string source\" \"lpe:C<RD>L\"\n");
+                 "DisplayChannel \"float z\"\nDisplayChannel \"color d\" \"string source\" \"lpe:C<RD>L\" "
+                 "\"string filter\" [\"max\"]\n");
     REQUIRE(run_raylex(folder, "render room.pbrt -o g.exr --atlas g.atlas.exr --spp 1").code == 0);
     const Outcome asked = run_raylex(folder, "ask g.atlas.exr --channels light.rib -o h.exr");
     CHECK(asked.code == 0);
     CHECK(contains(asked.err, "'z' is left out"));
+    CHECK(contains(asked.err, "the rule of 'd' is left out"));
     // A name that means the same is one layer, however it is written.
     const Outcome same = run_raylex(folder, "render room.pbrt -o d.exr --lpe 'd=C<RD>[<L.>O]' --lpe 'd=C<RD>[LO]'");
     INFO(same.err);
@@ -113,6 +115,53 @@ TEST_CASE("channels of a file without expressions are AOVs, and a name is taken 
     image = read_exr(folder.path("f.exr"));
     REQUIRE(image);
     for (const char* layer : {"d", "d_mse", "z"}) CHECK(image->layer(layer) != nullptr);
+}
+
+TEST_CASE("filters of a file's channels that are rules become theirs, and the others are named") {
+    const SceneFolder folder;
+    folder.write("filt.rib",
+                 "DisplayChannel \"float z\" \"string source\" [\"z\"] \"string filter\" [\"zmax\"] "
+                 "\"float[2] filterwidth\" [1 1]\nDisplayChannel \"normal Nn\" \"string filter\" [\"gaussian\"]\n"
+                 "DisplayChannel \"float near\" \"string source\" [\"z\"] \"string filter\" [\"zmin\"]\n"
+                 "DisplayChannel \"color most\" \"string source\" [\"lpe:C<RD>L\"] \"string filter\" [\"max\"]\n");
+    const Outcome outcome = run_raylex(folder, "render room.pbrt -o a.exr --channels filt.rib --spp 1");
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    CHECK(contains(outcome.err, "left out: filter ('Nn'), filterwidth ('z')"));
+    auto image = read_exr(folder.path("a.exr"));
+    REQUIRE(image);
+    CHECK(image->attributes["rule/z"] == "zmax");
+    CHECK(image->attributes["rule/near"] == "zmin");
+    CHECK(image->attributes["rule/most"] == "max");
+    const Outcome toml = run_raylex(folder, "lpe check filt.rib -o filt.toml");
+    INFO(toml.err << folder.read("filt.toml"));
+    CHECK(contains(toml.err, "left out: filter ('Nn'), filterwidth ('z')"));
+    CHECK(contains(folder.read("filt.toml"), "rules = { z = \"zmax\" }"));
+    CHECK(run_raylex(folder, "render room.pbrt -o b.exr --channels filt.toml --spp 1").code == 0);
+    auto again = read_exr(folder.path("b.exr"));
+    REQUIRE(again);
+    for (const char* rule : {"rule/z", "rule/near", "rule/most"})
+        CHECK(again->attributes[rule] == image->attributes[rule]);
+}
+
+TEST_CASE("a generated layer that a channel has already is that channel") {
+    const SceneFolder folder;
+    const std::string direct = " --lpe 'directDiffuse=C<RD>[<L.>O]'";
+    const Outcome plain =
+        run_raylex(folder,
+                   "render room.pbrt -o a.exr --atlas a.atlas.exr --spp 1 --partition shipped --light-groups --lpe "
+                   "\"light_default=C.*<L.''>\"" +
+                       direct);
+    INFO(plain.err);
+    REQUIRE(plain.code == 0);
+    auto image = read_exr(folder.path("a.exr"));
+    REQUIRE(image);
+    CHECK(contains(image->attributes["partition/shipped"], "directDiffuse"));
+    const Outcome asked = run_raylex(folder, "ask a.atlas.exr --partition shipped -o b.exr" + direct);
+    INFO(asked.err);
+    CHECK(asked.code == 0);
+    check_refused(folder, "render room.pbrt -o c.exr --partition shipped --lpe 'directDiffuse=C<RS>L'",
+                  {"'directDiffuse' is used twice with two meanings"});
 }
 
 TEST_CASE("what is wrong in a file of channels is told at its place, and nothing is rendered", "[law7]") {
