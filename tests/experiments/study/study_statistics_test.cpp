@@ -338,6 +338,30 @@ TEST_CASE("the bias test says where it cannot judge", "[study]") {
     CHECK(exact.worst_difference.value == Approx(-0.01 / 1.01));
 }
 
+TEST_CASE("replicates that do not show their noise convict of nothing", "[study]") {
+    // Light in the second block is so rare that no replicate met it; the reference did, and has noise of its own.
+    const BiasSide reference{{{1, 0.2, 0.5}}, {1e-6, 1e-4, 1e-6}};
+    BiasSide method{{{1.01, 0, 0.505}, {0.99, 0, 0.495}, {1.02, 0, 0.51}, {0.98, 0, 0.49}}, {}};
+    BiasVerdict verdict = test_bias(method, reference);
+    CHECK(verdict.tested);
+    CHECK(verdict.worst == 1);
+    CHECK_FALSE(verdict.differs);
+    CHECK(verdict.blind == "none of 4 replicates has any light there");
+    method.replicates[2][1] = 1e-5;
+    CHECK(test_bias(method, reference).blind == "only 1 of 4 replicates have any light there");
+    for (auto& replicate : method.replicates) replicate[1] = 0.01;
+    CHECK(test_bias(method, reference).blind == "its replicates do not vary there");
+    // Of many replicates a dark one is no reason: light was met often enough in all.
+    method.replicates.assign(40, {1, 0.01, 0.5});
+    for (std::size_t i = 0; i < 40; ++i) method.replicates[i][1] *= 1 + 0.1 * static_cast<double>(i % 5);
+    method.replicates[0][1] = 0;
+    CHECK(test_bias(method, reference).differs);
+    // Where nothing is random in the reference either, the light is missing.
+    method.replicates.assign(4, {1, 0, 0.5});
+    CHECK(test_bias(method, {{{1, 0.2, 0.5}}, {0, 0, 0}}).differs);
+    CHECK_FALSE(test_bias(method, {{{1, 0.2, 0.5}}, {}}).differs);  // of which that is not known
+}
+
 TEST_CASE("block means and their variances", "[study]") {
     PixelArray image{20, 17, 3, std::vector<double>(20 * 17 * 3, 1.0)};
     for (std::size_t y = 0; y < 20; ++y) image.values[(y * 17 + 16) * 3 + 1] = 4;  // the last column, one pixel wide
