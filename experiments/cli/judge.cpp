@@ -38,6 +38,8 @@ const char* answer_text(const display::SplitVerdict& verdict) {
             return "holds within what is allowed";
         case display::SplitAnswer::does_not_hold:
             return "DOES NOT HOLD";
+        case display::SplitAnswer::cannot_tell:
+            return "CANNOT TELL: every pixel is clamped";
     }
     return "";
 }
@@ -67,7 +69,11 @@ fs::path residual_map_beside(const display::SplitVerdict& verdict, const display
            (source.stem().string() + "." + (verdict.partition.empty() ? "sum" : verdict.partition) + ".residual.png");
 }
 
-constexpr const char* split_holds = "the split holds";
+std::string clamped_text(const display::SplitVerdict& verdict) {
+    return counted(verdict.clamped, "pixel") +
+           " with values at the largest number of half or float, which are bounds: " +
+           std::to_string(verdict.judged()) + " of " + counted(verdict.pixels, "pixel") + " judged";
+}
 
 }  // namespace
 
@@ -109,6 +115,8 @@ std::string verdict_text(const display::SplitVerdict& verdict, const std::string
 }
 
 std::string verdict_line(const display::SplitVerdict& verdict) {
+    if (verdict.answer == display::SplitAnswer::cannot_tell)
+        return partition_name(verdict) + ": " + answer_text(verdict) + "; " + clamped_text(verdict);
     return partition_name(verdict) + ": " + layer_count(verdict) +
            (verdict.holds ? (verdict.layers.size() == 1 ? " sums to " : " sum to ") : " DO NOT SUM to ") +
            target_name(verdict) +
@@ -152,7 +160,8 @@ bool print_verdicts_of_new(std::span<const display::SplitVerdict> verdicts, cons
         print_verdict(verdict_line(verdict), verdict.holds);
         hold = hold && verdict.holds;
         const std::string map = residual_map_beside(verdict, image).string();
-        if (!verdict.holds) print_line("  " + write_residual_map(verdict, image));
+        if (verdict.answer == display::SplitAnswer::does_not_hold)
+            print_line("  " + write_residual_map(verdict, image));
         else if (Status removed = display::remove_file(map); !removed) print_warning(removed.error().to_string());
     }
     return hold;

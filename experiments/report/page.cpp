@@ -35,6 +35,7 @@ std::string number(double value) {
 // The end of an opening tag's class and the words: a split of a lossy file holds only within what its compression is
 // allowed.
 const char* answer_markup(const SplitVerdict& verdict) {
+    if (verdict.answer == display::SplitAnswer::cannot_tell) return "fails\">cannot tell: every pixel is clamped";
     if (!verdict.holds) return "fails\">does not hold";
     return verdict.answer == display::SplitAnswer::holds_as_allowed ? "holds\">holds within what is allowed"
                                                                     : "holds\">holds";
@@ -69,7 +70,10 @@ class Page {
         body_ += "</section>\n";
         for (const SplitVerdict& verdict : *verdicts) {
             ++judged_;
-            if (!verdict.holds) ++failed_;
+            if (verdict.answer == display::SplitAnswer::does_not_hold) ++failed_;
+            if (verdict.answer == display::SplitAnswer::cannot_tell) ++open_;
+            undecided_ += verdict.undecided;
+            pixels_ += verdict.pixels;
         }
         return success();
     }
@@ -77,11 +81,18 @@ class Page {
     [[nodiscard]] std::string finish() const {
         std::string verdict;
         if (judged_ == 0) verdict = "No partition is declared, so there is nothing to judge.";
-        else if (failed_ == 0)
+        else if (failed_ + open_ == 0)
             verdict = "<span class=\"holds\">Every split holds:</span> in " +
                       (judged_ == 1 ? std::string("the one partition")
                                     : "each of " + std::to_string(judged_) + " partitions") +
-                      " the layers sum to their whole at every pixel, up to the rounding and compression of the file.";
+                      " the layers sum to their whole at " +
+                      (undecided_ == 0 ? "every pixel"
+                                       : std::to_string(pixels_ - undecided_) + " of " + std::to_string(pixels_) +
+                                             " pixels, all that are not clamped") +
+                      ", up to the rounding and compression of the file.";
+        else if (failed_ == 0)
+            verdict = "<span class=\"fails\">Cannot tell of " + std::to_string(open_) + " of " +
+                      std::to_string(judged_) + " partitions:</span> every pixel is clamped to what the file can hold.";
         else
             verdict = "<span class=\"fails\">" + std::to_string(failed_) + " of " + std::to_string(judged_) +
                       " partitions do not hold.</span>";
@@ -129,7 +140,7 @@ class Page {
         body_ +=
             "<details><summary>The verdicts in numbers</summary>\n<div "
             "class=\"wide\"><table>\n<tr><th>Partition</th><th>Verdict</th><th>Layers</th><th>Largest relative "
-            "error</th><th>at pixel</th><th>Bound</th>"
+            "error</th><th>at pixel</th><th>Bound</th><th>Pixels judged</th>"
             "<th>Largest absolute error</th><th>at pixel</th></tr>\n";
         for (const SplitVerdict& v : verdicts) {
             const auto pixel = [](int x, int y) { return "(" + std::to_string(x) + ", " + std::to_string(y) + ")"; };
@@ -137,6 +148,7 @@ class Page {
                      "</td><td class=\"number\">" + std::to_string(v.layers.size()) + "</td><td class=\"number\">" +
                      number(v.largest_relative) + "</td><td>" + pixel(v.relative_x, v.relative_y) +
                      "</td><td class=\"number\">" + number(v.bound) + "</td><td class=\"number\">" +
+                     std::to_string(v.judged()) + " of " + std::to_string(v.pixels) + "</td><td class=\"number\">" +
                      number(v.largest_absolute) + "</td><td>" + pixel(v.absolute_x, v.absolute_y) + "</td></tr>\n";
         }
         body_ += "</table></div></details>\n";
@@ -173,7 +185,8 @@ class Page {
     const std::size_t bytes_of_words_;
     std::string body_;
     std::size_t atlases_ = 0;
-    int judged_ = 0, failed_ = 0;
+    int judged_ = 0, failed_ = 0, open_ = 0;
+    std::size_t undecided_ = 0, pixels_ = 0;  ///< over all partitions
 };
 
 }  // namespace

@@ -219,6 +219,15 @@ LayerLook look_of(const display::ImageLayer& layer) {
     return light ? LayerLook::light : LayerLook::position;
 }
 
+Result<const display::ImageLayer*> shown_layer(const display::ExrImage& image, const std::string& name) {
+    if (!name.empty()) return image.require_layer(name == "beauty" ? "" : name);
+    auto beauty = image.require_layer("");
+    if (beauty || image.layers.empty()) return beauty;
+    for (const display::ImageLayer& each : image.layers)
+        if (look_of(each) == LayerLook::light) return &each;
+    return &image.layers.front();
+}
+
 const char* describe(LayerLook look) {
     switch (look) {
         case LayerLook::light:

@@ -24,6 +24,9 @@ enum class LayerLook {
 
 /// From the layer's name and planes. "albedo" is light: it is a colour; so is luminance (a plane Y) without colours.
 LayerLook look_of(const display::ImageLayer& layer);
+/// The layer that is asked for by any name that means it; without one the beauty, else what other renderers' habits
+/// suggest, else the first light.
+Result<const display::ImageLayer*> shown_layer(const display::ExrImage& image, const std::string& name);
 /// One short line for a reader: "camera-space normal, -1..1 shown as 0..1".
 const char* describe(LayerLook look);
 

@@ -85,15 +85,22 @@ TEST_CASE("values that a file cannot hold are counted, and its splits are judged
     const Outcome half =
         run_raylex(folder, "render bright.pbrt --spp 16 --exr 'all=half none' --lpe 'd=C<RD>L' -o h.exr");
     INFO(half.out << half.err);
-    CHECK(half.code == 0);
+    CHECK(half.code == 1);  // of no pixel the file has more than a bound
     CHECK(contains(
         half.err,
         "the file cannot hold all values of 3 layers: beauty: 0 values not a number, set to 0; 768 beyond half"));
-    CHECK(contains(half.out, "256 pixels with values at the largest number"));
+    CHECK(contains(half.out, "CANNOT TELL: every pixel is clamped; 256 pixels with values at the largest number"));
+    CHECK(contains(half.out, "0 of 256 pixels judged"));
     const Outcome verified = run_raylex(folder, "verify h.exr");
-    CHECK(verified.code == 0);
+    CHECK(verified.code == 1);
     CHECK(contains(verified.err, "the file cannot hold all values of 3 layers"));
-    CHECK(contains(verified.out, "256 pixels with values at the largest number"));
+    CHECK(contains(verified.out, "CANNOT TELL: every pixel is clamped"));
+    CHECK(contains(verified.out, "0 of 256 pixels judged"));
+    REQUIRE(run_raylex(folder, "report h.exr -o h.html").code == 0);
+    const std::string page = folder.read("h.html");
+    CHECK_FALSE(contains(page, "Every split holds"));
+    CHECK(contains(page, "Cannot tell of 1 of 1 partitions"));
+    CHECK(contains(page, "0 of 256</td>"));
     // Beauty leaves float where no layer of it does.
     folder.write("float.pbrt",
                  under_a_sky("2e38 2e38 2e38", "1 1 1", "") + "LightSource \"infinite\" \"rgb L\" [3e38 3e38 3e38]\n");

@@ -8,6 +8,7 @@
 
 #include "display/output/splits/layer_arithmetic.h"
 #include "display/output/splits/split_check.h"
+#include "display/output/splits/split_sum.h"
 #include "display/output/splits/stored_precision.h"
 #include "files.h"
 
@@ -228,6 +229,45 @@ TEST_CASE("three answers: to rounding, as allowed, not", "[display][verify]") {
     CHECK(cancelled.holds);
     CHECK(cancelled.negative.pixels == 1);
     CHECK(judge(values({{"", 1.0f}, {"a", 1.0f}}), "a").negative.pixels == 0);
+}
+
+TEST_CASE("a clamped value is a bound, and judged as one", "[display][verify][law6]") {
+    constexpr float largest = 65504;
+    const auto of_halves = [](float whole, float a, float b, const char* sum) {
+        return judge(values({{"", whole}, {"a", a}, {"b", b}}, StoredType::half_float), sum);
+    };
+    // A layer of at least 65504 is too large for a whole of 30000, and what may be larger is not too small for one.
+    CHECK(of_halves(30000, largest, 10, "a,b").exceeding == 1);
+    CHECK(of_halves(30000, largest, 10, "a,b").answer == SplitAnswer::does_not_hold);
+    CHECK(of_halves(largest, 30000, 10, "a,b").answer == SplitAnswer::does_not_hold);
+    CHECK(of_halves(-largest, 30000, 10, "-a,b").answer == SplitAnswer::does_not_hold);
+    CHECK(of_halves(largest, 60000, 60000, "a,b").answer == SplitAnswer::cannot_tell);
+    CHECK(of_halves(largest, largest, 10, "a,b").answer == SplitAnswer::cannot_tell);
+    // Differences and products turn the bound around.
+    CHECK(of_halves(30000, 10, largest, "a-b").answer == SplitAnswer::does_not_hold);
+    CHECK(of_halves(-30000, 10, largest, "a-b").answer == SplitAnswer::does_not_hold);
+    CHECK(of_halves(30000, 2, largest, "a*b").answer == SplitAnswer::does_not_hold);
+    CHECK(of_halves(-30000, -0.25f, largest, "a*b").answer == SplitAnswer::cannot_tell);
+    CHECK(of_halves(-10000, -0.25f, largest, "a*b").answer == SplitAnswer::does_not_hold);
+    CHECK(of_halves(0, 0, largest, "a*b").answer == SplitAnswer::holds_to_rounding);
+    // One pixel that is judged carries the verdict, and how many are is counted.
+    const ExrImage two = image_of(2, 1,
+                                  {color_layer("", {{largest, largest, largest}, {3, 3, 3}}, StoredType::half_float),
+                                   color_layer("a", {{60000, 60000, 60000}, {1, 1, 1}}, StoredType::half_float),
+                                   color_layer("b", {{60000, 60000, 60000}, {2, 2, 2}}, StoredType::half_float)});
+    const SplitVerdict verdict = judge(two, "a,b");
+    CHECK(verdict.holds);
+    CHECK(verdict.clamped == 1);
+    CHECK(verdict.judged() == 1);
+    CHECK(verdict.pixels == 2);
+    const SplitVerdict none = of_halves(largest, largest, 10, "a,b");
+    CHECK_FALSE(none.holds);
+    CHECK(raylex::display::verdict_attribute(none, 2).starts_with("cannot tell: every pixel is clamped; "));
+    CHECK(raylex::display::verdict_attribute(verdict, 2).ends_with("1 of 2 judged"));
+    // Of bands that are judged one by one.
+    SplitVerdict all = none;
+    raylex::display::add_rows(all, verdict, 1);
+    CHECK(all.holds);
 }
 
 TEST_CASE("what is not finite is found in its layer, and by overflow together", "[display][verify][law6]") {

@@ -26,6 +26,18 @@ class Arrays(Case):
         self.assertNotIn("direkt", self.image)
         self.assertIn("did you mean 'direct'", str(self.assertRaylexError("direkt", lambda: self.image["direkt"])))
 
+    def test_layers_go_by_the_names_that_the_command_line_takes(self):
+        file = self.folder / "prefix.exr"
+        raylex.render(CORNELL, spp=1, resolution=(24, 16), lpe={"ViewLayer.DiffDir": "CDL"}, output=file)
+        image = raylex.read(file)
+        self.assertIn("ViewLayer.DiffDir", image.names)
+        self.assertIn("DiffDir", image)
+        self.assertSameBits(image["DiffDir"], image["ViewLayer.DiffDir"])
+        self.assertEqual(image.view("DiffDir").coords["component"], ["R", "G", "B"])
+        self.assertSameBits(raylex.picture(image, "DiffDir"), raylex.picture(image, "ViewLayer.DiffDir"))
+        self.assertSameBits(raylex.picture(image), raylex.picture(image, "beauty"))
+        self.assertRaylexError("did you mean 'ViewLayer.DiffDir'|did you mean 'DiffDir'", lambda: image["DiffDri"])
+
     def test_no_number_is_copied(self):
         first, again = self.image["beauty"], self.image["beauty"]
         self.assertEqual(first.ctypes.data, again.ctypes.data)

@@ -42,6 +42,7 @@ Result<LayerPlanes> summable(const ExrImage& image, const ImageLayer& layer) {
 // `rounding` for rounding alone and by at most `allowed` with lossy compression.
 struct Values {
     std::array<double, block> value, magnitude, rounding, allowed;
+    std::array<Open, block> open;  // only where SumOverImage looks for clamped values
 };
 
 void load(Values& to, const ImagePlane& plane, const StoredPrecision& precision, bool lossy, std::size_t first,
@@ -56,6 +57,21 @@ void load(Values& to, const ImagePlane& plane, const StoredPrecision& precision,
     }
     if (!lossy || precision.dwa == 0) return;
     for (std::size_t i = 0; i < count; ++i) to.allowed[i] += dwa_change(to.value[i], precision.dwa);
+}
+
+// Which way values that stand at the largest number of their type may have been further.
+void mark_open(Values& values, const ImagePlane& plane, std::size_t count) {
+    const auto largest = static_cast<double>(largest_of(plane.stored));
+    for (std::size_t i = 0; i < count; ++i) values.open[i] = open_of(values.value[i], largest);
+}
+
+// Of the product of what is open with what is known, or of two that lie above themselves; otherwise anything may be.
+Open open_product(double a, Open open_a, double b, Open open_b) {
+    constexpr Open anywhere = open_above | open_below;
+    if (open_a != 0 && open_b != 0) return a >= 0 && b >= 0 && (open_a | open_b) == open_above ? open_above : anywhere;
+    const double known = open_a != 0 ? b : a;
+    const auto open = static_cast<Open>(open_a | open_b);
+    return known > 0 ? open : known < 0 ? negated(open) : Open{0};
 }
 
 void add(Values& a, const Values& b, double sign, std::size_t count) {
@@ -92,6 +108,9 @@ class SumOverImage {
     SumOverImage(const LayerSum& sum, const SumRules& rules, std::vector<LayerPlanes> planes)
         : sum_(sum), rules_(rules), planes_(std::move(planes)), stack_(static_cast<std::size_t>(sum.depth)) {}
 
+    /// Some value stands at the largest number of its type: Values::open is kept.
+    void look_for_clamped() { clamped_ = true; }
+
     /// Component c of pixels [first, first + count).
     const Values& evaluate(std::size_t c, std::size_t first, std::size_t count) {
         std::size_t top = 0, leaf = 0;  // top: values that wait
@@ -101,19 +120,28 @@ class SumOverImage {
                     const ImagePlane& plane = *planes_[leaf++][c];
                     load(stack_[top++], plane, precision_of(plane), !rules_.allowance.instead_of_compression, first,
                          count);
+                    if (clamped_) mark_open(stack_[top - 1], plane, count);
                     break;
                 }
                 case Kind::add:
                 case Kind::subtract:
                     --top;
+                    for (std::size_t i = 0; clamped_ && i < count; ++i)
+                        stack_[top - 1].open[i] |=
+                            step.kind == Kind::add ? stack_[top].open[i] : negated(stack_[top].open[i]);
                     add(stack_[top - 1], stack_[top], step.kind == Kind::add ? 1.0 : -1.0, count);
                     break;
                 case Kind::multiply:
                     --top;
+                    for (std::size_t i = 0; clamped_ && i < count; ++i)
+                        stack_[top - 1].open[i] = open_product(stack_[top - 1].value[i], stack_[top - 1].open[i],
+                                                               stack_[top].value[i], stack_[top].open[i]);
                     multiply(stack_[top - 1], stack_[top], rules_.working_unit, count);
                     break;
                 case Kind::negate:
                     for (std::size_t i = 0; i < count; ++i) stack_[top - 1].value[i] = -stack_[top - 1].value[i];
+                    for (std::size_t i = 0; clamped_ && i < count; ++i)
+                        stack_[top - 1].open[i] = negated(stack_[top - 1].open[i]);
                     break;
                 case Kind::rounded:
                     round(stack_[top - 1], step.count * rules_.working_unit, count);
@@ -151,6 +179,7 @@ class SumOverImage {
     const SumRules& rules_;
     std::vector<LayerPlanes> planes_;  // of the layer steps, in their order
     std::vector<Values> stack_;
+    bool clamped_ = false;
 };
 
 // "float, 2^-23; half, 2^-10; 8 operations in float, 2^-24 each"
@@ -250,6 +279,7 @@ Result<SplitVerdict> judge_sum(const ExrImage& image, const ImageLayer& of, cons
     names.push_back(name_of(of));
     for (const LayerPlanes& each : planes)
         for (const ImagePlane* plane : each) mark_clamped(plane->values, plane->stored, clamped);
+    if (!clamped.empty()) arithmetic.look_for_clamped();
     Values target;
     std::vector<std::array<SplitError, 3>> errors(block);
     for (std::size_t first = 0; first < pixels; first += block) {
@@ -258,6 +288,7 @@ Result<SplitVerdict> judge_sum(const ExrImage& image, const ImageLayer& of, cons
         for (std::size_t c = 0; c < 3; ++c) {
             load(target, *(*whole)[c], precision_of(*(*whole)[c]), !rules.allowance.instead_of_compression, first,
                  count);
+            if (!clamped.empty()) mark_open(target, *(*whole)[c], count);
             const Values& found = arithmetic.evaluate(c, first, count);
             for (std::size_t i = 0; i < count; ++i) {
                 const double scale = found.magnitude[i] + target.magnitude[i];
@@ -268,7 +299,8 @@ Result<SplitVerdict> judge_sum(const ExrImage& image, const ImageLayer& of, cons
                                     rules.allowance.relative * scale,
                                 found.value[i],
                                 target.value[i],
-                                negative[i]};
+                                negative[i],
+                                clamped.empty() ? Open{0} : static_cast<Open>(found.open[i] | negated(target.open[i]))};
             }
         }
         for (std::size_t i = 0; i < count; ++i) tally.add(first + i, errors[i], !clamped.empty() && clamped[first + i]);

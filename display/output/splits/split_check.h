@@ -28,7 +28,8 @@ struct NegativeValues {
     std::string layer;
 };
 
-enum class SplitAnswer : std::uint8_t { holds_to_rounding, holds_as_allowed, does_not_hold };
+/// cannot_tell: of every pixel the file has a bound alone, and no bound decides.
+enum class SplitAnswer : std::uint8_t { holds_to_rounding, holds_as_allowed, does_not_hold, cannot_tell };
 
 /// |sum - of| against what rounding explains, and what is allowed beyond it.
 ///
@@ -52,7 +53,9 @@ struct SplitVerdict {
     std::vector<std::string> unexplained;       ///< lossy compressions that nothing is allowed for
     std::size_t past_rounding = 0;              ///< pixels that hold only as allowed
     std::size_t non_finite = 0, exceeding = 0;  ///< pixels; exceeding: past what is allowed
-    std::size_t clamped = 0;  ///< pixels with a value at the largest number of its type: what it was is not in the file
+    std::size_t clamped = 0;  ///< pixels with a value at the largest number of its type: what it was is at least that
+    std::size_t pixels = 0, undecided = 0;  ///< of the image; of these the ones that such values leave open
+    [[nodiscard]] std::size_t judged() const { return pixels - undecided; }
     int non_finite_x = 0, non_finite_y = 0;  ///< the first one that is not finite
     std::string non_finite_layer;            ///< and the layer that it is in, empty for values that overflow together
     SplitAnswer answer = SplitAnswer::does_not_hold;

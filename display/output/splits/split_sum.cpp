@@ -19,7 +19,23 @@ double relative_error(const SplitError& error, double unit) {
     return error.absolute > error.rounding ? relative : std::min(relative, unit);
 }
 
+bool any_clamped(std::span<const float> values, float largest) {
+    bool any = false;  // without a branch, so that it takes many values at a time
+    for (const float value : values) any |= std::abs(value) == largest;
+    return any;
+}
+
 }  // namespace
+
+void conclude(SplitVerdict& verdict) {
+    const bool fails = verdict.non_finite > 0 || verdict.exceeding > 0;
+    const bool nothing_judged = verdict.pixels > 0 && verdict.judged() == 0;
+    verdict.answer = fails                       ? SplitAnswer::does_not_hold
+                     : nothing_judged            ? SplitAnswer::cannot_tell
+                     : verdict.past_rounding > 0 ? SplitAnswer::holds_as_allowed
+                                                 : SplitAnswer::holds_to_rounding;
+    verdict.holds = !fails && !nothing_judged;
+}
 
 double residual_limit(double bound, const Allowance& allowance) {
     return std::min(bound + allowance.relative, 0.5);
@@ -27,6 +43,7 @@ double residual_limit(double bound, const Allowance& allowance) {
 
 VerdictTally::VerdictTally(int width, std::size_t pixels, double unit, const Allowance& allowance, bool with_residual)
     : width_(width), limit_(residual_limit(unit, allowance)) {
+    verdict_.pixels = pixels;
     verdict_.bound = unit;
     verdict_.allowance = allowance;
     verdict_.never_above = true;
@@ -34,19 +51,22 @@ VerdictTally::VerdictTally(int width, std::size_t pixels, double unit, const All
 }
 
 void mark_clamped(std::span<const float> values, StoredType type, std::vector<bool>& clamped) {
-    bool any = false;
-    for (const float value : values) any |= is_clamped(value, type);
-    if (!any) return;
+    const float largest = largest_of(type);
+    if (!any_clamped(values, largest)) return;
     clamped.resize(values.size());
-    for (std::size_t i = 0; i < values.size(); ++i) clamped[i] = clamped[i] || is_clamped(values[i], type);
+    for (std::size_t i = 0; i < values.size(); ++i) clamped[i] = clamped[i] || std::abs(values[i]) == largest;
 }
 
 void VerdictTally::add(std::size_t pixel, std::array<SplitError, 3> components, bool clamped) {
     SplitVerdict& verdict = verdict_;
     verdict.clamped += clamped ? 1 : 0;
-    if (clamped)
-        for (SplitError& here : components)
-            if (std::isfinite(here.absolute)) here.absolute = std::max(0.0, std::abs(here.whole) - std::abs(here.sum));
+    bool undecided = false;
+    for (SplitError& here : components) {
+        if (here.open == 0 || !std::isfinite(here.absolute)) continue;
+        // What was meant may take a difference back that points the other way.
+        if ((here.open & (here.sum > here.whole ? open_below : open_above)) != 0) here.absolute = 0;
+        undecided = undecided || here.absolute <= here.allowed;
+    }
     const int x = static_cast<int>(pixel % static_cast<std::size_t>(width_)),
               y = static_cast<int>(pixel / static_cast<std::size_t>(width_));
     bool finite = true, past = false, exceeds = false;
@@ -81,17 +101,15 @@ void VerdictTally::add(std::size_t pixel, std::array<SplitError, 3> components, 
         verdict.non_finite_y = y;
     }
     verdict.exceeding += finite && exceeds ? 1 : 0;
+    verdict.undecided += finite && !exceeds && undecided ? 1 : 0;
     verdict.past_rounding += finite && past && !exceeds ? 1 : 0;
     if (!verdict.residual.empty())
         verdict.residual[pixel] = finite ? static_cast<float>(worst) : std::numeric_limits<float>::infinity();
 }
 
 SplitVerdict VerdictTally::finish() {
-    verdict_.holds = verdict_.non_finite == 0 && verdict_.exceeding == 0;
     verdict_.never_above = verdict_.never_above && verdict_.exceeding > 0;
-    verdict_.answer = !verdict_.holds              ? SplitAnswer::does_not_hold
-                      : verdict_.past_rounding > 0 ? SplitAnswer::holds_as_allowed
-                                                   : SplitAnswer::holds_to_rounding;
+    conclude(verdict_);
     return std::move(verdict_);
 }
 
@@ -103,8 +121,17 @@ SplitSum::SplitSum(int width, int height, double cancelled) : width_(width), spa
     }
 }
 
-void SplitSum::note(const SplitLayer& layer) {
-    for (std::size_t c = 0; c < 3; ++c) mark_clamped(layer.planes[c], layer.types[c], clamped_);
+void SplitSum::note(const SplitLayer& layer, bool whole) {
+    for (std::size_t c = 0; c < 3; ++c) {
+        const float largest = largest_of(layer.types[c]);
+        if (!any_clamped(layer.planes[c], largest)) continue;
+        for (std::size_t i = 0; i < layer.planes[c].size(); ++i) {
+            const Open open = open_of(layer.planes[c][i], largest);
+            if (open == 0) continue;
+            open_[c].resize(layer.planes[c].size());
+            open_[c][i] |= whole ? negated(open) : open;
+        }
+    }
     double spacing = 0;
     for (const StoredType type : layer.types) {
         const StoredPrecision precision = precision_of(type);
@@ -115,7 +142,7 @@ void SplitSum::note(const SplitLayer& layer) {
 }
 
 void SplitSum::add(const SplitLayer& layer) {
-    note(layer);
+    note(layer, false);
     for (std::size_t c = 0; c < 3; ++c) {
         double* sum = sum_[c].data();
         double* scale = scale_[c].data();
@@ -129,7 +156,7 @@ void SplitSum::add(const SplitLayer& layer) {
 }
 
 void SplitSum::add_whole(const SplitLayer& layer) {
-    note(layer);
+    note(layer, true);
     for (std::size_t c = 0; c < 3; ++c) whole_[c].assign(layer.planes[c].begin(), layer.planes[c].end());
 }
 
@@ -138,12 +165,15 @@ SplitVerdict SplitSum::verdict(bool with_residual) const {
     VerdictTally tally(width_, count, unit_, {}, with_residual);
     for (std::size_t pixel = 0; pixel < count; ++pixel) {
         std::array<SplitError, 3> errors;
+        bool clamped = false;
         for (std::size_t c = 0; c < 3; ++c) {
             const double sum = sum_[c][pixel], whole = static_cast<double>(whole_[c][pixel]);
             const double scale = scale_[c][pixel] + std::abs(whole), rounding = unit_ * scale + spacing_;
             errors[c] = {std::abs(sum - whole), scale, rounding, rounding, sum, whole};
+            if (!open_[c].empty()) errors[c].open = open_[c][pixel];
+            clamped = clamped || errors[c].open != 0;
         }
-        tally.add(pixel, errors, !clamped_.empty() && clamped_[pixel]);
+        tally.add(pixel, errors, clamped);
     }
     return tally.finish();
 }
@@ -176,8 +206,9 @@ void add_rows(SplitVerdict& verdict, const SplitVerdict& below, int first_row) {
     verdict.non_finite += below.non_finite;
     verdict.exceeding += below.exceeding;
     verdict.clamped += below.clamped;
-    verdict.answer = std::max(verdict.answer, below.answer);
-    verdict.holds = verdict.holds && below.holds;
+    verdict.pixels += below.pixels;
+    verdict.undecided += below.undecided;
+    conclude(verdict);
     verdict.residual.insert(verdict.residual.end(), below.residual.begin(), below.residual.end());
 }
 
@@ -185,10 +216,12 @@ std::string verdict_attribute(const SplitVerdict& verdict, std::size_t layer_cou
     std::array<char, 256> text{};
     std::snprintf(text.data(), text.size(),
                   "%s; largest relative error %.3g at (%d, %d), bound %.3g; %zu layers; %zu pixels beyond it, "
-                  "%zu not finite, %zu clamped",
-                  verdict.holds ? "holds" : "does not hold", verdict.largest_relative, verdict.relative_x,
-                  verdict.relative_y, verdict.bound, layer_count, verdict.exceeding, verdict.non_finite,
-                  verdict.clamped);
+                  "%zu not finite, %zu clamped, %zu of %zu judged",
+                  verdict.answer == SplitAnswer::cannot_tell ? "cannot tell: every pixel is clamped"
+                  : verdict.holds                            ? "holds"
+                                                             : "does not hold",
+                  verdict.largest_relative, verdict.relative_x, verdict.relative_y, verdict.bound, layer_count,
+                  verdict.exceeding, verdict.non_finite, verdict.clamped, verdict.judged(), verdict.pixels);
     return text.data();
 }
 

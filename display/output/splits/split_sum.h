@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,16 @@ struct SplitLayer {
     std::array<StoredType, 3> types{};
 };
 
+/// Which way the value that was meant may lie beyond the stored one: beyond the largest number of its type.
+using Open = std::uint8_t;
+inline constexpr Open open_above = 1, open_below = 2;
+[[nodiscard]] inline Open open_of(double value, double largest) {
+    return value == largest ? open_above : value == -largest ? open_below : Open{0};
+}
+[[nodiscard]] inline Open negated(Open open) {
+    return static_cast<Open>((open & open_above) << 1 | (open & open_below) >> 1);
+}
+
 /// One component of one pixel.
 struct SplitError {
     double absolute = 0;  ///< |sum - of|
@@ -25,8 +36,11 @@ struct SplitError {
     double allowed = 0;   ///< and what is allowed in all, >= rounding
     double sum = 0, whole = 0;
     bool negative = false;  ///< some value of the pixel is
+    Open open = 0;          ///< which way sum - of may be further than it stands
 };
 
+/// Sets the answer by the counts of pixels.
+void conclude(SplitVerdict& verdict);
 /// Where the scale of a residual map goes from allowed to not: bound + allowance.relative, at most 1/2.
 [[nodiscard]] double residual_limit(double bound, const Allowance& allowance);
 
@@ -35,7 +49,7 @@ class VerdictTally {
   public:
     /// `unit`: the largest relative error by rounding.
     VerdictTally(int width, std::size_t pixels, double unit, const Allowance& allowance, bool with_residual);
-    /// `clamped`: SplitVerdict::clamped; then the sum may be more than the whole.
+    /// `clamped`: SplitVerdict::clamped.
     void add(std::size_t pixel, std::array<SplitError, 3> components, bool clamped = false);
     [[nodiscard]] SplitVerdict finish();
 
@@ -60,13 +74,13 @@ class SplitSum {
     static constexpr std::size_t bytes_per_pixel = 3 * (2 * sizeof(double) + sizeof(float));
 
   private:
-    void note(const SplitLayer& layer);
+    void note(const SplitLayer& layer, bool whole);
     int width_ = 0;
     double unit_ = 0;  // u
     double spacing_;   // of subnormal numbers, summed over all values of a pixel's component, and what cancelled
     std::array<std::vector<double>, 3> sum_, scale_;
     std::array<std::vector<float>, 3> whole_;
-    std::vector<bool> clamped_;  // [pixel] empty while none is
+    std::array<std::vector<Open>, 3> open_;  // of sum - whole, [pixel] empty while none is
 };
 
 /// Marks the pixels of which a value stands at the largest number of its type; makes `clamped` for the first.

@@ -26,7 +26,7 @@ Status check_channel_names(std::span<const ChannelDefinition> channels, ChannelI
 /// The value that a `verdict/NAME` attribute has until the pixels are known: a text that occurs nowhere else, of
 /// verdict_length bytes.
 [[nodiscard]] std::string verdict_placeholder(std::size_t partition);
-inline constexpr std::size_t verdict_length = 192;
+inline constexpr std::size_t verdict_length = 224;
 
 /// Whether the partition's layers and the one they split are all there, as plan_parts judges it.
 [[nodiscard]] bool is_declared(std::span<const ChannelDefinition> channels, ChannelId beauty,

@@ -28,17 +28,6 @@ std::string shown_name(const display::ImageLayer& layer) {
     return layer.name.empty() ? "beauty" : layer.name;
 }
 
-/// The layer that is asked for; without one the beauty, else what other renderers' habits suggest, else the first
-/// light.
-Result<const display::ImageLayer*> chosen_layer(const display::ExrImage& image, const std::string& name) {
-    if (!name.empty()) return image.require_layer(name == "beauty" ? "" : name);
-    auto beauty = image.require_layer("");
-    if (beauty || image.layers.empty()) return beauty;
-    for (const display::ImageLayer& each : image.layers)
-        if (look_of(each) == LayerLook::light) return &each;
-    return &image.layers.front();
-}
-
 int run_preview(PreviewOptions options) {
     namespace fs = std::filesystem;
     if (!options.named) options.output = fs::path(options.image).stem().string() + ".png";
@@ -51,7 +40,7 @@ int run_preview(PreviewOptions options) {
         return report_error(known.error());
     auto image = display::read_exr(options.image);
     if (!image) return report_error(image.error());
-    auto layer = chosen_layer(*image, options.layer);
+    auto layer = shown_layer(*image, options.layer);
     if (!layer) return report_error(layer.error());
     auto picture = picture_of(*image, **layer, *color, options.picture);
     if (!picture) return report_error(picture.error());

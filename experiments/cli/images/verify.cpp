@@ -28,7 +28,7 @@ struct VerifyOptions {
 /// Prints a verdict; a failure leaves its heat map. Returns whether it holds.
 bool tell_verdict(const display::SplitVerdict& verdict, const display::ExrImage& image, const std::string& title = {}) {
     print_line(image.path + ": " + verdict_text(verdict, title));
-    if (!verdict.holds) print_line("  " + write_residual_map(verdict, image));
+    if (verdict.answer == display::SplitAnswer::does_not_hold) print_line("  " + write_residual_map(verdict, image));
     return verdict.holds;
 }
 
@@ -245,8 +245,9 @@ void add_verify_command(CLI::App& app, CommandContext& context) {
     command->footer(
         "Without --sum and --preset every partition declared in the header is judged, and a path atlas by whether its "
         "words sum\n"
-        "to its beauty. Three answers: holds to rounding, holds\n"
-        "within what is allowed, does not hold. Rounding is that of the stored type (float 2^-23, half 2^-10) times "
+        "to its beauty. Answers: holds to rounding, holds\n"
+        "within what is allowed, does not hold, cannot tell (every pixel stands at the largest number of its type).\n"
+        "Rounding is that of the stored type (float 2^-23, half 2^-10) times "
         "the sum\n"
         "of |terms| + |of|, carried through products, with 2^-24 for each operation of another renderer. Allowed are "
         "DWA\n"
@@ -254,7 +255,7 @@ void add_verify_command(CLI::App& app, CommandContext& context) {
         "the image.\n"
         "Example: raylex verify their.exr --of Combined --sum '(DiffDir+DiffInd)*DiffCol, "
         "(GlossDir+GlossInd)*GlossCol, Emit'\n"
-        "Exit codes: 0 holds, 1 does not hold, 2 bad usage or input.");
+        "Exit codes: 0 holds, 1 does not hold or cannot tell, 2 bad usage or input.");
     command->callback([options, &context] { context.exit_code = verify(*options); });
 }
 

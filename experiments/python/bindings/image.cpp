@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "display/services/parameters.h"
 #include "experiments/python/bindings/arrays.h"
 
 #include <pybind11/stl.h>
@@ -64,9 +63,18 @@ const LayerArray& Image::array(const std::string& name) const {
     const auto found =
         std::find_if(arrays_.begin(), arrays_.end(), [&](const LayerArray& each) { return each.name == name; });
     if (found != arrays_.end()) return *found;
-    std::string list;
-    for (const std::string& each : names()) list += (list.empty() ? "" : ", ") + each;
-    fail("there is no layer '" + name + "'; expected one of: " + list, near_miss(name, names()));
+    return array(*take(description_.require_layer(name == "beauty" ? "" : name)));
+}
+
+const LayerArray& Image::array(const display::ImageLayer& layer) const {
+    const auto index = static_cast<std::size_t>(&layer - description_.layers.data());
+    return *std::find_if(arrays_.begin(), arrays_.end(),  // coverage stands behind its colour
+                         [index](const LayerArray& each) { return each.layer == index; });
+}
+
+bool Image::contains(const std::string& name) const {
+    return std::any_of(arrays_.begin(), arrays_.end(), [&](const LayerArray& each) { return each.name == name; }) ||
+           description_.require_layer(name == "beauty" ? "" : name);
 }
 
 std::vector<std::string> Image::names() const {
@@ -153,14 +161,11 @@ void add_image(py::module_& module) {
             "components", [](const Image& image, const std::string& name) { return image.array(name).components; },
             "name"_a, "names of the last axis: R G B, X Y Z, or the one of a layer without it")
         .def("__getitem__", &array_of_layer, "name"_a,
-             "The layer as float32 (height, width, components), (height, width) when it has one. No copy: the image's "
+             "The layer, by its name or what is left of it without the prefix that all share, as float32 (height, "
+             "width, components), (height, width) when it has one. No copy: the image's "
              "own "
              "memory.")
-        .def("__contains__",
-             [](const Image& image, const std::string& name) {
-                 const std::vector<std::string> names = image.names();
-                 return std::find(names.begin(), names.end(), name) != names.end();
-             })
+        .def("__contains__", &Image::contains)
         .def("__len__", [](const Image& image) { return image.arrays().size(); })
         .def("__iter__", [](const Image& image) { return py::iter(py::cast(image.names())); })
         .def("write", &write_image, "path"_a, "Writes a rendered image as `raylex render` does: multi-part OpenEXR.")

@@ -33,8 +33,11 @@ class Image {
     [[nodiscard]] const std::string& path() const { return description_.path; }
     [[nodiscard]] const display::ExrImage& description() const { return description_; }  ///< without pixels
     [[nodiscard]] const std::vector<LayerArray>& arrays() const { return arrays_; }
-    /// Errors: no such layer, with its near miss.
+    /// By the name of an array, or any that ExrImage::require_layer takes. Errors are those of it.
     [[nodiscard]] const LayerArray& array(const std::string& name) const;
+    /// Of a layer of the description: its colour, where coverage is another.
+    [[nodiscard]] const LayerArray& array(const display::ImageLayer& layer) const;
+    [[nodiscard]] bool contains(const std::string& name) const;
     [[nodiscard]] std::vector<std::string> names() const;
 
     /// The image as the program's own functions take it: a copy of the pixels.

@@ -90,6 +90,9 @@ void add_verdicts(py::module_& module) {
         .def_property_readonly(
             "exceeding", [](const Verdict& v) { return v.split.exceeding; }, "pixels beyond what is allowed")
         .def_property_readonly(
+            "judged", [](const Verdict& v) { return v.split.judged(); },
+            "pixels that clamped values do not leave open; 0: it cannot be told whether the split holds")
+        .def_property_readonly(
             "residual",
             [](const Verdict& v) {
                 return owning_array(std::vector<float>(v.split.residual), {v.height, v.width});
@@ -145,9 +148,11 @@ py::array_t<double> error_image(const py::object& image, const py::object& refer
     return owning_array(std::move(map), {b.height, b.width});
 }
 
-/// An image with nothing but one of its arrays, as a layer by the name that says how it is looked at.
+/// An image with nothing but one of its arrays, as a layer by the name that says how it is looked at; without a name
+/// the one that people look at first.
 display::ExrImage only(const Image& image, const std::string& name) {
-    const LayerArray& array = image.array(name);
+    const LayerArray& array =
+        name.empty() ? image.array(*take(experiments::shown_layer(image.description(), name))) : image.array(name);
     display::ExrImage exr = image.description();
     display::ImageLayer layer = exr.layers[array.layer];
     std::vector<display::ImagePlane> planes;

@@ -104,12 +104,12 @@ def error_image(image, reference, metric="relmse", *, layer="beauty"):
     return _raylex._error_image(image, reference, metric, layer)
 
 
-def picture(image, layer="beauty", *, exposure=0.0, largest_side=0):
+def picture(image, layer="", *, exposure=0.0, largest_side=0):
     """The layer as people look at it: uint8 (height, width, 3), through the display and view; geometry in false colour.
 
     :param image: an :class:`Image`, or an array of light (height, width, 3) or (height, width), such as a
         :class:`Layer` or ``results.mean(cell)``
-    :param layer: of an :class:`Image`
+    :param layer: of an :class:`Image`; by default the beauty, by whatever name, else the first layer of light
     :param exposure: stops
     :param largest_side: pixels; 0: as it is
     """

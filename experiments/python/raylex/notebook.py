@@ -54,6 +54,8 @@ def _layer(image, layer, name):
 def verdict_html(verdict):
     """One line, and the reason for the bound."""
     kind, word = ("holds", "sum to") if verdict.holds else ("fails", "DO NOT SUM to")
+    if not verdict.judged:
+        word = "cannot be told to sum (every pixel is clamped) to"
     return (f'<div class="{kind}">{html.escape(verdict.partition or "layers")}: {len(verdict.layers)} layers {word} '
             f"{html.escape(verdict.of)}; largest relative error {verdict.largest_relative:.3g}, "
             f"bound {verdict.bound:.3g}</div>")

@@ -65,11 +65,15 @@ struct BiasVerdict {
     double detectable_whole = 0;
     double detectable_block = 0;  ///< the same for the median block
     std::string note;             ///< why nothing was tested, or what the variance of the reference rests on
+    /// Why a difference that noise does not explain rejects nothing: the method's replicates do not show their noise
+    /// there. Empty: there is no such difference, or another one rejects.
+    std::string blind;
 };
 
 /// Welch's statistic per block and for the whole image, two-sided, each at the level that Sidak's correction leaves,
 /// with the quantiles of Student's t at the fewer degrees of freedom of the two sides. Blocks in which both sides are
-/// the same and without noise are not tests.
+/// the same and without noise are not tests. A block or image that most replicates leave black, or in which they are
+/// all the same though the reference has noise, rejects nothing: their variance is not the method's.
 BiasVerdict test_bias(const BiasSide& method, const BiasSide& reference, const BiasOptions& options = {});
 
 /// A channel in which a method was found to differ, or not.

@@ -258,8 +258,12 @@ SlopeVerdict judge_slope(std::span<const BudgetGroup> groups, bool declared_unbi
         verdict.too_shallow = !heavy;
         verdict.text = "too shallow for a method declared unbiased" + change;
     } else {
-        verdict.start_up = !heavy && trend->nears;
-        verdict.text = (trend->nears ? "start-up" : "shallower than -1, too noisy to judge") + change;
+        verdict.nears = !heavy && trend->nears;
+        verdict.text = (trend->nears ? "not at -1 yet, but nearer with every octave"
+                        : trend->late.slope_low > -1 + slope_margin
+                            ? "shallower than -1; whether it stays so is not certain"
+                            : "shallower than -1 over the last 4 octaves, not certainly over the last 2") +
+                       change;
     }
     if (heavy) verdict.text += std::string("; ") + heavy_tail_note;
     return verdict;

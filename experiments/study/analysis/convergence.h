@@ -44,10 +44,9 @@ std::optional<Line> fit_line(std::span<const BudgetGroup> groups, Against agains
 
 struct SlopeVerdict {
     std::optional<Line> seconds, samples;
-    bool too_shallow =
-        false;  ///< declared unbiased, and shallower than -1 at the last octaves, with no sign of a start-up
-    bool start_up = false;  ///< shallower than -1, and on its way there
-    std::string text;       ///< a phrase for the table: "-1 is in the interval", "too shallow: ..."
+    bool too_shallow = false;  ///< declared unbiased, and shallower than -1 at the last octaves, where it stays
+    bool nears = false;        ///< shallower than -1, and on its way there, as of a start-up
+    std::string text;          ///< a phrase for the table: "-1 is in the interval", "too shallow: ..."
     /// The line that is judged: against samples where they are known, since the load of a machine is no evidence.
     [[nodiscard]] const std::optional<Line>& judged() const { return samples ? samples : seconds; }
 };

@@ -64,10 +64,8 @@ std::string bias_line(const Study& study, const std::string& scene, const Method
     if (const auto& wrong = found[BiasJudgement::differs]; !wrong.empty()) {
         add((variant.unbiased ? "BIASED: it differs from the reference" : "differs from the reference, as declared") +
             std::string(" in ") + wrong.front()->channel + ", by " + finding_of(study, *wrong.front()));
-        for (const WordsEntry& words : study.words)
-            if (words.scene == scene && words.variant == variant.name && !words.first.words.empty())
-                add("first wrong path " + words.first.words.front().text + ", channel " +
-                    words.first.words.front().channel);
+        if (const FirstWords::Word* word = first_word(study, scene, variant.name))
+            add("first wrong path " + word->text + ", channel " + word->channel);
     } else if (const auto& clean = found[BiasJudgement::none_found]; !clean.empty()) {
         const BiasEntry& first = *clean.front();
         add("no bias found; one of " + percent_text(first.verdict.detectable_whole) +
@@ -75,9 +73,15 @@ std::string bias_line(const Study& study, const std::string& scene, const Method
             (first.against.empty() ? "" : " (compared with " + first.against + ")"));
     }
     for (const BiasJudgement other : {BiasJudgement::cannot_tell, BiasJudgement::rare, BiasJudgement::not_judged}) {
-        std::string channels;
-        for (const BiasEntry* entry : found[other]) channels += (channels.empty() ? "" : ", ") + entry->channel;
-        if (!channels.empty()) add(verdict_of(study, *found[other].front()) + " (" + channels + ")");
+        std::vector<std::pair<std::string, std::string>> reasons;  // each with its first verdict and its channels
+        std::map<std::string, std::size_t> places;
+        for (const BiasEntry* entry : found[other]) {
+            const auto [place, added] = places.try_emplace(
+                other == BiasJudgement::cannot_tell ? entry->reason() : std::string(), reasons.size());
+            if (added) reasons.emplace_back(verdict_of(study, *entry), entry->channel);
+            else reasons[place->second].second += ", " + entry->channel;
+        }
+        for (const auto& [verdict, channels] : reasons) add(verdict + " (" + channels + ")");
     }
     return text;
 }

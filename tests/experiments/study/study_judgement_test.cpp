@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <filesystem>
 
 #include "experiments/job/text/json.h"
 #include "experiments/study/report/measures/study.h"
@@ -34,6 +35,16 @@ const BiasEntry& entry_of(const Study& study, const std::string& variant, const 
 std::string page_of(const Folder& folder, const Experiment& experiment) {
     REQUIRE(write_study_report(experiment) == 0);
     return folder.read("study/report.html");
+}
+
+/// The reference as a method makes it that keeps no variances, with light in one channel that its replicates lack.
+void spoil_reference(const SceneInfo& scene, const std::string& channel, double factor) {
+    for (const ChannelInfo& each : scene.channels)
+        std::filesystem::remove(scene.reference + "/" + each.name + ".m2.npy");
+    auto mean = read_mean(scene.reference, channel);
+    REQUIRE(mean);
+    for (double& value : mean->values) value *= factor;
+    REQUIRE(write_npy(scene.reference + "/" + channel + ".mean.npy", *mean));
 }
 
 bool has(const std::string& text, const std::string& part) {
@@ -128,6 +139,63 @@ TEST_CASE("the method that made the reference is judged by another one", "[study
     study = judged(experiment);
     CHECK(entry_of(study, "path max_depth=4", "beauty").judgement() == BiasJudgement::none_found);
     CHECK(has(entry_of(study, "path max_depth=4", "beauty").verdict.note, "a mistake that is in both is not found"));
+}
+
+TEST_CASE("a reference whose own error is not known convicts only with another method's images", "[study]") {
+    const Folder folder;
+    Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 2, 0.4});
+    experiment.scenes[0].reference_method = "path max_depth=4";
+    spoil_reference(experiment.scenes[0], "bounce1", 1.1);
+    const Study study = judged(experiment);
+    const BiasEntry &met = entry_of(study, "skewed", "bounce1"), &wrong = entry_of(study, "skewed", "bounce2");
+    CHECK(met.verdict.differs);  // by the 10 % that the reference alone has
+    CHECK(met.judgement() == BiasJudgement::cannot_tell);
+    CHECK(has(verdict_of(study, met),
+              "cannot tell: it differs from the reference, whose own error is not known, and no "
+              "other method's images confirm it: -9"));
+    CHECK(wrong.convicts());  // the path's own images show it, too
+    CHECK(entry_of(study, "path max_depth=4", "bounce1").judgement() == BiasJudgement::cannot_tell);
+    const std::vector<std::string> lines = verdict_lines(study);
+    REQUIRE(lines.size() == 2);
+    CHECK(has(lines[1], "whose own error is not known"));
+    // What is not known is not taken off, and no plot claims it.
+    for (const Plot& plot : plots_of(study)) CHECK_FALSE(has(plot.json, "noise subtracted"));
+    const Folder known;
+    CHECK(has(plots_of(judged(write_synthetic_study(known, small))).front().json, "noise subtracted"));
+}
+
+TEST_CASE("a bias and missing paths end the times to an error where the measured ones end", "[study]") {
+    const Folder folder;
+    Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 3, 0.4});
+    const auto least_time = [&](const char* variant, const char* channel) {
+        return judged(experiment).curve("ramp", variant, channel)->times.back().seconds;
+    };
+    REQUIRE(std::isfinite(least_time("path max_depth=4", "bounce2").value));
+    const Interval biased = least_time("clamped", "beauty");
+    CHECK(std::isnan(biased.value));
+    CHECK(matches(biased.note, "not followed beyond [0-9.]+ % after [0-9.]+ s, since it differs by -.*"));
+    for (Cell& cell : experiment.cells)
+        if (cell.method == "path") cell.omits = {{"C[DSV][DSV].*", "renderman"}};
+    const Interval without = least_time("path max_depth=4", "bounce2");
+    CHECK(std::isnan(without.value));
+    CHECK(has(without.note, "since it does not find C[DSV][DSV].*"));
+    CHECK(std::isfinite(least_time("path max_depth=4", "bounce1").value));
+}
+
+TEST_CASE("the first wrong path is one of the channel that the verdict names", "[study]") {
+    const Folder folder;
+    const Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 3, 0.4});
+    Study study = judged(experiment);
+    REQUIRE_FALSE(study.words.empty());
+    for (BiasEntry& entry : study.bias)
+        if (entry.channel == "beauty") entry.verdict.differs = false;
+    study.words = {
+        {"ramp", "skewed", {{{"rest", "C,- L,-", "", 2, 0.001}, {"bounce2", "C,- R,D L,-", "", 3, 1e-5}}, {}}}};
+    REQUIRE(first_word(study, "ramp", "skewed") != nullptr);
+    CHECK(first_word(study, "ramp", "skewed")->channel == "bounce2");
+    study.words[0].first.words.pop_back();
+    CHECK(first_word(study, "ramp", "skewed") == nullptr);
+    CHECK_FALSE(has(verdict_lines(study)[1], "first wrong path"));
 }
 
 TEST_CASE("the page begins with every channel by every method, and what is best", "[study][report]") {

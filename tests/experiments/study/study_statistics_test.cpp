@@ -165,8 +165,8 @@ TEST_CASE("a method that starts up is not taken for a biased one", "[study][stat
         }
         const SlopeVerdict verdict = judge_slope(groups, true);
         accused += verdict.too_shallow;
-        starting += verdict.start_up;
-        if (verdict.start_up) CHECK(verdict.text.starts_with("start-up: from -0."));
+        starting += verdict.nears;
+        if (verdict.nears) CHECK(verdict.text.starts_with("not at -1 yet, but nearer with every octave: from -0."));
     }
     CHECK(accused <= 40);    // 2.5 %, and three standard errors
     CHECK(starting >= 950);  // of those whose slope is seen to be shallower than -1 at all
@@ -189,6 +189,35 @@ TEST_CASE("few budgets or replicates find no method too shallow", "[study]") {
     groups.pop_back();
     CHECK_FALSE(judge_slope(groups, true).too_shallow);
     CHECK(judge_slope(groups, true).text.starts_with("shallower than -1; not judged: four budgets"));
+}
+
+TEST_CASE("a slope that is known well is not called noisy, and none by the name of its cause", "[study]") {
+    const auto verdict_on = [](double early, double late, double scatter) {
+        std::vector<BudgetGroup> groups;
+        double error = 1;
+        for (double budget = 16; budget <= 1024; budget *= 2) {
+            BudgetGroup group;
+            group.budget = budget;
+            for (const double each : {1 - scatter, 1.0, 1 + scatter}) group.errors.push_back(each * error);
+            group.samples.assign(3, budget);
+            group.seconds.assign(3, budget);
+            groups.push_back(group);
+            error *= std::exp2(budget < 256 ? early : late);
+        }
+        return judge_slope(groups, true);
+    };
+    const SlopeVerdict open = verdict_on(-0.955, -0.955, 0.03), near = verdict_on(-0.9, -0.97, 0.001);
+    REQUIRE(open.judged()->slope_high < -0.9);  // well known, and not -1
+    REQUIRE(open.judged()->slope_low > -0.98);
+    CHECK_FALSE(open.too_shallow);
+    CHECK(open.text.find("not certainly over the last 2") != std::string::npos);
+    for (const SlopeVerdict& each : {open, near}) {
+        CAPTURE(each.text);
+        CHECK(each.text.find("noisy") == std::string::npos);
+        CHECK(each.text.find("start-up") == std::string::npos);
+        CHECK(each.text.find(": from -0.") != std::string::npos);
+    }
+    CHECK(near.nears);
 }
 
 TEST_CASE("the time to an error covers inside and outside what was measured", "[study][statistical]") {
@@ -336,6 +365,30 @@ TEST_CASE("the bias test says where it cannot judge", "[study]") {
     CHECK(exact.worst == 1);
     CHECK_FALSE(exact.worst_is_whole);
     CHECK(exact.worst_difference.value == Approx(-0.01 / 1.01));
+}
+
+TEST_CASE("replicates that do not show their noise convict of nothing", "[study]") {
+    // Light in the second block is so rare that no replicate met it; the reference did, and has noise of its own.
+    const BiasSide reference{{{1, 0.2, 0.5}}, {1e-6, 1e-4, 1e-6}};
+    BiasSide method{{{1.01, 0, 0.505}, {0.99, 0, 0.495}, {1.02, 0, 0.51}, {0.98, 0, 0.49}}, {}};
+    BiasVerdict verdict = test_bias(method, reference);
+    CHECK(verdict.tested);
+    CHECK(verdict.worst == 1);
+    CHECK_FALSE(verdict.differs);
+    CHECK(verdict.blind == "none of 4 replicates has any light there");
+    method.replicates[2][1] = 1e-5;
+    CHECK(test_bias(method, reference).blind == "only 1 of 4 replicates have any light there");
+    for (auto& replicate : method.replicates) replicate[1] = 0.01;
+    CHECK(test_bias(method, reference).blind == "its replicates do not vary there");
+    // Of many replicates a dark one is no reason: light was met often enough in all.
+    method.replicates.assign(40, {1, 0.01, 0.5});
+    for (std::size_t i = 0; i < 40; ++i) method.replicates[i][1] *= 1 + 0.1 * static_cast<double>(i % 5);
+    method.replicates[0][1] = 0;
+    CHECK(test_bias(method, reference).differs);
+    // Where nothing is random in the reference either, the light is missing.
+    method.replicates.assign(4, {1, 0, 0.5});
+    CHECK(test_bias(method, {{{1, 0.2, 0.5}}, {0, 0, 0}}).differs);
+    CHECK_FALSE(test_bias(method, {{{1, 0.2, 0.5}}, {}}).differs);  // of which that is not known
 }
 
 TEST_CASE("block means and their variances", "[study]") {

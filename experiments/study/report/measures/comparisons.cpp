@@ -113,8 +113,9 @@ std::string best_sentence(const Study& study, const MethodComparison& comparison
 BiasJudgement BiasEntry::judgement() const {
     if (!verdict.tested) return BiasJudgement::not_tested;
     if (!omitted.empty()) return BiasJudgement::not_judged;
-    if (verdict.differs) return heavy_tail ? BiasJudgement::rare : BiasJudgement::differs;
-    const bool told = doubt.empty() && verdict.detectable_whole <= largest_hidden_bias;
+    if (verdict.differs && heavy_tail) return BiasJudgement::rare;
+    if (verdict.differs && doubt.empty()) return BiasJudgement::differs;
+    const bool told = reason().empty() && verdict.detectable_whole <= largest_hidden_bias;
     return told ? BiasJudgement::none_found : BiasJudgement::cannot_tell;
 }
 
@@ -150,10 +151,28 @@ std::string verdict_of(const Study& study, const BiasEntry& entry) {
         case BiasJudgement::cannot_tell:
             break;
     }
-    return "cannot tell: " + (!entry.doubt.empty() ? entry.doubt
-                              : !std::isfinite(detectable)
-                                  ? "the mean of the image could not be tested"
-                                  : "a bias below " + percent_text(detectable) + " of the mean would be missed");
+    return "cannot tell: " +
+           (!entry.doubt.empty() ? entry.doubt + (entry.verdict.differs ? ": " + finding_of(study, entry) : "")
+            : !entry.verdict.blind.empty()
+                ? "differs in the " + block_text(study, entry) + ", but " + entry.verdict.blind
+            : !std::isfinite(detectable) ? "the mean of the image could not be tested"
+                                         : "a bias below " + percent_text(detectable) + " of the mean would be missed");
+}
+
+const FirstWords::Word* first_word(const Study& study, const std::string& scene, const std::string& variant) {
+    const auto named = std::find_if(study.bias.begin(), study.bias.end(), [&](const BiasEntry& each) {
+        return each.scene == scene && each.variant == variant && each.convicts();
+    });
+    if (named == study.bias.end()) return nullptr;
+    bool any = false;
+    for (const SceneInfo& each : study.experiment->scenes)
+        for (const ChannelInfo& channel : each.channels)
+            any = any || (each.name == scene && channel.name == named->channel && channel.beauty);
+    for (const WordsEntry& entry : study.words)
+        if (entry.scene == scene && entry.variant == variant)
+            for (const FirstWords::Word& word : entry.first.words)
+                if (any || word.channel == named->channel) return &word;
+    return nullptr;
 }
 
 bool Study::unbiased(const std::string& variant) const {
@@ -167,6 +186,14 @@ const Curve* Study::curve(const std::string& scene, const std::string& variant, 
         if (each.scene == scene && each.variant == variant && each.channel == channel && each.region == region)
             return &each;
     return nullptr;
+}
+
+bool Study::noise_subtracted(const std::string& scene, const std::string& channel, const std::string& region) const {
+    return std::any_of(curves.begin(), curves.end(), [&](const Curve& curve) {
+        return curve.scene == scene && curve.channel == channel && curve.region == region &&
+               std::any_of(curve.points.begin(), curve.points.end(),
+                           [](const BudgetPoint& point) { return point.excess > 0; });
+    });
 }
 
 }  // namespace raylex::experiments

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <set>
 
+#include "experiments/program/console.h"
 #include "experiments/study/report/measures/study.h"
+#include "experiments/study/report/measures/study_files.h"
 
 namespace raylex::experiments {
 namespace {
@@ -157,6 +159,21 @@ void find_words(Study& study, const SceneInfo& scene, const MethodVariant& varia
     study.words.push_back(std::move(entry));
 }
 
+/// Times to errors below what was measured are extrapolated, which a bias or missing paths make impossible.
+void stop_at_measured(Curve& curve, const std::string& reason) {
+    const auto least = std::min_element(
+        curve.points.begin(), curve.points.end(),
+        [](const BudgetPoint& a, const BudgetPoint& b) { return a.relative.value < b.relative.value; });
+    for (TimeToError& time : curve.times)
+        if (time.extrapolated && least != curve.points.end() && time.relative_error < least->relative.value)
+            time.seconds = {NAN,
+                            NAN,
+                            NAN,
+                            "not followed beyond " + percent_text(least->relative.value) + " after " +
+                                duration_text(least->seconds) + ", since it " + reason,
+                            {}};
+}
+
 }  // namespace
 
 void judge_curves(Study& study) {
@@ -170,18 +187,23 @@ void judge_curves(Study& study) {
                          [](const BudgetPoint& a, const BudgetPoint& b) { return a.seconds < b.seconds; });
         const std::vector<BudgetGroup> groups = groups_of(curve);
         curve.slope = judge_slope(groups, study.unbiased(curve.variant));
+        for (const double target : target_errors)
+            curve.times.push_back(time_to_error(groups, target, study.options.confidence));
         for (const BiasEntry& entry : study.bias)
             if (entry.scene == curve.scene && entry.variant == curve.variant && entry.channel == curve.channel) {
+                if (!entry.omitted.empty()) stop_at_measured(curve, "does not find " + entry.omitted);
+                else if (entry.convicts()) stop_at_measured(curve, "differs by " + finding_of(study, entry));
                 if (!entry.omitted.empty()) {
-                    curve.slope.too_shallow = curve.slope.start_up = false;
+                    curve.slope.too_shallow = curve.slope.nears = false;
                     curve.slope.text = "not judged: it declares that it does not find " + entry.omitted;
                 } else if (curve.slope.too_shallow && entry.convicts()) {
                     curve.slope.too_shallow = false;  // one finding, which stands among those of bias
                     curve.slope.text = "shallower than -1, as the bias that was found here makes it";
+                } else if (curve.slope.too_shallow && !entry.doubt.empty()) {
+                    curve.slope.too_shallow = false;  // an error of the reference flattens curves, too
+                    curve.slope.text = "shallower than -1, as an error of the reference would make it";
                 }
             }
-        for (const double target : target_errors)
-            curve.times.push_back(time_to_error(groups, target, study.options.confidence));
         curve.prediction = check_prediction(groups);
     }
     for (Curve& curve : study.curves)

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "experiments/program/console.h"
+#include "experiments/study/report/measures/judge_bias.h"
 #include "experiments/study/report/measures/study.h"
 #include "lpe/algebra/proofs/paths.h"
 
@@ -135,11 +136,11 @@ class Measurer {
                                                  {},
                                                  false});
                     }
-        std::map<std::string, BiasCandidate> candidates;
+        BiasCandidates candidates;
         for (const Group& group : groups) {
             if (was_not_asked(group, channel)) continue;
             const std::vector<PixelArray> images = read_group(group, channel, reference.mean);
-            offer(candidates, group, images);
+            offer_candidate(candidates[group.variant->name], group.budget, group.cells, images);
             // An image without light costs nothing and has no noise: it would beat whoever finds some.
             if (is_dark(images)) {
                 study_.omissions.push_back({"channel " + channel.name + " of " + group.variant->name + " on " +
@@ -154,17 +155,7 @@ class Measurer {
                     study_.curves[curves[{region.name, group.variant->name}]].points.push_back(std::move(*point));
             }
         }
-        BiasSide truth{{block_means(reference.mean)}, {}};
-        if (reference.variance) truth.variance = block_variances(*reference.variance);
-        BiasSide even = truth;
-        if (const auto same = candidates.find(scene.reference_method);
-            !reference.variance && same != candidates.end()) {
-            truth.variance = variance_by_samples(same->second, static_cast<double>(scene.reference_samples));
-            PixelArray common = reference.mean;
-            for (int place = 0; place < rare_places; ++place) common = without_rarest(common, same->second.mean);
-            even = {{block_means(common)}, truth.variance};
-        }
-        judge_bias(scene, channel, candidates, truth, even);
+        judge_bias(study_, scene, channel, std::move(candidates), reference.mean, reference.variance);
     }
 
     /// A method without beauty renders neither it nor what only fills up its sum, the layer `rest`. Another renderer
@@ -277,135 +268,6 @@ class Measurer {
         point.efficiency = efficiency_interval(point.group.errors, point.group.seconds, options);
         if (!point.squared.valid() && point.efficiency.valid()) point.efficiency.note = point.squared.note;
         return point;
-    }
-
-    /// The images that a variant's bias is tested on: of the budget with most samples in all, two replicates at least.
-    struct BiasCandidate {
-        double weight = -1, budget = 0, samples = 0;  ///< samples per pixel of a replicate; 0: not known
-        BiasSide side;
-        std::vector<double> mean;  ///< of all replicates, pixel by pixel
-    };
-
-    static void offer(std::map<std::string, BiasCandidate>& candidates, const Group& group,
-                      const std::vector<PixelArray>& images) {
-        BiasCandidate offered;
-        offered.budget = group.budget;
-        double cost = 0;
-        for (std::size_t i = 0; i < images.size(); ++i) {
-            if (images[i].values.empty()) continue;
-            offered.side.replicates.push_back(block_means(images[i]));
-            offered.mean.resize(images[i].values.size(), 0);
-            for (std::size_t k = 0; k < offered.mean.size(); ++k) offered.mean[k] += images[i].values[k];
-            cost += group.cells[i]->samples_per_pixel > 0 ? static_cast<double>(group.cells[i]->samples_per_pixel)
-                                                          : group.cells[i]->wall_seconds;
-        }
-        if (offered.side.replicates.empty()) return;
-        for (double& value : offered.mean) value /= static_cast<double>(offered.side.replicates.size());
-        offered.weight = offered.side.replicates.size() < 2 ? 0 : cost;
-        for (const Cell* cell : group.cells)
-            offered.samples += static_cast<double>(cell->samples_per_pixel) / static_cast<double>(group.cells.size());
-        BiasCandidate& best = candidates[group.variant->name];
-        if (offered.weight > best.weight) best = std::move(offered);
-    }
-
-    /// Methods whose light lands anywhere keep no moments. Of a reference made by one, the variance is that of its own
-    /// replicates, less by as many times as it has more samples; empty when that is not known.
-    static std::vector<double> variance_by_samples(const BiasCandidate& same, double reference_samples) {
-        if (same.side.replicates.size() < 2 || !(same.samples > 0) || !(reference_samples > 0)) return {};
-        std::vector<double> variance(same.side.replicates.front().size());
-        for (std::size_t block = 0; block < variance.size(); ++block)
-            variance[block] = block_moments(same.side.replicates, block).variance * same.samples / reference_samples;
-        return variance;
-    }
-
-    /// The reference with the place in each block that differs most from its method's own replicates taken from these:
-    /// a pixel and those that its splats reach. The replicates' variance tells nothing of rare samples that only the
-    /// reference has met.
-    static constexpr int rare_places = 3;  // of 25 pixels each, of 256: most of a block is left
-    static PixelArray without_rarest(PixelArray reference, const std::vector<double>& mean) {
-        if (reference.values.size() != mean.size()) return reference;
-        const std::size_t n = reference.components, across = (reference.width + bias_block - 1) / bias_block;
-        std::vector<std::pair<double, std::size_t>> rarest(block_count(reference.width, reference.height));
-        for (std::size_t pixel = 0; pixel < reference.width * reference.height; ++pixel) {
-            double difference = 0;
-            for (std::size_t c = 0; c < n; ++c)
-                difference += std::abs(reference.values[n * pixel + c] - mean[n * pixel + c]);
-            const std::size_t x = pixel % reference.width, y = pixel / reference.width;
-            auto& most = rarest[y / bias_block * across + x / bias_block];
-            most = std::max(most, std::pair(difference, pixel));
-        }
-        constexpr std::size_t reach = 2;  // of a splat, by the pixel filters there are
-        for (const auto& [difference, pixel] : rarest) {
-            const std::size_t x = pixel % reference.width, y = pixel / reference.width;
-            for (std::size_t row = y - std::min(y, reach); row < std::min(y + reach + 1, reference.height); ++row)
-                for (std::size_t column = x - std::min(x, reach); column < std::min(x + reach + 1, reference.width);
-                     ++column)
-                    for (std::size_t c = 0; c < n; ++c) {
-                        const std::size_t at = n * (row * reference.width + column) + c;
-                        reference.values[at] = mean[at];
-                    }
-        }
-        return reference;
-    }
-
-    /// All variants against the reference; that by which the reference was made, against another method where there is
-    /// one: a mistake of its own is in both. The most precise of those that agree with the reference is taken.
-    void judge_bias(const SceneInfo& scene, const ChannelInfo& channel,
-                    const std::map<std::string, BiasCandidate>& candidates, const BiasSide& truth,
-                    const BiasSide& even) {
-        const std::string& own = scene.reference_method;
-        const BiasCandidate* judge = nullptr;
-        std::string judge_name, others;
-        for (const MethodVariant& variant : study_.variants) {
-            const auto found = candidates.find(variant.name);
-            if (found == candidates.end()) continue;
-            test_channel(scene, channel, variant, found->second, truth, even);
-            const BiasEntry& entry = study_.bias.back();
-            if (variant.name == own || !variant.unbiased || !entry.omitted.empty() || !entry.verdict.tested) continue;
-            others = variant.name;
-            const auto noise = [](const BiasCandidate& each) {
-                const std::size_t whole = each.side.replicates.front().size() - 1;
-                return block_moments(each.side.replicates, whole).variance /
-                       static_cast<double>(each.side.replicates.size());
-            };
-            if (entry.verdict.differs || (judge != nullptr && noise(*judge) <= noise(found->second))) continue;
-            judge = &found->second;
-            judge_name = variant.name;
-        }
-        const auto entry = std::find_if(study_.bias.rbegin(), study_.bias.rend(), [&](const BiasEntry& each) {
-            return each.scene == scene.name && each.channel == channel.name && each.variant == own;
-        });
-        if (entry == study_.bias.rend()) return;
-        if (judge != nullptr) {
-            entry->verdict = test_bias(candidates.at(own).side, judge->side, bias_options(scene));
-            entry->heavy_tail = false;
-            entry->against = judge_name;
-        } else if (!others.empty()) entry->doubt = "the reference is its own, and no other method agrees with it";
-        else entry->verdict.note = "the reference is by this method, too: a mistake that is in both is not found";
-    }
-
-    [[nodiscard]] BiasOptions bias_options(const SceneInfo& scene) const {
-        BiasOptions options;
-        options.level = study_.options.bias_level;
-        options.channels = static_cast<double>(scene.channels.size());
-        return options;
-    }
-
-    void test_channel(const SceneInfo& scene, const ChannelInfo& channel, const MethodVariant& variant,
-                      const BiasCandidate& candidate, const BiasSide& truth, const BiasSide& even) {
-        const BiasOptions options = bias_options(scene);
-        const BiasVerdict verdict = test_bias(candidate.side, truth, options);
-        const bool rare = verdict.differs && !test_bias(candidate.side, even, options).differs;
-        study_.bias.push_back({scene.name,
-                               variant.name,
-                               channel.name,
-                               candidate.budget,
-                               candidate.side.replicates.size(),
-                               verdict,
-                               rare,
-                               omitted_in(experiment_, scene.name, variant.name, channel),
-                               {},
-                               {}});
     }
 
     const Experiment& experiment_;

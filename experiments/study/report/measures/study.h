@@ -72,7 +72,7 @@ enum class BiasJudgement : std::uint8_t {
     not_judged,   ///< the method declares that it does not find some of the channel's paths
     rare,         ///< the images differ, but a few rare samples decide
     differs,      ///< from what it is compared with, beyond noise
-    cannot_tell,  ///< no difference, which says too little
+    cannot_tell,  ///< no difference, or one that says too little
     none_found
 };
 
@@ -86,7 +86,9 @@ struct BiasEntry {
     bool heavy_tail = false;
     std::string omitted;  ///< paths of this channel that the method says it does not find: then it is not judged by it
     std::string against;  ///< the method whose replicates it is compared with; empty: the scene's reference
-    std::string doubt;    ///< why agreement with the reference says nothing
+    std::string doubt;    ///< why neither agreement with the reference nor a difference from it says anything
+    /// Why it cannot be told, where that is not for noise alone.
+    [[nodiscard]] const std::string& reason() const { return doubt.empty() ? verdict.blind : doubt; }
     [[nodiscard]] BiasJudgement judgement() const;
     [[nodiscard]] bool convicts() const { return judgement() == BiasJudgement::differs; }
 };
@@ -161,6 +163,9 @@ struct Study {
     [[nodiscard]] bool unbiased(const std::string& variant) const;
     [[nodiscard]] const Curve* curve(const std::string& scene, const std::string& variant, const std::string& channel,
                                      const std::string& region = {}) const;
+    /// Whether errors are less the reference's noise, which is not known of every reference.
+    [[nodiscard]] bool noise_subtracted(const std::string& scene, const std::string& channel,
+                                        const std::string& region = {}) const;
 };
 
 inline constexpr std::array<double, 5> target_errors{0.1, 0.05, 0.02, 0.01, 0.005};
@@ -181,6 +186,9 @@ std::string finding_of(const Study& study, const BiasEntry& entry);
 std::string block_text(const Study& study, const BiasEntry& entry);
 /// A verdict with its reason: "cannot tell: a bias below 158 % of the mean would be missed".
 std::string verdict_of(const Study& study, const BiasEntry& entry);
+/// The shortest wrong path of the channel by which verdict_lines() name a difference: the first that differs. Of the
+/// beauty, which all paths are in, that of any channel. Null: none is known.
+const FirstWords::Word* first_word(const Study& study, const std::string& scene, const std::string& variant);
 /// Which method a channel is best rendered by, in a sentence.
 std::string best_sentence(const Study& study, const MethodComparison& comparison);
 /// Sets CellErrors::seen, on all cores.

@@ -81,7 +81,7 @@ void add_curve(Lines& lines, const Curve& curve) {
     if (curve.slope.samples) slope["against_samples"] = json_of(*curve.slope.samples);
     if (curve.slope.seconds) slope["against_seconds"] = json_of(*curve.slope.seconds);
     slope["too_shallow"] = curve.slope.too_shallow;
-    slope["start_up"] = curve.slope.start_up;
+    slope["nears"] = curve.slope.nears;
     slope["verdict"] = curve.slope.text;
     slope["speed_up"] = json_of(curve.speed_up);
     lines.add(slope);

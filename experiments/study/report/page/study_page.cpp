@@ -90,7 +90,9 @@ std::string bias_summary(const Study& study) {
         add_finding(found[judgement], entry.variant + " on " + entry.scene,
                     judgement == BiasJudgement::differs      ? entry.channel + ": " + finding_of(study, entry)
                     : judgement == BiasJudgement::not_judged ? entry.omitted
-                                                             : entry.channel);
+                    : judgement == BiasJudgement::cannot_tell && !entry.reason().empty()
+                        ? entry.channel + ": " + entry.reason()
+                        : entry.channel);
         if (judgement != BiasJudgement::none_found) continue;
         ++clean;
         largest = std::max(largest, entry.verdict.detectable_whole);
@@ -102,28 +104,29 @@ std::string bias_summary(const Study& study) {
                 percent_text(largest) + " of the mean would be, with 90 %.</li>\n";
     return text +
            finding_line("warn", "Cannot tell about bias:", found[BiasJudgement::cannot_tell],
-                        ". A bias of " + percent_text(largest_hidden_bias) +
-                            " of the mean would be missed, or only its own reference speaks for a method.") +
+                        ". Where no reason stands here, a bias of " + percent_text(largest_hidden_bias) +
+                            " of the mean would be missed.") +
            finding_line("warn", "No verdict on bias, since a few rare samples decide:", found[BiasJudgement::rare]) +
            finding_line("note", "Not judged, since the method declares that it does not find such paths:",
                         found[BiasJudgement::not_judged]);
 }
 
 std::string curve_summary(const Study& study) {
-    Findings shallow, starting;
+    Findings shallow, nearing;
     std::size_t heavy = 0, judged = 0;
     for (const Curve& curve : study.curves) {
         judged += curve.slope.samples && study.unbiased(curve.variant) ? 1 : 0;
         const std::string name = curve.variant + " on " + curve.scene;
         if (curve.slope.too_shallow) add_finding(shallow, name, curve.channel);
-        if (curve.slope.start_up) add_finding(starting, name, curve.channel);
+        if (curve.slope.nears) add_finding(nearing, name, curve.channel);
         heavy += std::any_of(curve.points.begin(), curve.points.end(),
                              [](const BudgetPoint& p) { return p.group.heavy_tail; });
     }
     const std::string text =
         finding_line("fails", "Falls slower than an unbiased method at the last octaves:", shallow,
                      ". Of " + counted(judged, "curve", "curves") + " judged at 95 %, one in 40 does so by chance.") +
-        finding_line("warn", "Start-up, the error does not fall as 1 / samples yet:", starting);
+        finding_line("warn",
+                     "The error does not fall as 1 / samples yet, but comes nearer to it with every octave:", nearing);
     if (heavy == 0) return text;
     return text + "<li><span class=\"warn\">Heavy tail, interval not valid:</span> on " +
            counted(heavy, "curve", "curves") + " a few rare samples decide the error.</li>\n";

@@ -187,7 +187,10 @@ std::string errors_table(const Study& study, const std::string& scene, const std
                          const std::string& region) {
     Footnotes notes;
     std::string head = "<th>Variant</th><th>Largest budget</th><th>CPU seconds</th><th>Wall seconds</th>" +
-                       formula_header("relative error", "sqrt(relmse-mean), the reference's noise subtracted");
+                       formula_header("relative error",
+                                      std::string("sqrt(relmse-mean)") + (study.noise_subtracted(scene, channel, region)
+                                                                              ? ", the reference's noise subtracted"
+                                                                              : ""));
     for (const display::ErrorMetricInfo& each : display::error_metrics())
         head += formula_header(each.name, each.formula);
     for (const display::ImageMetric each : seen_metrics)
@@ -314,17 +317,18 @@ std::string words_list(const Study& study, const SceneInfo& scene) {
     std::string html;
     for (const WordsEntry& entry : study.words) {
         if (entry.scene != scene.name) continue;
+        const FirstWords::Word* first = first_word(study, scene.name, entry.variant);
+        if (first == nullptr && entry.first.notes.empty()) continue;
         html += "<p><b>" + escape_html(entry.variant) + "</b> ";
-        if (!entry.first.words.empty()) {
-            const FirstWords::Word& first = entry.first.words.front();
-            html += "is first wrong at the path <code>" + escape_html(first.text) + "</code> (" +
-                    escape_html(first.sentence) + "), the shortest one in channel <code>" + escape_html(first.channel) +
-                    "</code>, or at a longer one of that channel";
-            if (entry.first.words.size() > 1) {
-                html += "; further ";
-                for (std::size_t i = 1; i < entry.first.words.size(); ++i)
-                    html += (i > 1 ? ", <code>" : "<code>") + escape_html(entry.first.words[i].text) + "</code> in " +
-                            escape_html(entry.first.words[i].channel);
+        if (first != nullptr) {
+            html += "is first wrong at the path <code>" + escape_html(first->text) + "</code> (" +
+                    escape_html(first->sentence) + "), the shortest one in channel <code>" +
+                    escape_html(first->channel) + "</code>, or at a longer one of that channel";
+            const char* before = "; further <code>";
+            for (const FirstWords::Word& word : entry.first.words) {
+                if (&word == first) continue;
+                html += before + escape_html(word.text) + "</code> in " + escape_html(word.channel);
+                before = ", <code>";
             }
             html += ".";
         }

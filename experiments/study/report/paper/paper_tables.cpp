@@ -75,8 +75,9 @@ std::string latex_table(const Study& study, const std::string& scene, const std:
     if (rows.empty()) return {};
     return "% " + latex_text(study.experiment->name + ": " + scene + ", " + channel) +
            ". Needs \\usepackage{booktabs}.\n"
-           "% Relative error: 100 sqrt(relmse-mean), the reference's noise subtracted; intervals: " +
-           plain_number(study.options.confidence * 100) +
+           "% Relative error: 100 sqrt(relmse-mean)" +
+           (study.noise_subtracted(scene, channel) ? ", the reference's noise subtracted" : "") +
+           "; intervals: " + plain_number(study.options.confidence * 100) +
            " %.\n% Speed-up: 1 / (relmse-mean x seconds), relative to the first row. $^\\ast$ extrapolated.\n" +
            (doubtful ? "% $^\\dagger$ interval not to be trusted: report.html says why.\n" : "") +
            (study.experiment->cpu_clock ? "% Times are CPU seconds of all threads.\n" : "") +

@@ -91,19 +91,20 @@ Plot error_plot(const Study& study, std::size_t scene, const std::string& channe
         for (const BudgetPoint& point : curve.points)
             floor = std::max(floor, std::sqrt(std::max(0.0, point.excess)) * 100);
     }
-    plot.json =
-        dumped(Json{{"id", plot.id},
-                    {"title", name + ", " + channel + (region.empty() ? "" : ", region " + region) +
-                                  (time ? ": error against time" : ": error against samples")},
-                    {"subtitle", "100 sqrt(relmse-mean), reference's noise subtracted; bands: " +
-                                     number_text(study.options.confidence * 100) +
-                                     (time ? " % intervals; dotted: 1/sqrt(t)" : " % intervals; dotted: 1/sqrt(n)")},
-                    {"xLabel", time ? time_label(study) : "samples per pixel"},
-                    {"yLabel", "relative error"},
-                    {"guide", true},
-                    {"ticks", budgets},
-                    {"floor", floor},
-                    {"series", std::move(series)}});
+    plot.json = dumped(
+        Json{{"id", plot.id},
+             {"title", name + ", " + channel + (region.empty() ? "" : ", region " + region) +
+                           (time ? ": error against time" : ": error against samples")},
+             {"subtitle", std::string("100 sqrt(relmse-mean)") +
+                              (study.noise_subtracted(name, channel, region) ? ", reference's noise subtracted" : "") +
+                              "; bands: " + number_text(study.options.confidence * 100) +
+                              (time ? " % intervals; dotted: 1/sqrt(t)" : " % intervals; dotted: 1/sqrt(n)")},
+             {"xLabel", time ? time_label(study) : "samples per pixel"},
+             {"yLabel", "relative error"},
+             {"guide", true},
+             {"ticks", budgets},
+             {"floor", floor},
+             {"series", std::move(series)}});
     return plot;
 }
 

@@ -1,0 +1,193 @@
+#include "experiments/study/report/measures/judge_bias.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raylex::experiments {
+namespace {
+
+/// Methods whose light lands anywhere keep no moments. Of a reference made by one, the variance is that of its own
+/// replicates, less by as many times as it has more samples; empty when that is not known.
+std::vector<double> variance_by_samples(const BiasCandidate& same, double reference_samples) {
+    if (same.side.replicates.size() < 2 || !(same.samples > 0) || !(reference_samples > 0)) return {};
+    std::vector<double> variance(same.side.replicates.front().size());
+    for (std::size_t block = 0; block < variance.size(); ++block)
+        variance[block] = block_moments(same.side.replicates, block).variance * same.samples / reference_samples;
+    return variance;
+}
+
+/// The reference with the place in each block that differs most from its method's own replicates taken from these:
+/// a pixel and those that its splats reach. The replicates' variance tells nothing of rare samples that only the
+/// reference has met.
+constexpr int rare_places = 3;  // of 25 pixels each, of 256: most of a block is left
+PixelArray without_rarest(PixelArray reference, const std::vector<double>& mean) {
+    if (reference.values.size() != mean.size()) return reference;
+    const std::size_t n = reference.components, across = (reference.width + bias_block - 1) / bias_block;
+    std::vector<std::pair<double, std::size_t>> rarest(block_count(reference.width, reference.height));
+    for (std::size_t pixel = 0; pixel < reference.width * reference.height; ++pixel) {
+        double difference = 0;
+        for (std::size_t c = 0; c < n; ++c)
+            difference += std::abs(reference.values[n * pixel + c] - mean[n * pixel + c]);
+        const std::size_t x = pixel % reference.width, y = pixel / reference.width;
+        auto& most = rarest[y / bias_block * across + x / bias_block];
+        most = std::max(most, std::pair(difference, pixel));
+    }
+    constexpr std::size_t reach = 2;  // of a splat, by the pixel filters there are
+    for (const auto& [difference, pixel] : rarest) {
+        const std::size_t x = pixel % reference.width, y = pixel / reference.width;
+        for (std::size_t row = y - std::min(y, reach); row < std::min(y + reach + 1, reference.height); ++row)
+            for (std::size_t column = x - std::min(x, reach); column < std::min(x + reach + 1, reference.width);
+                 ++column)
+                for (std::size_t c = 0; c < n; ++c) {
+                    const std::size_t at = n * (row * reference.width + column) + c;
+                    reference.values[at] = mean[at];
+                }
+    }
+    return reference;
+}
+
+class Judge {
+  public:
+    Judge(Study& study, const SceneInfo& scene, const ChannelInfo& channel, const BiasCandidates& candidates)
+        : study_(study), scene_(scene), channel_(channel), candidates_(candidates), first_(study.bias.size()) {
+        options_.level = study.options.bias_level;
+        options_.channels = static_cast<double>(scene.channels.size());
+    }
+
+    void judge(const PixelArray& reference, const std::optional<PixelArray>& variance) {
+        BiasSide truth{{block_means(reference)}, {}};
+        if (variance) truth.variance = block_variances(*variance);
+        BiasSide even = truth;
+        if (const auto same = candidates_.find(scene_.reference_method); !variance && same != candidates_.end()) {
+            truth.variance = variance_by_samples(same->second, static_cast<double>(scene_.reference_samples));
+            PixelArray common = reference;
+            for (int place = 0; place < rare_places; ++place) common = without_rarest(common, same->second.mean);
+            even = {{block_means(common)}, truth.variance};
+        }
+        for (const MethodVariant& variant : study_.variants)
+            if (candidates_.contains(variant.name)) test(variant, truth, even);
+        const std::vector<BiasEntry> by_reference(study_.bias.begin() + static_cast<std::ptrdiff_t>(first_),
+                                                  study_.bias.end());
+        judge_own(by_reference);
+        for (std::size_t i = first_; i < study_.bias.size(); ++i) {
+            BiasEntry& entry = study_.bias[i];
+            const bool doubtful =
+                !variance || (heavy(scene_.reference_method) && entry.verdict.worst_difference.value > 0);
+            if (!entry.verdict.differs || !entry.against.empty() || !entry.doubt.empty() || !doubtful) continue;
+            if (std::none_of(by_reference.begin(), by_reference.end(),
+                             [&](const BiasEntry& other) { return confirms(other, entry); }))
+                entry.doubt = std::string("it differs from the reference, ") +
+                              (variance ? "whose method meets rare samples" : "whose own error is not known") +
+                              ", and no other method's images confirm it";
+        }
+    }
+
+  private:
+    void test(const MethodVariant& variant, const BiasSide& truth, const BiasSide& even) {
+        const BiasCandidate& candidate = candidates_.at(variant.name);
+        const BiasVerdict verdict = test_bias(candidate.side, truth, options_);
+        const bool rare = verdict.differs && !test_bias(candidate.side, even, options_).differs;
+        study_.bias.push_back({scene_.name,
+                               variant.name,
+                               channel_.name,
+                               candidate.budget,
+                               candidate.side.replicates.size(),
+                               verdict,
+                               rare,
+                               omitted_in(*study_.experiment, scene_.name, variant.name, channel_),
+                               {},
+                               {}});
+    }
+
+    /// The method that made the reference, by the images of another.
+    void judge_own(const std::vector<BiasEntry>& by_reference) {
+        const std::string& own = scene_.reference_method;
+        const auto entry = std::find_if(study_.bias.begin() + static_cast<std::ptrdiff_t>(first_), study_.bias.end(),
+                                        [&](const BiasEntry& each) { return each.variant == own; });
+        if (entry == study_.bias.end()) return;
+        const auto noise = [](const BiasCandidate& each) {
+            const std::size_t whole = each.side.replicates.front().size() - 1;
+            return block_moments(each.side.replicates, whole).variance /
+                   static_cast<double>(each.side.replicates.size());
+        };
+        const BiasCandidate* judge = nullptr;
+        bool others = false;
+        for (const BiasEntry& other : by_reference) {
+            if (other.variant == own || !can_judge(other)) continue;
+            others = true;
+            const BiasCandidate& candidate = candidates_.at(other.variant);
+            if (!agrees(other) || (judge != nullptr && noise(*judge) <= noise(candidate))) continue;
+            judge = &candidate;
+            entry->against = other.variant;
+        }
+        if (judge != nullptr) {
+            entry->verdict = test_bias(candidates_.at(own).side, judge->side, options_);
+            entry->heavy_tail = false;
+        } else if (others) entry->doubt = "the reference is its own, and no other method agrees with it";
+        else entry->verdict.note = "the reference is by this method, too: a mistake that is in both is not found";
+    }
+
+    [[nodiscard]] bool can_judge(const BiasEntry& entry) const {
+        return study_.unbiased(entry.variant) && entry.omitted.empty() && entry.verdict.tested;
+    }
+
+    static bool agrees(const BiasEntry& entry) { return !entry.verdict.differs && entry.verdict.blind.empty(); }
+
+    /// Whether the images of `other` differ from the reference as `entry` does not: then the reference is not alone.
+    /// Those of the reference's own method are as good as any, since they share no sample with it.
+    [[nodiscard]] bool confirms(const BiasEntry& other, const BiasEntry& entry) const {
+        if (other.variant == entry.variant || !can_judge(other) || heavy(other.variant)) return false;
+        if (other.variant != scene_.reference_method && !agrees(other)) return false;
+        const BiasVerdict verdict =
+            test_bias(candidates_.at(entry.variant).side, candidates_.at(other.variant).side, options_);
+        return verdict.differs && verdict.worst_difference.value * entry.verdict.worst_difference.value > 0;
+    }
+
+    /// Whether a few rare samples decide the images that a variant is judged by.
+    [[nodiscard]] bool heavy(const std::string& variant) const {
+        const Curve* curve = study_.curve(scene_.name, variant, channel_.name);
+        const auto candidate = candidates_.find(variant);
+        return curve != nullptr && candidate != candidates_.end() &&
+               std::any_of(curve->points.begin(), curve->points.end(), [&](const BudgetPoint& point) {
+                   return point.budget == candidate->second.budget && point.group.heavy_tail;
+               });
+    }
+
+    Study& study_;
+    const SceneInfo& scene_;
+    const ChannelInfo& channel_;
+    const BiasCandidates& candidates_;
+    const std::size_t first_;
+    BiasOptions options_;
+};
+
+}  // namespace
+
+void offer_candidate(BiasCandidate& best, double budget, const std::vector<const Cell*>& cells,
+                     const std::vector<PixelArray>& images) {
+    BiasCandidate offered;
+    offered.budget = budget;
+    double cost = 0;
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        if (images[i].values.empty()) continue;
+        offered.side.replicates.push_back(block_means(images[i]));
+        offered.mean.resize(images[i].values.size(), 0);
+        for (std::size_t k = 0; k < offered.mean.size(); ++k) offered.mean[k] += images[i].values[k];
+        cost +=
+            cells[i]->samples_per_pixel > 0 ? static_cast<double>(cells[i]->samples_per_pixel) : cells[i]->wall_seconds;
+    }
+    if (offered.side.replicates.empty()) return;
+    for (double& value : offered.mean) value /= static_cast<double>(offered.side.replicates.size());
+    offered.weight = offered.side.replicates.size() < 2 ? 0 : cost;
+    for (const Cell* cell : cells)
+        offered.samples += static_cast<double>(cell->samples_per_pixel) / static_cast<double>(cells.size());
+    if (offered.weight > best.weight) best = std::move(offered);
+}
+
+void judge_bias(Study& study, const SceneInfo& scene, const ChannelInfo& channel, BiasCandidates candidates,
+                const PixelArray& reference, const std::optional<PixelArray>& variance) {
+    std::erase_if(candidates, [](const auto& each) { return each.second.side.replicates.empty(); });
+    Judge(study, scene, channel, candidates).judge(reference, variance);
+}
+
+}  // namespace raylex::experiments
