@@ -106,7 +106,7 @@ std::string verdict_text(const display::SplitVerdict& verdict, const std::string
                 (verdict.non_finite == 1 ? " pixel holds" : " pixels hold") +
                 " values that are not finite, the first " + pixel_text(verdict.non_finite_x, verdict.non_finite_y) +
                 (verdict.non_finite_layer.empty() ? std::string() : " in " + verdict.non_finite_layer);
-    if (verdict.clamped > 0) text += "\n  " + clamped_text(verdict.clamped, split_holds);
+    if (verdict.clamped > 0) text += "\n  " + clamped_text(verdict);
     if (!verdict.holds)
         for (const std::string& lossy : verdict.unexplained)
             text +=
@@ -124,7 +124,7 @@ std::string verdict_line(const display::SplitVerdict& verdict) {
                                                                      : std::string()) +
            " (largest relative error " + number_text(verdict.largest_relative) + ", bound " +
            number_text(verdict.bound) + ")" +
-           (verdict.clamped > 0 ? "; " + clamped_text(verdict.clamped, split_holds) : std::string());
+           (verdict.clamped > 0 ? "; " + clamped_text(verdict) : std::string());
 }
 
 std::string repaired_text(const std::map<std::string, std::string>& attributes, const std::string& remedy) {
