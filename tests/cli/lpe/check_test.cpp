@@ -271,10 +271,11 @@ TEST_CASE("conversions of a TOML file lose no definition without a word") {
         CHECK(contains(out.err, "all.toml:2: the macro 'caustics' is written out") == (format != "ini"));
         for (const char* lost : {"all.toml:7: ", "'cryptomatte' of", "all.toml:10: ", "'shipped_partition' of",
                                  "all.toml:11: ", "'light_groups' of", "all.toml:12: ", "'techniques' of",
-                                 "all.toml:29: ", "the partition 'mine'"})
+                                 "all.toml:30: ", "the partition 'mine'"})
             CHECK(contains(out.err, lost));
         CHECK(contains(out.err, "all.toml:4: USD has no place for the lobe slot 'specular5'") == (format == "usda"));
-        CHECK(run_raylex(folder, "lpe check x." + format + " --for raylex --volume").code == 0);
+        // Of rendermn.ini the macro itself is a channel too.
+        CHECK(run_raylex(folder, "lpe check x." + format + " --for raylex --volume").code == (format == "ini" ? 1 : 0));
     }
     const std::string rib = folder.read("x.rib");
     CHECK(contains(rib, "\"color caus\" \"string source\" [\"color lpe:C<RD>S+[<L.>O]\"] \"string filter\" [\"max\"]"));

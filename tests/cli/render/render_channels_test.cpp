@@ -147,16 +147,19 @@ TEST_CASE("filters of a file's channels that are rules become theirs, and the ot
 TEST_CASE("a generated layer that a channel has already is that channel") {
     const SceneFolder folder;
     const std::string direct = " --lpe 'directDiffuse=C<RD>[<L.>O]'";
+    REQUIRE(run_raylex(folder, "render room.pbrt -o groups.exr --spp 1 --light-groups").code == 0);
+    auto groups = read_exr(folder.path("groups.exr"));
+    REQUIRE(groups);
+    const std::string of_default = "\"light_default=" + groups->attributes["lpe/light_default"] + "\"";
     const Outcome plain =
-        run_raylex(folder,
-                   "render room.pbrt -o a.exr --atlas a.atlas.exr --spp 1 --partition shipped --light-groups --lpe "
-                   "\"light_default=C.*<L.''>\"" +
-                       direct);
+        run_raylex(folder, "render room.pbrt -o a.exr --atlas a.atlas.exr --spp 1 --partition shipped --light-groups " +
+                               std::string("--lpe ") + of_default + direct);
     INFO(plain.err);
     REQUIRE(plain.code == 0);
     auto image = read_exr(folder.path("a.exr"));
     REQUIRE(image);
     CHECK(contains(image->attributes["partition/shipped"], "directDiffuse"));
+    CHECK(contains(image->attributes["partition/light_groups"], "light_default"));
     const Outcome asked = run_raylex(folder, "ask a.atlas.exr --partition shipped -o b.exr" + direct);
     INFO(asked.err);
     CHECK(asked.code == 0);
