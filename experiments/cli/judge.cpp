@@ -123,8 +123,7 @@ std::string verdict_line(const display::SplitVerdict& verdict) {
            (verdict.answer == display::SplitAnswer::holds_as_allowed ? " within what is allowed for " + reasons(verdict)
                                                                      : std::string()) +
            " (largest relative error " + number_text(verdict.largest_relative) + ", bound " +
-           number_text(verdict.bound) + ")" +
-           (verdict.clamped > 0 ? "; " + clamped_text(verdict) : std::string());
+           number_text(verdict.bound) + ")" + (verdict.clamped > 0 ? "; " + clamped_text(verdict) : std::string());
 }
 
 std::string repaired_text(const std::map<std::string, std::string>& attributes, const std::string& remedy) {

@@ -30,9 +30,9 @@ bool is_letter(char c) {
 
 // The words that are read here. There are many more: only what is nearly one of these is a slip.
 constexpr std::array<std::string_view, 2> requests{"DisplayChannel", "Option"};
-constexpr std::array<std::string_view, 3> parameters{"source", "statistics", "filter"};
-constexpr std::array<std::string_view, 10> types{"color",  "float",  "integer", "point",  "vector",
-                                                 "normal", "string", "matrix",  "hpoint", "mpoint"};
+constexpr std::array<std::string_view, 3> display_channel_parameters{"source", "statistics", "filter"};
+constexpr std::array<std::string_view, 10> display_channel_types{"color",  "float",  "integer", "point",  "vector",
+                                                                 "normal", "string", "matrix",  "hpoint", "mpoint"};
 
 /// "varying color name" as its type and its name.
 std::pair<std::string, std::string> split_declaration(std::string_view text) {
@@ -236,7 +236,7 @@ class RibReader {
         if (parameter == "statistics" && value.is_string && !value.string.text().empty()) {
             in_.note_unless_known(value.begin, parameter, value.string.text(), statistics_names);
         }
-        note_misspelt(begin, "parameter", parameter, parameters);
+        note_misspelt(begin, "parameter", parameter, display_channel_parameters);
         channel.parameters.emplace_back(in_.text().substr(begin, value.end - begin));
     }
 
@@ -265,7 +265,7 @@ class RibReader {
         bool has_source = false;
         std::tie(channel.type, name) = split_declaration(declared.text());
         const std::string_view type = std::string_view(channel.type).substr(channel.type.rfind(' ') + 1);
-        note_misspelt(name_begin, "type", type.substr(0, type.find_first_of("[0123456789")), types);
+        note_misspelt(name_begin, "type", type.substr(0, type.find_first_of("[0123456789")), display_channel_types);
         take_parameters([&](std::size_t begin, const MappedText& declaration, Value value) {
             if (split_declaration(declaration.text()).second != "source") {
                 keep_parameter(begin, declaration, value, channel);

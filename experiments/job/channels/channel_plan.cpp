@@ -344,7 +344,8 @@ class Planner {
         if (!job_.techniques) return success();
         constexpr std::uint32_t most_vertices = 8;
         // Paths through bodies scatter as often as it takes, whatever "maxdepth" is: no depth is known then.
-        const auto depth = words_.max_depth ? static_cast<std::uint32_t>(std::max(*words_.max_depth, 1)) : most_vertices;
+        const auto depth =
+            words_.max_depth ? static_cast<std::uint32_t>(std::max(*words_.max_depth, 1)) : most_vertices;
         const std::uint32_t vertices = std::min(depth + 2, most_vertices);
         for (const std::string& name : job_.techniques->channels) {
             auto expression = technique_source(name);
