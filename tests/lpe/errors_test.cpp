@@ -175,7 +175,7 @@ TEST_CASE("a chain of '|' is one node, however long it is", "[errors][law7]") {
         CHECK(node->children.size() == 30'000);
     }
     // Parentheses and other items end a chain.
-    source.expression = "C(D|S|G)|V D|S L";
+    source.expression = "C(D|S|G)|VD|SL";
     source.dialect = Dialect::osl;
     CHECK(parse(source).root != nullptr);
 }

@@ -231,7 +231,7 @@ void Bdpt::connect_vertices(BdptThread& thread, std::size_t j) const {
     for (std::uint32_t i = thread.last_vertex[row]; i != LightVertex::none; i = thread.light_vertices[i].previous) {
         const LightVertex& y = thread.light_vertices[i];
         if (!limit.allows(length.least + y.length.least)) continue;
-        if (!thread.light.is_live_connection(camera, j, y, y.point.material)) continue;
+        if (!thread.light.may_connect(camera, j, y, y.point.material)) continue;
         const Vec3 between = y.point.position - point.position;
         const Real d2 = length_squared(between);
         if (!(d2 > 0)) continue;

@@ -22,7 +22,7 @@ std::uint64_t Pssmlt::stream(std::uint64_t purpose, std::uint64_t number) const 
     return mix_bits(mix_bits(context_.seed + purpose * 0x9e3779b97f4a7c15ull) ^ number);
 }
 
-std::size_t Pssmlt::bootstrap_share() const {
+std::size_t Pssmlt::bootstrap_paths_of_tile() const {
     const std::size_t tiles = groups_.size();
     return (parameters_.bootstrap_samples + tiles - 1) / tiles;
 }
@@ -119,7 +119,7 @@ void Pssmlt::splat(display::RasterSplats& raster, display::CameraRow where, doub
 }
 
 void Pssmlt::bootstrap(ChainGroup& group, std::uint32_t tile, PssmltThread& thread, ThreadServices& services) const {
-    const std::size_t wanted = bootstrap_share(), room = thread.rows.size();
+    const std::size_t wanted = bootstrap_paths_of_tile(), room = thread.rows.size();
     while (group.bootstrap.size() < wanted) {
         const std::size_t first = group.bootstrap.size(), count = std::min(room, wanted - first);
         for (std::size_t i = 0; i < count; ++i) {
@@ -137,7 +137,7 @@ void Pssmlt::end_startup() {
     if (!chains_) return;
     // The running sums over all bootstrap paths, in their order.
     std::vector<double> below;
-    below.reserve(groups_.size() * bootstrap_share());
+    below.reserve(groups_.size() * bootstrap_paths_of_tile());
     double sum = 0;
     for (ChainGroup& group : groups_) {
         for (const double f : group.bootstrap) {
@@ -261,7 +261,7 @@ void Pssmlt::integrate(const CameraBatch& batch, IntegratorThread& state, Thread
 }
 
 void Pssmlt::end_iteration(std::uint64_t /*iteration*/, std::span<IntegratorThread* const> /*threads*/) {
-    double count = static_cast<double>(bootstrap_share() * groups_.size()), sum = bootstrap_mean_ * count;
+    double count = static_cast<double>(bootstrap_paths_of_tile() * groups_.size()), sum = bootstrap_mean_ * count;
     for (const ChainGroup& group : groups_) {
         sum += group.large_sum;
         count += static_cast<double>(group.large_count);

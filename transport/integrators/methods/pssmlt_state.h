@@ -134,7 +134,7 @@ class Pssmlt final : public Integrator {
     void copy_splats(const PssmltThread& thread, std::size_t row, StateSplats& splats) const;
     void splat(display::RasterSplats& raster, display::CameraRow where, double weight, const StateSplats& splats) const;
     [[nodiscard]] std::uint64_t stream(std::uint64_t purpose, std::uint64_t number) const;
-    [[nodiscard]] std::size_t bootstrap_share() const;
+    [[nodiscard]] std::size_t bootstrap_paths_of_tile() const;
 
     PssmltParameters parameters_;
     IntegratorContext context_;

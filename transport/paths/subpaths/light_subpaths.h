@@ -54,8 +54,8 @@ class LightSubpaths : public Walk<TransportMode::importance> {
     [[nodiscard]] LightSubpathVertex vertex(std::size_t j) const;
     /// Whether anything counts of a connection of the camera's vertex j with `vertex`, which has this material. Counts
     /// connections that are left out.
-    [[nodiscard]] bool is_live_connection(CameraSubpaths& camera, std::size_t j, const LightSubpathVertex& vertex,
-                                          std::int32_t material) const {
+    [[nodiscard]] bool may_connect(CameraSubpaths& camera, std::size_t j, const LightSubpathVertex& vertex,
+                                   std::int32_t material) const {
         const VertexBatch& v = camera.vertices();
         if (record_.is_live_connection(camera.record(), v.rows[j], v.sources[j].label, v.points[j].material, vertex.end,
                                        material))
