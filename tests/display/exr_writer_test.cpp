@@ -120,7 +120,7 @@ TEST_CASE("every pixel of the frame buffer comes back, rounded to float once", "
     const ExrImage image = written(folder);
     CHECK(image.width == width);
     CHECK(image.height == height);
-    CHECK(image.layer_names() == std::vector<std::string>{"", "diffuse", "specular", "rest", "z", "Nn", "VLen", "id"});
+    CHECK(image.layer_names() == std::vector<std::string>{"", "diffuse", "specular", "rest", "z", "Nn", "id", "VLen"});
     const FrameBuffer buffer = filled();
     for (ChannelId id = 1; id <= 3; ++id) {
         const std::vector<double> expected = buffer.resolve(id);
@@ -156,7 +156,7 @@ TEST_CASE("the header says of every partition what a reader will find", "[displa
     REQUIRE(verdicts->size() == 3);
     for (const SplitVerdict& verdict : *verdicts) {
         std::string text = image->attributes.at("verdict/" + verdict.partition);
-        CHECK(text.size() == 192);  // what was set aside before the pixels were known
+        CHECK(text.size() == 224);  // what was set aside before the pixels were known
         text.erase(text.find_last_not_of(' ') + 1);
         CHECK(text == verdict_attribute(verdict, verdict.layers.size()));
     }
@@ -181,7 +181,8 @@ TEST_CASE("each kind of channel is stored as its row of the table says", "[displ
         CHECK(file.header(4).compression() == Imf::NO_COMPRESSION);
         CHECK(file.header(4).channels().findChannel("Z")->type == Imf::FLOAT);
         CHECK(file.header(5).compression() == Imf::RLE_COMPRESSION);
-        CHECK(file.header(7).channels().findChannel("id")->type == Imf::UINT);
+        REQUIRE(file.header(6).channels().findChannel("id") != nullptr);
+        CHECK(file.header(6).channels().findChannel("id")->type == Imf::UINT);
     }
     const auto image = read_exr(folder.path("a.exr"));
     REQUIRE(image.ok());
@@ -361,7 +362,7 @@ TEST_CASE("integer channels keep all 32 bits", "[display][exr]") {
     std::vector<unsigned> ids(width * height);
     Imf::FrameBuffer buffer;
     buffer.insert("id", Imf::Slice(Imf::UINT, reinterpret_cast<char*>(ids.data()), 4, 4 * width));
-    Imf::InputPart part(file, 7);
+    Imf::InputPart part(file, 6);
     part.setFrameBuffer(buffer);
     part.readPixels(0, height - 1);
     CHECK(ids[0] == 0);
