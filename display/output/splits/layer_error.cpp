@@ -59,13 +59,14 @@ void load(Values& to, const ImagePlane& plane, const StoredPrecision& precision,
     for (std::size_t i = 0; i < count; ++i) to.allowed[i] += dwa_change(to.value[i], precision.dwa);
 }
 
-// Which way values that stand at the largest number of their type may have been further.
+// Marks values at the largest number of their type: the value that was meant may lie beyond, above or below.
 void mark_open(Values& values, const ImagePlane& plane, std::size_t count) {
     const auto largest = static_cast<double>(largest_of(plane.stored));
     for (std::size_t i = 0; i < count; ++i) values.open[i] = open_of(values.value[i], largest);
 }
 
-// Of the product of what is open with what is known, or of two that lie above themselves; otherwise anything may be.
+// The directions in which a product may lie beyond a * b. Two factors that may be larger, and are not negative, give a
+// product that may be larger; any other two open factors give a product that may lie anywhere.
 Open open_product(double a, Open open_a, double b, Open open_b) {
     constexpr Open anywhere = open_above | open_below;
     if (open_a != 0 && open_b != 0) return a >= 0 && b >= 0 && (open_a | open_b) == open_above ? open_above : anywhere;

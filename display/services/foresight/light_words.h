@@ -40,7 +40,7 @@ class LightWord {
     friend class LpeServices;
     std::uint32_t state_ = 0, share_ = 0;  // where they begin in the pool; state_ may be that of an event
     std::uint32_t path_ = 0;               // where its events begin, one by one, for a path atlas; one past the place
-    std::uint16_t length_ = 1;             // events, which tell the words of one light subpath apart
+    std::uint16_t length_ = 1;             // number of events; it differs between the words of one light subpath
     std::uint8_t branches_ = 0;
     bool whole_ = true;  // nothing was split yet: one branch at most, its share 1 and not stored
 };
