@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace raylex::experiments {
 
@@ -30,5 +31,8 @@ class Random {
   private:
     std::uint64_t state_;
 };
+
+/// A light path expression between camera and light, `C ... [LO]`.
+std::string random_expression(std::uint64_t seed);
 
 }  // namespace raylex::experiments

@@ -1,8 +1,7 @@
-// Probes: what a case of the stability suite measures where no image shows it.
+// Probes measure numbers that no image shows, for cases of raylex's own tests (tests/stability).
 //
-// A probe measures one number for the parameters that it is given, so that anyone can try other ones from the suite's
-// files. It runs on one thread, with denormals flushed as in a render; several may run at once. To add one, write a
-// function and list it in a table of its file in probes/, which probes/probes.cpp names.
+// A probe measures one number for the parameters of a case. It runs on one thread, with denormals flushed as in a
+// render; several may run at once. The program raylex has no probes: tests register theirs.
 #pragma once
 
 #include <optional>
@@ -54,7 +53,7 @@ struct NamedProbe {
     Probe probe;
 };
 
-/// All probes by name.
+/// The registered probes by name.
 Registry<Probe>& probe_registry();
 
 }  // namespace raylex::experiments

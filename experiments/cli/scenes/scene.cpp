@@ -1,5 +1,4 @@
 // raylex scene: scenes as files and as what invariants are checked on.
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 
@@ -9,7 +8,7 @@
 #include "experiments/cli/plugin_options.h"
 #include "experiments/cli/scenes/scene_commands.h"
 #include "experiments/inspect/scene_doubts.h"
-#include "experiments/invariants/search.h"
+#include "experiments/invariants/checking_process.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/interrupt.h"
@@ -149,7 +148,7 @@ int check_scene(const SceneCheckOptions& options) {
     }
     const auto text = transport::read_file(options.input, NamedBy::file, "a pbrt-v4 scene");
     if (!text) return report_error(text.error());
-    const auto report = check_in_process(*text, options.input, options.check, options.timeout, &interrupt_flag());
+    const auto report = CheckingProcess(options.input, options.timeout).check(*text, options.check, &interrupt_flag());
     if (!report) return report_error(report.error());
     if (interrupt_flag().load()) return exit_interrupted;
     if (!report->refused.empty()) return report_error("the scene is refused: " + report->refused);
@@ -190,78 +189,14 @@ void add_check_command(CLI::App& scene, CommandContext& context) {
     command->callback([options, &context] { context.exit_code = check_scene(*options); });
 }
 
-// --- search ---
-
-void print_finding(const Finding& finding) {
-    print_line("scene " + std::to_string(finding.scene) + " violates " + finding.invariant + ": measured " +
-               number_text(finding.verdict.measured) + ", bound " + number_text(finding.verdict.bound) + "; " +
-               finding.verdict.note);
-    print_line("  " + std::to_string(finding.lines_before) + " lines shrunk to " + std::to_string(finding.lines) +
-               " in " + counted(finding.trials, "trial") + ": " + finding.file);
-    std::fflush(stdout);  // hours may pass before the next line
-}
-
-int search(const SearchOptions& options, const std::vector<std::string>& plugins) {
-    if (Status loaded = load_plugins(plugins); !loaded) return report_error(loaded.error());
-    const InterruptsWait wait;
-    const auto report = search_scenes(
-        options,
-        [](const SearchReport&, const Finding* finding) {
-            if (finding != nullptr) print_finding(*finding);
-        },
-        &interrupt_flag());
-    if (!report) return report_error(report.error());
-    print_line(counted(report->scenes, "scene") + " in " + duration_text(report->seconds) + ", " +
-               number_text(double(report->scenes) / std::max(report->seconds, 1e-9)) + " a second; " +
-               std::to_string(report->tame) + " of ordinary size, " + std::to_string(report->refused) + " refused");
-    for (const InvariantInfo& info : invariants()) {
-        const std::string name(info.name);
-        const auto count = [&](const auto& counts) {
-            const auto found = counts.find(name);
-            return found == counts.end() ? std::uint64_t{0} : found->second;
-        };
-        print_line("  " + table_cell(name, 18) + table_cell(std::to_string(count(report->checked)) + " checked,", 17) +
-                   std::to_string(count(report->skipped)) + " did not apply");
-    }
-    print_line(report->findings.empty() ? "no violation" : counted(report->findings.size(), "violation"));
-    if (interrupt_flag().load()) return exit_interrupted;
-    return report->findings.empty() ? exit_holds : exit_does_not_hold;
-}
-
-void add_search_command(CLI::App& scene, CommandContext& context) {
-    CLI::App* command =
-        scene.add_subcommand("search", "Draws random scenes until an invariant fails; shrinks and saves what does.");
-    auto options = std::make_shared<SearchOptions>();
-    auto plugins = std::make_shared<std::vector<std::string>>();
-    options->seconds = 60;
-    const OptionGroup group(*command, "Options");
-    group.add("--seconds", options->seconds, "S", "for how long; default 60, 0: until --scenes are through");
-    group.add("--scenes", options->scenes, "N", "at most; default 0: any number");
-    group.add("--seed", options->seed, "N", "number of the first scene, the others follow; default 0");
-    group.add_repeated("--only", options->check.only, "NAME", "one invariant, see raylex scene check --help");
-    group.add("--means-every", options->means_every, "N",
-              "scene of ordinary size is also checked for invariants of means; default 6, 0: none");
-    group.add("--timeout", options->seconds_a_scene, "S", "seconds after which a scene hangs; default 120");
-    group.add("--findings", options->most_findings, "N", "after which it ends; default 20");
-    group.add("-o,--output", options->folder, "FOLDER", "for scenes that fail; default raylex-search");
-    add_plugin_option(*command, *plugins);
-    command->footer(
-        "A scene that is refused with an error has an answer. A process that dies or hangs, and a violated invariant, "
-        "is a\nfinding: its scene is made as small as it fails, and saved with the command that repeats it.\n"
-        "Example: raylex scene search --seconds 3600 -o found\n"
-        "Exit codes: 0 nothing found, 1 something found, 2 bad usage or input, 130 after Ctrl-C.");
-    command->callback([options, plugins, &context] { context.exit_code = search(*options, *plugins); });
-}
-
 }  // namespace
 
 void add_scene_command(CLI::App& app, CommandContext& context) {
-    CLI::App* scene = app.add_subcommand(
-        "scene", "Says what scenes hold, checks what must hold of them, writes them, searches for bad ones.");
+    CLI::App* scene =
+        app.add_subcommand("scene", "Prints what scenes contain, checks scenes and their images, writes scenes.");
     scene->require_subcommand(1);
     add_scene_info_command(*scene, context);
     add_check_command(*scene, context);
-    add_search_command(*scene, context);
     add_write_command(*scene, context);
 }
 

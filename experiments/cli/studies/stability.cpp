@@ -9,7 +9,6 @@
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/interrupt.h"
 #include "experiments/program/tint.h"
-#include "experiments/stability/probe.h"
 #include "experiments/stability/suite/beside.h"
 #include "experiments/stability/suite/case_file.h"
 #include "experiments/stability/suite/line_records.h"
@@ -26,7 +25,7 @@ struct StabilityOptions {
     std::string output;
     BesideOptions beside;
     SuiteOptions suite;
-    bool list = false, probes = false;
+    bool list = false;
 };
 
 std::string column(const std::string& text, std::size_t width, bool right = true) {
@@ -62,11 +61,6 @@ void print_cases(const std::vector<CaseFamily>& families, const SuiteOptions& op
             }
 }
 
-int print_probes() {
-    for (const auto& entry : probe_registry().entries()) print_line(column(entry.name, 32, false) + entry.help);
-    return exit_holds;
-}
-
 Status write_results(const StabilityOptions& options, const std::vector<CaseFamily>& families,
                      const SuiteResults& results) {
     const fs::path folder = options.output;
@@ -91,7 +85,6 @@ Status write_results(const StabilityOptions& options, const std::vector<CaseFami
 int run_stability(StabilityOptions& options) {
     install_interrupt_handler();
     if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
-    if (options.probes) return print_probes();
     if (options.files.empty()) options.files.push_back(shipped_stability_suite());
     auto families = read_case_files(options.files);
     if (!families) return report_error(families.error());
@@ -168,7 +161,6 @@ void add_stability_command(CLI::App& app, CommandContext& context) {
     command->add_option("--scene-spp", options->beside.samples, "samples a pixel of those scenes; default 16")
         ->option_text("N");
     command->add_flag("--list", options->list, "only names the cases");
-    command->add_flag("--probes", options->probes, "only names the probes that cases can use, with their parameters");
     add_plugin_option(*command, options->plugins);
     command->footer("experiments/docs/stability.md says how to add a case. Exit code 1: a line does not hold.");
     command->callback([options, &context] { context.exit_code = run_stability(*options); });

@@ -31,4 +31,9 @@ Status ProbeInput::status() const {
     return error_at(where_, "the probe needs a " + missing_ + "; expected it in 'with' or 'vary'");
 }
 
+Registry<Probe>& probe_registry() {
+    static Registry<Probe> registry("probe");
+    return registry;
+}
+
 }  // namespace raylex::experiments

@@ -1,5 +1,5 @@
 // Every closure against itself: lobes, weights and values. Densities, energy, reciprocity and edges are cases of
-// experiments/stability/scattering.toml.
+// tests/stability/scattering.toml.
 #include <catch2/catch.hpp>
 
 #include <set>

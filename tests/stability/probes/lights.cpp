@@ -1,8 +1,8 @@
 // Lights: what their samples add up to, whether densities agree with samples, image environments with black parts.
 #include "transport/lights/light_table.h"
 
-#include "experiments/stability/probes/draws.h"
-#include "experiments/stability/probes/probes.h"
+#include "tests/stability/probes/draws.h"
+#include "tests/stability/probes/probes.h"
 #include "transport/cameras/camera.h"
 #include "transport/import/pbrt/pbrt_importer.h"
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "experiments/stability/probes/probes.h"
+#include "tests/stability/probes/probes.h"
 #include "transport/samplers/pixel_sampler.h"
 
 namespace raylex::experiments {

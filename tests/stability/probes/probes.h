@@ -23,4 +23,7 @@ std::span<const NamedProbe> texture_probes();
 std::span<const NamedProbe> warp_probes();
 std::span<const NamedProbe> weight_probes();
 
+/// Makes all probes known to files of cases.
+void register_probes();
+
 }  // namespace raylex::experiments

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "display/services/elementary.h"
-#include "experiments/stability/probes/counted_numbers.h"
-#include "experiments/stability/probes/probes.h"
+#include "tests/stability/probes/counted_numbers.h"
+#include "tests/stability/probes/probes.h"
 #include "transport/math/sampling.h"
 #include "transport/paths/strategies.h"
 

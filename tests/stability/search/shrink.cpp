@@ -1,4 +1,4 @@
-#include "experiments/invariants/shrink.h"
+#include "tests/stability/search/shrink.h"
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "experiments/stability/probes/probes.h"
+#include "tests/stability/probes/probes.h"
 #include "transport/lights/images/environment.h"
 #include "transport/materials/bsdf/microfacet.h"
 #include "transport/math/sampling.h"

@@ -1,10 +1,10 @@
 // Closures against themselves and against references in double: densities, energy, reciprocity, edges.
 #include <array>
 
-#include "experiments/stability/probes/draws.h"
-#include "experiments/stability/probes/facet_reference.h"
-#include "experiments/stability/probes/materials.h"
-#include "experiments/stability/probes/probes.h"
+#include "tests/stability/probes/draws.h"
+#include "tests/stability/probes/facet_reference.h"
+#include "tests/stability/probes/materials.h"
+#include "tests/stability/probes/probes.h"
 
 namespace raylex::experiments {
 namespace {

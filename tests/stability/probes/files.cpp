@@ -6,7 +6,7 @@
 
 #include "display/output/reader/exr_reader.h"
 #include "display/output/writer/exr_writer.h"
-#include "experiments/stability/probes/probes.h"
+#include "tests/stability/probes/probes.h"
 
 namespace raylex::experiments {
 namespace {

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "display/services/elementary.h"
-#include "experiments/stability/probes/probes.h"
+#include "tests/stability/probes/probes.h"
 
 namespace raylex::experiments {
 namespace {

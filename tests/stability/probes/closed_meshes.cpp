@@ -3,8 +3,8 @@
 #include <cmath>
 #include <map>
 
-#include "experiments/stability/probes/geometry_support.h"
-#include "experiments/stability/probes/probes.h"
+#include "tests/stability/probes/geometry_support.h"
+#include "tests/stability/probes/probes.h"
 
 namespace raylex::experiments {
 namespace {

@@ -1,6 +1,6 @@
 // Microfacets and interfaces at the ends of roughness, index and angle.
-#include "experiments/stability/probes/draws.h"
-#include "experiments/stability/probes/probes.h"
+#include "tests/stability/probes/draws.h"
+#include "tests/stability/probes/probes.h"
 #include "transport/materials/bsdf/conductor.h"
 #include "transport/materials/bsdf/dielectric.h"
 #include "transport/materials/bsdf/facet_albedo.h"

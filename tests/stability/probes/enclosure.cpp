@@ -4,10 +4,10 @@
 #include <cmath>
 #include <map>
 
-#include "experiments/invariants/random_scene.h"
-#include "experiments/stability/probes/probes.h"
+#include "experiments/invariants/random.h"
 #include "lpe/channels/lobe_slots.h"
 #include "lpe/truth.h"
+#include "tests/stability/probes/probes.h"
 #include "transport/import/builder/scene_builder.h"
 #include "transport/render/built_scene.h"
 

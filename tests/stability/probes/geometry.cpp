@@ -4,8 +4,8 @@
 #include <map>
 #include <utility>
 
-#include "experiments/stability/probes/geometry_support.h"
-#include "experiments/stability/probes/probes.h"
+#include "tests/stability/probes/geometry_support.h"
+#include "tests/stability/probes/probes.h"
 #include "transport/lights/light.h"
 #include "transport/render/tiles.h"
 

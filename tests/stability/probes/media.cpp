@@ -1,8 +1,8 @@
 // Flights through media of any optical depth, and the phase function's integral.
 #include "transport/media/medium.h"
 
-#include "experiments/stability/probes/draws.h"
-#include "experiments/stability/probes/probes.h"
+#include "tests/stability/probes/draws.h"
+#include "tests/stability/probes/probes.h"
 #include "transport/media/phase.h"
 
 namespace raylex::experiments {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "experiments/stability/probes/draws.h"
+#include "tests/stability/probes/draws.h"
 
 namespace raylex::experiments {
 

@@ -25,7 +25,4 @@ Status write_scene_files(const std::string& folder);
 /// Errors: of scenes that are refused as a whole.
 Result<RandomScene> random_scene(std::uint64_t seed, const std::string& folder);
 
-/// A light path expression between camera and light, `C ... [LO]`.
-std::string random_expression(std::uint64_t seed);
-
 }  // namespace raylex::experiments

@@ -1,8 +1,8 @@
 // Image look-ups wherever they are asked for, and images with values that are no numbers.
 #include <limits>
 
-#include "experiments/stability/probes/draws.h"
-#include "experiments/stability/probes/probes.h"
+#include "tests/stability/probes/draws.h"
+#include "tests/stability/probes/probes.h"
 #include "transport/textures/image_sampler.h"
 
 namespace raylex::experiments {

@@ -1,4 +1,4 @@
-#include "experiments/stability/probes/materials.h"
+#include "tests/stability/probes/materials.h"
 
 namespace raylex::experiments {
 namespace {

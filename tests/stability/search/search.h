@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "experiments/invariants/invariants.h"
-#include "experiments/invariants/shrink.h"
+#include "experiments/invariants/checking_process.h"
+#include "tests/stability/search/shrink.h"
 
 namespace raylex::experiments {
 
@@ -48,11 +48,6 @@ using SearchProgress = std::function<void(const SearchReport&, const Finding*)>;
 /// Errors: a folder that cannot be written to, processes that cannot be made.
 Result<SearchReport> search_scenes(const SearchOptions& options, const SearchProgress& progress = {},
                                    const std::atomic<bool>* stop = nullptr);
-
-/// What is wrong with the scene of `text`, checked in a process of its own: as check_invariants(), with the verdict
-/// "death" when the process ended.
-Result<SceneReport> check_in_process(const std::string& text, const std::string& path, const InvariantOptions& options,
-                                     double timeout_seconds, const std::atomic<bool>* stop = nullptr);
 
 /// The command that repeats a finding.
 std::string command_of(const Finding& finding);

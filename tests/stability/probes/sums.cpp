@@ -7,8 +7,8 @@
 #include "display/buffer/frame_buffer/frame_buffer.h"
 #include "display/buffer/frame_buffer/memory_estimate.h"
 #include "display/buffer/pixel_filter.h"
-#include "experiments/stability/probes/counted_numbers.h"
-#include "experiments/stability/probes/probes.h"
+#include "tests/stability/probes/counted_numbers.h"
+#include "tests/stability/probes/probes.h"
 
 namespace raylex::experiments {
 namespace {

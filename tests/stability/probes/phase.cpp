@@ -1,7 +1,7 @@
 // The Henyey-Greenstein phase function at the ends of its asymmetry.
 #include <cmath>
 
-#include "experiments/stability/probes/probes.h"
+#include "tests/stability/probes/probes.h"
 #include "transport/media/phase.h"
 
 namespace raylex::experiments {
