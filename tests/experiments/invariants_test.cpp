@@ -123,8 +123,8 @@ TEST_CASE("raylex scene: write, check and search", "[invariants][cli]") {
     const test::SceneFolder folder;
     CHECK(test::run_raylex(folder, "scene write room.pbrt -o out.pbrt").code == 0);
     CHECK(test::run_shell(folder,
-                          "$RAYLEX render room.pbrt -o a.exr && $RAYLEX render out.pbrt -o b.exr && "
-                          "$RAYLEX compare a.exr b.exr")
+                          "\"$RAYLEX\" render room.pbrt -o a.exr && \"$RAYLEX\" render out.pbrt -o b.exr && "
+                          "\"$RAYLEX\" compare a.exr b.exr")
               .code == 0);
     const auto checked = test::run_raylex(folder, "scene check --invariants --only split-sum --only threads out.pbrt");
     CHECK(checked.code == 0);
