@@ -1,8 +1,15 @@
 #!/usr/bin/env bash
-# Builds and runs every test: Release, then the unit tests under the address and undefined sanitizers, then the
-# components that build without any third-party library, then a project outside that uses an installed raylex.
+# Builds raylex and runs its tests.
 #
-#   bash tests/run.sh                 everything short
+#   bash tests/run.sh                 the short run, for people: a Release build and its unit tests, in minutes
+#   bash tests/run.sh --gate          what the short run leaves out: slow cases, plugins, Python, double precision, soak
+#                                       and fuzz replay; unit tests under the address and undefined sanitizers; components
+#                                       that build without any third-party library; a project outside that uses an
+#                                       installed raylex; with CI=true also clang-format, clang-tidy and budgets of
+#                                       instructions. CI runs the short run first, then --gate
+#   bash tests/run.sh --full          the gate and the long half: statistical figures, reference images, exhaustive
+#                                       comparison, fuzzing, notebooks, installing by pip, queues (GNU parallel,
+#                                       Snakemake, Slurm)
 #   bash tests/run.sh NAME            only what matches, Release; builds only the programs that hold it. NAME is
 #                                       a part: lpe, services, display, geoaovs, transport, experiments, cli,
 #                                       endtoend, python
@@ -10,26 +17,24 @@
 #                                       a tag: [law5]
 #                                       words of a test case's name; * is a wildcard
 #   bash tests/run.sh NAME --sanitize the same under the address and undefined sanitizers too
-#   bash tests/run.sh --full          adds the long half: statistical figures, reference images, exhaustive comparison,
-#                                       fuzzing, notebooks, installing by pip, queues (GNU parallel, Snakemake, Slurm)
-#   bash tests/run.sh --release-only  skips the sanitizer build
+#   bash tests/run.sh --gate --release-only   skips the sanitizer build
 #   bash tests/run.sh --benchmark lpe|exr|rays [GOOGLE BENCHMARK'S OPTIONS]   builds and runs one benchmark
 #   bash tests/run.sh --instructions [--renew] [CASE...]   counts by valgrind what the inner loops of a Release build
-#                                       execute, against experiments/bench/instructions.toml; CI does it too
+#                                       execute, and compares with experiments/bench/instructions.toml
 #   bash tests/run.sh --format [REVISION|all]   checks the lines changed since a revision (default main): at most 120
-#                                       columns, no tabs, no blanks at the end; all: every source is as clang-format
-#                                       14 writes it
-#   bash tests/run.sh --tidy [REVISION|FOLDER...|all]   runs clang-tidy 14, with the checks of .clang-tidy, over what is
-#                                       compiled from the sources changed since a revision (default main), from those
-#                                       of the folders, or from all but tests
+#                                       columns, no tabs, no blanks at the end; all: every source has the format of
+#                                       clang-format 14
+#   bash tests/run.sh --tidy [REVISION|FOLDER...|all]   runs clang-tidy 14, with the checks of .clang-tidy, over the
+#                                       sources changed since a revision (default main), those of the folders, or all
+#                                       sources except tests
 #
-# Ends with "N passed, N failed, N skipped"; exit 1 if anything failed, 2 for bad usage or a missing tool.
+# Prints "N passed, N failed, N skipped" at the end; exit 1 if anything failed, 2 for bad usage or a missing tool.
 set -uo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 root=$(dirname "$here")
 cd "$root" || exit 2
 
-full=0 sanitize=1 name=""
+full=0 gate=0 sanitize=1 name=""
 usage() { echo "tests/run.sh: $1; see tests/run.sh --help" >&2; exit 2; }
 
 run_benchmark() {
@@ -107,6 +112,7 @@ check_format() {
 
 while [ $# -gt 0 ]; do
     case $1 in
+        --gate) gate=1 ;;
         --full) full=1 ;;
         --release-only) sanitize=0 ;;
         --sanitize) sanitize=2 ;;
@@ -120,6 +126,8 @@ while [ $# -gt 0 ]; do
     esac
     shift
 done
+[ -z "$name" ] || [ "$gate" = 0 ] || usage "--gate and '$name'; expected one of them"
+[ -n "$name" ] || [ "$full" = 0 ] || gate=1
 
 # What a name stands for: the parts whose programs are built and run, and what these are asked to run of their cases.
 parts=() cases=() python_tests="test_*.py"
@@ -156,6 +164,8 @@ choose() {
     mapfile -t parts < <(cut -d/ -f2 <<<"$files" | sort -u)
 }
 [ -z "$name" ] || choose
+# Only the gate sanitizes everything; a name does if --sanitize is given.
+[ "$gate" = 1 ] || [ "$sanitize" != 1 ] || sanitize=0
 [ -n "$name" ] && [ "$sanitize" = 1 ] && sanitize=0
 
 bash "$root/experiments/install_packages.sh" || exit 2
@@ -175,7 +185,7 @@ failures=()
 say() { printf '\n== %s\n' "$1"; }
 fail() { failed=$((failed + 1)); failures+=("$1"); echo "FAILED: $1"; }
 
-# configure_and_build <preset> [cmake arguments]: all of it, or the programs of the chosen parts. Quiet unless it fails.
+# configure_and_build <preset> [cmake arguments]: the programs of the chosen parts, or all targets. Prints only errors.
 configure_and_build() {
     local preset=$1
     shift
@@ -183,6 +193,9 @@ configure_and_build() {
     local log="$results/build-$preset.log"
     local targets=()
     [ ${#parts[@]} = 0 ] || targets=(--target "${parts[@]/#/test_}")
+    # Plugins that only the gate's cases load.
+    [ -z "$name" ] || [[ " ${parts[*]} " != *" experiments "* && " ${parts[*]} " != *" cli "* ]] ||
+        targets+=(test_plugins)
     if ! { cmake --preset "$preset" "$@" && cmake --build --preset "$preset" "${targets[@]}"; } >"$log" 2>&1; then
         grep -E -B2 -A12 'error|FAILED|Error' "$log" | head -n 60
         tail -n 20 "$log"
@@ -315,7 +328,7 @@ run_slurm() {
     fi
 }
 
-# The gate's alone: 34 MB of packages and 3 s for the format; clang-tidy where a mistake costs most, --tidy all by hand.
+# In CI alone: the tools are 34 MB of packages. clang-tidy takes the folders where a mistake costs most.
 check_sources() {
     bash experiments/install_packages.sh clang-format-14 clang-tidy-14 || exit 2
     say "Sources as clang-format 14 writes them"
@@ -323,17 +336,38 @@ check_sources() {
     say "clang-tidy 14 over lpe, transport/paths and transport/integrators"
     if check_tidy lpe transport/paths transport/integrators; then passed=$((passed + 1)); else fail "clang-tidy"; fi
 }
-if [ "${CI:-}" = "true" ] && [ -z "$name" ]; then check_sources; fi
+if [ "${CI:-}" = "true" ] && [ "$gate" = 1 ]; then check_sources; fi
 
 warnings=()
 [ "${CI:-}" = "true" ] && warnings=(-DRAYLEX_WARNINGS_AS_ERRORS=ON)
+
+# The short run builds the unit tests without plugins, Python and double precision, and leaves out slow cases, which
+# carry the tag [gate].
+short_parts=(transport experiments cli lpe services display geoaovs endtoend)
 selection=("${cases[@]}")
+if [ -z "$name" ]; then
+    if [ "$gate" = 1 ]; then selection=("[gate]~[.]"); else parts=("${short_parts[@]}") selection=("~[gate]~[.]"); fi
+fi
+
+# Programs that the short run does not build.
+run_rest_of_release() {
+    local parts=(transport_double soak fuzz)
+    run_programs release release
+}
 
 if configure_and_build release "${warnings[@]}"; then
     say "Release tests"
-    beside python run_python
-    run_programs release release "${selection[@]}"
-    collect python
+    if [ "$gate" = 1 ]; then
+        beside python run_python
+        parts=("${short_parts[@]}")
+        run_programs release gate "${selection[@]}"
+        run_rest_of_release
+        parts=()
+        collect python
+    else
+        [[ " ${parts[*]} " != *" python "* ]] || run_python
+        run_programs release release "${selection[@]}"
+    fi
     if [ "$full" = 1 ]; then
         say "Long tests (Release)"
         run_programs release full "[.full]"
@@ -347,7 +381,7 @@ count_instructions() {
     if check_instructions; then passed=$((passed + 1)); else fail "an inner loop is dearer than its budget"; fi
 }
 counts_instructions=0
-if [ "${CI:-}" = "true" ] && [ -z "$name" ]; then
+if [ "${CI:-}" = "true" ] && [ "$gate" = 1 ]; then
     counts_instructions=1
     beside instructions count_instructions
 fi
@@ -401,7 +435,7 @@ run_fuzzers() {
         fi
     done
 }
-if [ "$full" = 1 ] && [ -z "$name" ]; then run_fuzzers; fi
+if [ "$full" = 1 ] && [ "$gate" = 1 ]; then run_fuzzers; fi
 
 # Sources are compiled many together: each must include what it uses all the same. --full sees to all of them.
 compiles_alone() {
@@ -416,7 +450,7 @@ compiles_alone() {
     if [ "$full" = 1 ] && configure_and_build apart "${warnings[@]}"; then passed=$((passed + 1)); fi
 }
 
-if [ -z "$name" ]; then
+if [ "$gate" = 1 ]; then
     compiles_alone
     if configure_and_build adopters "${warnings[@]}"; then
         say "Components lpe, services and geoaovs without any third-party library"
