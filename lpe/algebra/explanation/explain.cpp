@@ -18,8 +18,8 @@ namespace raylex::lpe {
 namespace {
 
 constexpr std::size_t sample_count = 5;
-constexpr std::size_t most_tried_events = 64;     // pieces whose use is looked at
-constexpr std::size_t most_studied_states = 500;  // of an expression whose pieces are looked at one by one
+constexpr std::size_t most_tried_events = 64;     // pieces that are checked for use
+constexpr std::size_t most_studied_states = 500;  // largest automaton whose pieces are checked one by one
 
 std::string prefix_effect(std::string_view prefix) {
     constexpr std::array<std::pair<std::string_view, std::string_view>, 8> effects{{
@@ -45,7 +45,7 @@ std::string prefix_effect(std::string_view prefix) {
     return "changes what is splatted";
 }
 
-/// Events that can occur somewhere in W, whatever their labels and lobe numbers.
+/// Events that can occur somewhere in W, regardless of labels and lobe numbers.
 CoreSet occurring_cores(const Study& study) {
     const WordSets sets = word_sets(study.words, false);
     std::array<bool, core_count> letters_seen{};
@@ -97,7 +97,7 @@ void warn_about_dead_pieces(const Study& study, bool empty, std::vector<std::str
     }
 }
 
-/// Outside labels such letters are errors; inside they are legal and nearly always a slip.
+/// Outside labels such letters are errors; inside labels they are legal and nearly always a mistake.
 void warn_about_look_alikes(const Study& study, std::vector<std::string>& warnings) {
     const SourceText text(study.source);
     for (std::size_t i = 0; i < text.size() && warnings.size() < 8; ++i) {
@@ -109,8 +109,8 @@ void warn_about_look_alikes(const Study& study, std::vector<std::string>& warnin
     }
 }
 
-/// A label of Latin letters and of Cyrillic or Greek ones (U+0370 to U+052F, whose first bytes in UTF-8 are 0xCD to
-/// 0xD4).
+/// Warns about a label that mixes Latin letters with Cyrillic or Greek ones (U+0370 to U+052F; in UTF-8 their first
+/// byte is 0xCD to 0xD4).
 void warn_about_mixed_scripts(const Study& study, std::vector<std::string>& warnings) {
     const std::string& text = study.source.expression;
     for (std::size_t open = text.find('\''); open != std::string::npos; open = text.find('\'', open)) {
@@ -132,7 +132,7 @@ void warn_about_mixed_scripts(const Study& study, std::vector<std::string>& warn
     }
 }
 
-/// In osl, <R'coat'> compares the label with the scattering.
+/// Warns about labels in the second slot of <...>: in osl, <R'coat'> compares the label with the scattering.
 void warn_about_slots(const Study& study, std::vector<std::string>& warnings) {
     const std::string& text = study.source.expression;
     const auto item_end = [&](std::size_t at) {

@@ -1,4 +1,4 @@
-// What an expression leaves out that people expect in it: the part of explain that knows other renderers' habits.
+// Notes on paths that an expression omits although users of other renderers expect them.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -11,8 +11,8 @@ namespace raylex::lpe {
 namespace {
 
 struct Traits {
-    bool numbers = false;         // some lobe number is named
-    bool negated_labels = false;  // some [^'label']
+    bool numbers = false;         // an event names a lobe number
+    bool negated_labels = false;  // a label test is negated: [^'label']
     bool second_label = false;
     bool letter_s = false, letter_l = false;
 };
@@ -38,7 +38,7 @@ void read_traits(const Node& node, Traits& traits) {
     for (const NodePtr& child : node.children) { read_traits(*child, traits); }
 }
 
-/// Whether the letter stands in the expression outside labels.
+/// Returns whether the letter occurs in the expression outside labels.
 bool has_letter(const std::string& text, char letter) {
     bool quoted = false;
     for (std::size_t i = 0; i < text.size(); ++i) {

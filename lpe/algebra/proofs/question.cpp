@@ -140,7 +140,7 @@ namespace {
     throw Failure{SourceText::whole_error(channel, std::move(error))};
 }
 
-/// Channels that take other than light of the beauty's words.
+/// Fails for a channel that counts anything besides the light of the beauty's paths.
 void refuse(const ChannelSource& channel, const Expression& expression, const std::string& part) {
     if (!expression.prefixes.empty()) {
         throw_barred(channel,

@@ -68,7 +68,7 @@ TEST_CASE("a label that is nearly right is named with the one that was meant") {
     REQUIRE(near);
     CHECK(near->hint == "its label 'flor' is not 'floor'; did you mean 'floor'?");
     const auto none = why_not(source("C<RD'floor'>L"), *parse_events("C,- R,D L,-"));
-    CHECK(none->hint == "it has no label where 'floor' is wanted");
+    CHECK(none->hint == "it has no label where 'floor' is required");
     CHECK(why_not(source("C<RD'floor'>L"), *parse_events("C,- R,S,flor L,-"))->hint.empty());
 }
 
