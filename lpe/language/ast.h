@@ -1,4 +1,4 @@
-// The tree a parser makes of an expression, the same for every dialect.
+// The tree that a parser builds from an expression; all dialects share it.
 #pragma once
 
 #include <cstddef>

@@ -141,7 +141,7 @@ TEST_CASE("whatever a RIB option's name holds is written so that it is read agai
     CHECK(again.lobe_options[0].names == file.lobe_options[0].names);
     const auto ini = write_channel_file(file, ChannelFormat::ini, warnings);
     REQUIRE_FALSE(ini.ok());  // an option there is one line
-    CHECK(ini.error().message.find("holds a line end") != std::string::npos);
+    CHECK(ini.error().message.find("contains a line end") != std::string::npos);
 }
 
 TEST_CASE("what ends in a backslash is not written where that continues a line", "[channels]") {
@@ -276,7 +276,7 @@ TEST_CASE("broken files are refused with file, line and column", "[channels][law
         {"DisplayChannel \"color a", ChannelFormat::rib, 1, 16, "not closed"},
         {"DisplayChannel \"color a\" \"string source\" [\"x\"", ChannelFormat::rib, 1, 42, "not closed"},
         {"DisplayChannel \"color a\" \"string source\"", ChannelFormat::rib, 1, 26, "no value"},
-        {"DisplayChannel \"color a\" \"string source\" [1]", ChannelFormat::rib, 1, 42, "no string"},
+        {"DisplayChannel \"color a\" \"string source\" [1]", ChannelFormat::rib, 1, 42, "not a string"},
         {"DisplayChannel \"color a\" \"string source\" \"color lpe:\"", ChannelFormat::rib, 1, 53, "empty expression"},
         {"DisplayChannel \"color a\" \"string source\" \"float z\" \"string source\" \"color lpe:C\"",
          ChannelFormat::rib, 1, 52, "second source"},
@@ -286,7 +286,7 @@ TEST_CASE("broken files are refused with file, line and column", "[channels][law
         {"#usda 1.0\ndef RenderVar a {}", ChannelFormat::usda, 2, 15, "name in quotes"},
         {"#usda 1.0\ndef RenderVar \"a\" { token sourceType = \"lpe\" }", ChannelFormat::usda, 2, 1, "no sourceName"},
         {"#usda 1.0\ndef RenderVar \"a\" { string sourceName = [1]; token sourceType = \"lpe\" }", ChannelFormat::usda,
-         2, 41, "no string"},
+         2, 41, "not a string"},
         {"#usda 1.0\n}", ChannelFormat::usda, 2, 1, "'}'"},
         {"#usda 1.0\nint a = (1]", ChannelFormat::usda, 2, 11, "expected ')'"},
         {"#usda 1.0\nstring a = \"x\n", ChannelFormat::usda, 2, 12, "not closed"},

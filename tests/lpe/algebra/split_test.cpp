@@ -188,10 +188,10 @@ TEST_CASE("requests that make no split are refused with the reason", "[split][la
     request.lobes = {"D2", "coat"};
     CHECK(message(request).find("two kinds") != std::string::npos);
     request.lobes = {"TRT", "R"};  // hair's lobe R is written as the event of reflection
-    CHECK(message(request).find("a lobe whose name is 'R' is asked for in quotes: \"'R'\"") != std::string::npos);
+    CHECK(message(request).find("a lobe whose name is 'R' must be in quotes: \"'R'\"") != std::string::npos);
     request.lobes = {"V"};
     request.words.volume = false;
-    CHECK(message(request).find("do not occur") != std::string::npos);
+    CHECK(message(request).find("cannot occur") != std::string::npos);
     request = by({SplitAxis::bounce});
     request.bounces = 65;
     CHECK(message(request).find("1 to 64") != std::string::npos);
