@@ -1,16 +1,16 @@
-// A compiled program as plain data: pointers to arrays of integers and their sizes, nothing else. What a GPU kernel, a
-// vector unit or another language needs to follow paths; upload the arrays as they are and repeat the few lines below.
+// A compiled program as plain data: pointers to integer arrays, and their sizes. A GPU kernel, a vector unit or another
+// language needs no more to follow paths: upload the arrays and reimplement the few functions below.
 //
-// The state of a path is `word_count` States. Words [0, table_count) are each a row of one transition table; row 0 is
-// dead. Where channels would multiply in one table (`C.*X.*` with many labels X) they are packed into lanes instead:
-// the last table word is then the phase of the path (before the camera, underway, ended by terminal t), and the words
-// after it hold the lanes, 32 to a word. A lane is an automaton of 2, 4 or 8 codes: kind 0, 1 or 2, with kind + 1 bits
-// a lane, bit p of the codes of 32 lanes in the word of plane p. One event moves all of a word's lanes at once:
+// The state of a path is `word_count` States. Each of the words [0, table_count) is a row of one transition table; row
+// 0 is dead. Channels that would multiply in one table (`C.*X.*` with many labels X) are packed into lanes. The last
+// table word then is the phase of the path (before the camera, under way, ended by terminal t), and the words after it
+// hold the lanes, 32 per word. A lane is an automaton of 2, 4 or 8 codes: kind 0, 1 or 2, with kind + 1 bits per lane.
+// The word of plane p holds bit p of the codes of 32 lanes. One event moves all lanes of a word at once:
 //
 //     plane p of the next code = OR over codes c of (lanes in code c) AND image[event class][kind][c][p][word]
 //
-// all of it 0 where the phase is dead. A terminal event moves lanes to codes that say what they accept. Where all words
-// of the lanes become 0 and the word after the image is 0 too, no lane can accept any more.
+// All planes become 0 if the phase is dead. A terminal event moves lanes to codes that determine the accepted channels.
+// If all lane words become 0 and the word after the image is 0 too, no lane can accept any more.
 #pragma once
 
 #include <array>
@@ -32,29 +32,31 @@ struct ProgramView {
     std::uint32_t word_count = 0;   ///< States of one path
     std::uint32_t table_count = 0;  ///< words that are table rows, the phase included
     std::uint32_t class_count = 1;
-    std::uint32_t state_count = 0;  ///< table rows of all tables together, row 0 the common dead one
+    std::uint32_t state_count = 0;  ///< rows of all tables together; all share row 0, the dead one
     std::uint32_t channel_count = 0;
 
     const State* starts = nullptr;                ///< [word_count] before the camera event
     const State* next_state = nullptr;            ///< [state_count][class_count]
     const std::uint32_t* accept_begin = nullptr;  ///< [state_count + 1] into accept_lists
-    const std::uint16_t* accept_lists = nullptr;  ///< channels, ascending within a list
+    const std::uint16_t* accept_lists = nullptr;  ///< channels, ascending in each list
 
     // Lanes; all zero when word_count == table_count.
-    std::uint32_t lane_count = 0;                        ///< bits in all lane words of plane 0, unused ones included
+    std::uint32_t lane_count = 0;                        ///< bits in all lane words of plane 0, including unused bits
     std::array<std::uint32_t, lane_kinds> lane_words{};  ///< words of one plane, by kind
     std::uint32_t image_stride = 0;                      ///< words of `lane_image` per event class
     std::uint32_t accept_stride = 0;                     ///< words of `lane_accept` per terminal
-    State first_ended = 0;                               ///< phase: row of the first terminal; others follow
-    /// [class_count][kind][code][plane][word], then three words: 1 where lanes whose words are all 0 may still accept
-    /// something; the phase that the event needs, and the one that it leads to (the same as the table says, in a form
-    /// that does not wait for the phase).
+    State first_ended = 0;                               ///< phase: row of the first terminal; the other terminals
+                                                         ///< follow
+    /// [class_count][kind][code][plane][word], followed by three words: 1 if lanes whose words are all 0 can still
+    /// accept; the phase that the event requires; the phase that it leads to. The last two repeat the table in a form
+    /// that does not depend on the current phase.
     const std::uint32_t* lane_image = nullptr;
     static constexpr std::uint32_t image_tail = 3;
     const std::uint32_t* lane_accept = nullptr;  ///< [terminal][kind][code][word]: lanes that accept in that code
-    const std::uint32_t* lane_lists = nullptr;   ///< [terminal][lane][8 codes], and one more: into accept_lists
+    const std::uint32_t* lane_lists = nullptr;   ///< [terminal][lane][8 codes], plus one entry: offsets into
+                                                 ///< accept_lists
 
-    /// One table word. Lane words have no meaning on their own: see advance().
+    /// The next state of one table word. Lane words have no meaning on their own: see advance().
     [[nodiscard]] State next(State state, EventClass event) const noexcept {
         return next_state[static_cast<std::size_t>(state) * class_count + event];
     }
@@ -63,8 +65,8 @@ struct ProgramView {
     }
     [[nodiscard]] bool has_lanes() const noexcept { return word_count != table_count; }
 
-    /// Moves one path along one event; `to` may be `from`. False when no channel can accept any more, now or after any
-    /// further events.
+    /// Moves one path along one event; `to` can be `from`. Returns false when no channel can accept the path now or
+    /// after further events.
     bool advance(const State* from, EventClass event, State* to) const noexcept {
         State alive = 0;
         const bool lanes = has_lanes();
@@ -77,7 +79,7 @@ struct ProgramView {
         return alive != 0;
     }
 
-    /// Calls visit(channel) for every channel that accepts the path read so far; each once, in no order.
+    /// Calls visit(channel) once, in no particular order, for every channel that accepts the path so far.
     template <class Visit>
     void for_each_accepted(const State* states, Visit&& visit) const {
         for (std::uint32_t g = 0; g < table_count; ++g) {
@@ -85,7 +87,7 @@ struct ProgramView {
         }
         for_each_accepted_lane(states, visit);
     }
-    /// Of the packed channels only: those that no table row lists.
+    /// Calls visit(channel) for the accepting packed channels, which no table row lists.
     template <class Visit>
     void for_each_accepted_lane(const State* states, Visit&& visit) const {
         if (has_lanes() && states[table_count - 1] >= first_ended) { visit_ended(states + table_count - 1, visit); }
@@ -101,13 +103,13 @@ struct ProgramView {
         return any;
     }
 
-    /// Lane words after `images` (laid out as one class of lane_image, its tail unread) act on `from`, cut to `mask`;
-    /// the OR of the result.
+    /// Moves the lane words `from` by `images` (one class of lane_image; the tail is not read) and applies `mask`.
+    /// Returns the OR of the resulting words.
     std::uint32_t move_lanes(const std::uint32_t* from, const std::uint32_t* images, std::uint32_t mask,
                              std::uint32_t* to) const noexcept {
         const std::uint32_t ones = lane_words[0];
         std::uint32_t any = 0, w = 0;
-        // Four words at a time, then one; all that is read of them is read before any is written.
+        // Four words at a time, then single words. All reads of a group precede its writes.
         Lanes any_four{};
         const Lanes mask_four = Lanes{} + mask;
         for (; w + 4 <= ones; w += 4) {
@@ -132,8 +134,8 @@ struct ProgramView {
         }
         return any;
     }
-    /// The map of an event (`images`) followed by the map `after`, both laid out as one class of lane_image without its
-    /// tail; `to` may be `after`.
+    /// The map of an event (`images`) followed by the map `after`. Both have the layout of one class of lane_image
+    /// without its tail; `to` can be `after`.
     void compose_lanes(const std::uint32_t* after, const std::uint32_t* images, std::uint32_t* to) const noexcept {
         if (lane_words[0] != 0) { compose_kind<1>(after, images, lane_words[0], to); }
         if (lane_words[1] != 0) {
@@ -145,13 +147,13 @@ struct ProgramView {
             compose_kind<3>(after + skipped, images + skipped, lane_words[2], to + skipped);
         }
     }
-    /// Calls visit(channel) for the packed channels that accept: `states` begins with a phase that has ended.
+    /// Calls visit(channel) for the accepting packed channels. `states` must begin with a phase that has ended.
     template <class Visit>
     void visit_ended(const State* states, Visit&& visit) const {
         visit_lanes(states + 1, states[0] - first_ended, visit);
     }
-    /// Whether some lane is in a code for which `masks` (laid out as one terminal of lane_accept) has it. `planes`: the
-    /// words behind the phase.
+    /// Returns whether some lane is in a code that `masks` (the layout of one terminal of lane_accept) marks for it.
+    /// `planes`: the words after the phase.
     [[nodiscard]] bool any_lane_in(const State* planes, const std::uint32_t* masks) const noexcept {
         const std::uint32_t ones = lane_words[0], twos = lane_words[1];
         return any_of_kind<1>(planes, masks, ones) || any_of_kind<2>(planes + ones, masks + 2 * ones, twos) ||
@@ -159,7 +161,8 @@ struct ProgramView {
     }
 
   private:
-    /// No branch, and no way from the lanes to the phase: both would make each event wait for the last.
+    /// Has no branch and no dependency of the phase on the lanes; either would make each event wait for the previous
+    /// one.
     bool advance_lanes(const State* from, EventClass event, State* to) const noexcept {
         const std::uint32_t* image = lane_image + std::size_t{event} * image_stride;
         const std::uint32_t* tail = image + image_stride - image_tail;
@@ -233,7 +236,7 @@ struct ProgramView {
                           lists + 256 * (lane_words[0] + lane_words[1]), lane_words[2], visit);
         }
     }
-    /// Those lanes of word w that are in a code for which `masks` has them.
+    /// The lanes of word w that are in a code that `masks` marks for them.
     template <std::uint32_t bits>
     static std::uint32_t lanes_in(const State* planes, const std::uint32_t* masks, std::uint32_t words,
                                   std::uint32_t w) noexcept {
@@ -254,7 +257,8 @@ struct ProgramView {
         for (std::uint32_t w = 0; w < words; ++w) { found |= lanes_in<bits>(planes, masks, words, w); }
         return found != 0;
     }
-    /// Lanes of one width, from their planes, what they accept and their lists (8 for each of 32 lanes a word).
+    /// Visits the channels of lanes of one width, given their planes, acceptance masks and lists (8 per lane, 32 lanes
+    /// per word).
     template <std::uint32_t bits, class Visit>
     void visit_kind(const State* planes, const std::uint32_t* accept, const std::uint32_t* lists, std::uint32_t words,
                     Visit&& visit) const {

@@ -25,14 +25,15 @@ struct VectorHash {
 
 }  // namespace
 
-/// Determinises the reversal of each table: a state is what the end read so far makes of each forward state.
+/// Determinises the reversal of each table: a reversed state maps each forward state to its outcome after the end read
+/// so far.
 struct ReversedProgram::Builder {
     const ProgramView& view;
     const ReverseOptions& options;
     ReversedProgram& result;
     std::size_t bytes = 0;
 
-    /// The rows of one table: all that can be reached from its start, which stand together.
+    /// The rows of one table: all rows that can be reached from its start; they are contiguous.
     Table rows_of(State start) const {
         std::vector<bool> seen(view.state_count, false);
         std::vector<State> queue;
@@ -59,7 +60,7 @@ struct ReversedProgram::Builder {
         return table;
     }
 
-    /// `of_phase`: the outcome of a state is itself, not one that accepts the same.
+    /// `of_phase`: the outcome of a state is that state, not a representative that accepts the same channels.
     Table reverse(State start, bool of_phase) {
         Table table = rows_of(start);
         const auto row_state = [&table](std::uint32_t row) { return row == 0 ? 0 : table.first_row + row - 1; };
@@ -79,9 +80,9 @@ struct ReversedProgram::Builder {
             if (fresh) {
                 bytes += 4 * (std::size_t{table.rows} + view.class_count);
                 if (order.size() >= options.state_cap || bytes > options.byte_cap) {
-                    fail("reversing this program takes more than " + std::to_string(order.size()) + " states or " +
+                    fail("reversing this program needs more than " + std::to_string(order.size()) + " states or " +
                              std::to_string(options.byte_cap >> 20) + " MiB",
-                         "ask for fewer channels at once, or for ones that count fewer events behind a `.*`");
+                         "request fewer channels, or channels that count fewer events after a `.*`");
                 }
                 order.push_back(&place->first);
             }
@@ -124,7 +125,7 @@ struct ReversedProgram::Builder {
         if (!view.has_lanes()) { return; }
         result.phase_ = reverse(view.starts[tables], true);
         find_zero_codes();
-        // The empty end maps every code to itself: bit p of code c in the word of code c and plane p.
+        // The empty end maps every code to itself: the word for code c and plane p holds bit p of c.
         for (std::uint32_t kind = 0; kind < ProgramView::lane_kinds; ++kind) {
             for (std::uint32_t code = 0; code < (2U << kind); ++code) {
                 for (std::uint32_t plane = 0; plane <= kind; ++plane) {

@@ -135,7 +135,7 @@ TEST_CASE("unknown names come with near misses, prefixes cannot stand inside", "
     const auto inside = expand_names(macro_source("CD$nobody"), macros);
     REQUIRE_FALSE(inside);
     CHECK(inside.error().column == 4);
-    CHECK(expanded("C$raw", macros).find("carries the prefix 'noclamp'") != std::string::npos);
+    CHECK(expanded("C$raw", macros).find("has the prefix 'noclamp'") != std::string::npos);
     CHECK(expanded("C$", macros).find("expected a name after '$'") != std::string::npos);
     CHECK(expanded("C${raw", macros).find("expected '}'") != std::string::npos);
     CHECK(expanded("raw", macros) == "noclamp;C.*");

@@ -136,7 +136,7 @@ TEST_CASE("a reversal that would be too large is an error", "[reversal]") {
     REQUIRE(program);
     const auto refused = ReversedProgram::build(*program, {.state_cap = 3});
     REQUIRE_FALSE(refused);
-    CHECK(refused.error().message.find("takes more than 3 states") != std::string::npos);
+    CHECK(refused.error().message.find("needs more than 3 states") != std::string::npos);
     CHECK_FALSE(ReversedProgram::build(*program, {.byte_cap = 100}));
     CHECK(ReversedProgram::build(*program));
 }

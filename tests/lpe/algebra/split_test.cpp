@@ -186,7 +186,7 @@ TEST_CASE("requests that make no split are refused with the reason", "[split][la
     request.lobes = {"D", "D2"};
     CHECK(message(request).find("'D2' is covered") != std::string::npos);
     request.lobes = {"D2", "coat"};
-    CHECK(message(request).find("two kinds") != std::string::npos);
+    CHECK(message(request).find("different kinds") != std::string::npos);
     request.lobes = {"TRT", "R"};  // hair's lobe R is written as the event of reflection
     CHECK(message(request).find("a lobe whose name is 'R' must be in quotes: \"'R'\"") != std::string::npos);
     request.lobes = {"V"};
