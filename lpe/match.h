@@ -4,7 +4,7 @@
 //     event  := type ',' scatter { ',' label }
 //     type   := C R T V L B O, or U1..U12
 //     scatter:= '-' (none) or D G S s, D and S with an optional lobe number (D1..D4, S1..S8, G1..G8)
-// label  := text without blanks, commas and quotes, or 'text' or "text" (a backslash makes the next byte literal)
+//     label  := text without blanks, commas and quotes, or 'text' or "text" (a backslash makes the next byte literal)
 #pragma once
 
 #include <cstddef>
