@@ -68,7 +68,8 @@ class PixelFilter {
         result.weight = weight_x * weight_y;
         return result;
     }
-    /// Kernel value at an offset from the pixel centre, per square pixel: its integral is 1. Zero outside the radii.
+    /// Kernel value at an offset in pixels from the pixel centre, per square pixel. Its integral is 1; it is 0 outside
+    /// the radii.
     [[nodiscard]] float evaluate(float dx, float dy) const { return x_.evaluate(dx) * y_.evaluate(dy); }
     [[nodiscard]] float radius_x() const { return x_.radius(); }
     [[nodiscard]] float radius_y() const { return y_.radius(); }
@@ -86,7 +87,7 @@ using PixelFilterFactory = std::function<Result<PixelFilter>(const ParameterSet&
 /// box, triangle, gaussian, mitchell, blackman-harris and sinc, with pbrt-v4's parameter names and defaults.
 Registry<PixelFilterFactory>& pixel_filter_registry();
 
-/// The filter of that name built from its parameters, or an error at the set's location that lists what there is.
+/// Makes the filter of that name with these parameters. An error is at the set's location and lists the known filters.
 Result<PixelFilter> make_pixel_filter(const std::string& name, const ParameterSet& parameters);
 
 inline float FilterProfile::evaluate(float x) const {
@@ -105,7 +106,7 @@ inline float FilterProfile::sample(float u, float& weight) const {
         guide_[static_cast<std::size_t>(std::min(static_cast<int>(share * guide_size), guide_size - 1))];
     while (piece + 1 < pieces_.size() && pieces_[piece + 1].below <= share) ++piece;
     const Piece& p = pieces_[piece];
-    // left t + (right - left) t^2 / 2 = q, solved in the form that does not cancel.
+    // Solves left t + (right - left) t^2 / 2 = q in a form without cancellation.
     const float q = (share - p.below) / p.width;
     const float root = std::sqrt(std::max(0.0f, p.left * p.left + 2.0f * (p.right - p.left) * q));
     const float denominator = p.left + root;

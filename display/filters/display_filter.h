@@ -1,5 +1,5 @@
-// Display filters: they see resolved pixels, after the pixel filter and before drivers. Deep images, statistics and the
-// adaptive sampler never see what they do.
+// Display filters process resolved pixels, after the pixel filter and before drivers. They do not affect deep images,
+// statistics or the adaptive sampler.
 #pragma once
 
 #include <functional>
@@ -13,19 +13,19 @@
 
 namespace raylex::display {
 
-/// One object serves all threads and is asked for any region, again and again while an image is shown live: apply()
-/// changes nothing but the pixels it is given, and a pixel must not depend on the region it is part of.
+/// One object serves all threads and is called for any region, repeatedly while an image is shown live. apply() may
+/// change only the given pixels, and a pixel must not depend on the region that contains it.
 class DisplayFilter {
   public:
     virtual ~DisplayFilter() = default;
     [[nodiscard]] virtual bool changes(ChannelId id) const = 0;
     [[nodiscard]] virtual bool changes_alpha() const { return false; }
-    /// Changes the pixels of a channel for which changes() holds: row-major, components interleaved, as `before` has
-    /// them. `before` is the image that the filters in front of this one make; other channels and other pixels can be
-    /// read there.
+    /// Changes the pixels of a channel for which changes() is true: in row order with interleaved components, initially
+    /// the values of `before`. `before` is the result of the filters before this one; other channels and pixels can be
+    /// read from it.
     virtual void apply(const PixelImage& before, ChannelId id, const PixelRegion& region,
                        std::span<double> pixels) const = 0;
-    /// The same for coverage, when changes_alpha() holds.
+    /// Changes the coverage of a region, if changes_alpha() is true.
     virtual void apply_alpha(const PixelImage& /*before*/, const PixelRegion& /*region*/,
                              std::span<double> /*alpha*/) const {}
     /// Channels that change in another way than all light together does, so that partitions they are in no longer sum.

@@ -304,16 +304,16 @@ TEST_CASE("records that do not make an image, or are cut or damaged, are refused
     std::string damaged = bytes;
     damaged[bytes.size() / 2] = static_cast<char>(damaged[bytes.size() / 2] ^ 4);
     write_bytes(folder.path("damaged"), damaged);
-    CHECK(error_of(folder.path("damaged")).message.find("is damaged: its checksum does not agree") !=
+    CHECK(error_of(folder.path("damaged")).message.find("is damaged: its checksum does not match") !=
           std::string::npos);
     auto other = RecordFileWriter::create(folder.path("other"), {}, 1);
     REQUIRE((other.ok() && other->add("something", "else").ok() && other->commit().ok()));
-    CHECK(error_of(folder.path("other")).message == "the record has no sums of an image");
+    CHECK(error_of(folder.path("other")).message == "the record contains no image");
     auto hole = RecordFileWriter::create(folder.path("hole"), {}, 1);
     REQUIRE(hole.ok());
     REQUIRE(add_bands(*hole, {{5, 9}}, banded(7)).ok());
     REQUIRE(hole->commit().ok());
-    CHECK(error_of(folder.path("hole")).message == "the record's bands do not make an image");
+    CHECK(error_of(folder.path("hole")).message == "the record's bands do not form an image");
 }
 
 namespace {

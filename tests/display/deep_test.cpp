@@ -381,7 +381,7 @@ TEST_CASE("what cannot be deep is refused before rendering", "[display][deep][la
     };
     CHECK(message({0, 1}).empty());
     CHECK(message({2}).find("an integer") != std::string::npos);
-    CHECK(message({3}).find("no filtered mean") != std::string::npos);
+    CHECK(message({3}).find("not a filtered mean") != std::string::npos);
     DeepOptions wrong;
     wrong.most_samples = 0;
     CHECK(message({0}, wrong).find("1 to 4096") != std::string::npos);

@@ -82,7 +82,7 @@ TEST_CASE("a record with any flipped bit is refused", "[display][record][law7]")
 TEST_CASE("what is no record says so", "[display][record][law7]") {
     const Folder folder;
     write_bytes(folder.path("text"), std::string(200, 'x'));
-    CHECK(read_record_file(folder.path("text")).error().message.find("this is no raylex record") != std::string::npos);
+    CHECK(read_record_file(folder.path("text")).error().message.find("not a raylex record") != std::string::npos);
     CHECK(read_record_file(folder.path("absent")).error().message.find("No such file") != std::string::npos);
     CHECK_FALSE(read_record_file(folder.path()).ok());
 }
