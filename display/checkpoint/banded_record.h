@@ -18,7 +18,7 @@ namespace raylex::display {
 [[nodiscard]] std::vector<RowRange> record_bands(const FrameBufferLayout& layout,
                                                  std::span<const ChannelDefinition> channels, bool raster);
 
-/// Adds the sections of an image's bands, which record_bands() counts.
+/// Adds the bands of an image as sections; record_bands() gives their number.
 Status add_bands(RecordFileWriter& writer, const FrameBuffer& buffer);
 /// Adds the sections for an image that has other bands.
 Status add_bands(RecordFileWriter& writer, const std::vector<RowRange>& bands, const BandedImage& image);

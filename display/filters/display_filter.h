@@ -28,13 +28,13 @@ class DisplayFilter {
     /// Changes the coverage of a region, if changes_alpha() is true.
     virtual void apply_alpha(const PixelImage& /*before*/, const PixelRegion& /*region*/,
                              std::span<double> /*alpha*/) const {}
-    /// Channels that change in another way than all light together does, so that partitions they are in no longer sum.
-    /// Such a partition is not declared in files, and the user is told. What a filter fails to list shows as a split
-    /// that does not hold.
+    /// Channels that the filter changes differently from all light together, so that partitions containing them no
+    /// longer sum. Such a partition is not declared in files, and a warning is shown. If a filter omits a channel here,
+    /// its split is reported as not holding.
     [[nodiscard]] virtual std::vector<ChannelId> alters() const { return {}; }
 };
 
-/// What a filter may know of the image it is made for.
+/// The properties of the image for which a filter is made.
 struct DisplayFilterContext {
     std::span<const ChannelDefinition> channels;
     ChannelId beauty = invalid_channel;
@@ -46,12 +46,12 @@ using DisplayFilterFactory =
 /// "grade" (filters/grade.h, on resolved pixels) and "background" (the beauty over a colour; alpha becomes 1).
 Registry<DisplayFilterFactory>& display_filter_registry();
 
-/// The filter of that name built from its parameters, or an error at the set's location; a parameter that it does not
-/// take is an error too.
+/// Makes the filter of that name with these parameters. Errors, at the set's location: no such filter, a wrong or
+/// unknown parameter.
 Result<std::unique_ptr<DisplayFilter>> make_display_filter(const std::string& name, const ParameterSet& parameters,
                                                            const DisplayFilterContext& context);
 
-/// An image seen through filters, in their order. `image` and the filters must outlive it.
+/// An image after filters, applied in order. `image` and the filters must outlive it.
 class FilteredImage final : public PixelImage {
   public:
     FilteredImage(const PixelImage& image, std::span<const std::unique_ptr<DisplayFilter>> filters);
@@ -71,7 +71,7 @@ class FilteredImage final : public PixelImage {
     class Stage;
     [[nodiscard]] const PixelImage& last() const { return *images_.back(); }
     std::vector<std::unique_ptr<const PixelImage>> stages_;
-    std::vector<const PixelImage*> images_;  // the image itself, then each stage
+    std::vector<const PixelImage*> images_;  // the image itself, then the image after each filter
 };
 
 }  // namespace raylex::display

@@ -174,7 +174,7 @@ TEST_CASE("an atlas that is cut answers nothing, whatever the question reads", "
     negative.replace(value, digits, "-" + std::string(digits - 1, '1'));
     folder.write("a.atlas.exr", digits > 1 ? negative : bytes.substr(0, value) + "x" + bytes.substr(value + 1));
     CHECK(
-        contains(run_raylex(folder, "ask a.atlas.exr --lpe 'd=C<RD>L' -o d.exr").err, "in atlas/length is no length"));
+        contains(run_raylex(folder, "ask a.atlas.exr --lpe 'd=C<RD>L' -o d.exr").err, "in atlas/length is not a length"));
 }
 
 TEST_CASE("scenes and questions that take memory beyond all measure are refused in no time", "[cli][law7]") {

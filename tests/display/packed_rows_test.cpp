@@ -192,16 +192,16 @@ TEST_CASE("a row whose leader does not fit it is refused before anything is unpa
     constexpr int pixel_bytes = 4 * packed_width;
     SECTION("pixels that are not packed, of another size than they have") {
         change_leader<std::int32_t>(path, 0, min_y + 1, {pixel_bytes}, {pixel_bytes - 1});
-        check_refused(0, "another size than its pixels");
+        check_refused(0, "does not match its pixels");
     }
     // Row 1 has no samples: 20 bytes of zeros packed to 4, and nothing else.
     SECTION("no table of counts") {
         change_leader<std::uint64_t>(path, 1, min_y + 1, {4, 0, 0}, {0, 0, 0});
-        check_refused(1, "another size than its counts");
+        check_refused(1, "does not match its counts");
     }
     SECTION("a table of counts that is longer than the row") {
         change_leader<std::uint64_t>(path, 1, min_y + 1, {4, 0, 0}, {pixel_bytes + 1, 0, 0});
-        check_refused(1, "another size than its counts");
+        check_refused(1, "does not match its counts");
     }
     SECTION("samples that its leader does not know of") {
         std::string bytes = read_bytes(path);

@@ -195,15 +195,15 @@ TEST_CASE("filters that cannot be made say what they expect", "[sample_filter][l
     CHECK(holds(c.add("grade", "gamma=2.2"), "no longer sum to the beauty"));
     CHECK(holds(c.add("grade", "channels=aa"), "did you mean 'a'"));
     CHECK(holds(c.add("grade", "gain=-1"), "negative gain"));
-    CHECK(holds(c.add("grade", "gain=1 2"), "no three of them"));
+    CHECK(holds(c.add("grade", "gain=1 2"), "nor three numbers"));
     CHECK(holds(c.add("grade", "gamma=0,channels=a"), "above 0"));
     CHECK(holds(c.add("grade", "saturation=-1"), "negative saturation"));
     CHECK(holds(c.add("grade", "gian=2"), "did you mean 'gain'"));
     CHECK(holds(c.add("clamp", "limit=2"), "no parameter 'limit'"));
     CHECK(holds(c.add("shadow", "unoccluded=a"), "expected unoccluded=NAME with"));
     CHECK(holds(c.add("shadow", "unoccluded=a,occluded=b,shadows=b"), "expected unoccluded=NAME with"));
-    CHECK(holds(c.add("shadow", "unoccluded=a,occluded=N"), "no light path expression"));
-    CHECK(holds(c.add("shadow", "unoccluded=a,occluded=b,alpha=false"), "nowhere to put"));
+    CHECK(holds(c.add("shadow", "unoccluded=a,occluded=N"), "not a light path expression"));
+    CHECK(holds(c.add("shadow", "unoccluded=a,occluded=b,alpha=false"), "no destination for"));
     CHECK(holds(c.add("shadow", "unoccluded=a,occluded=b,threshold=-1"), "below 0"));
     const auto bad = parse_object_request("grade:gain=big", sample_filter_registry(), "sample filter", chain_location);
     CHECK((!bad && holds(bad.error().to_string(), "three with blanks")));
