@@ -74,7 +74,7 @@ TEST_CASE("uncompressed pixels are held against the size of the file", "[law7][b
     const std::size_t compression = bytes.find("compression");
     bytes[bytes.find(std::string("compression\0compression\0", 24), compression) + 28] = 0;  // none
     write_bytes(path, resized(bytes, 4'000, 3'000));
-    CHECK(contains(refusal(path), "the file is truncated: its header asks for 144000000 bytes of uncompressed pixels"));
+    CHECK(contains(refusal(path), "the file is truncated: its header declares 144000000 bytes of uncompressed pixels"));
 }
 
 TEST_CASE("an attribute that ends behind the file is refused before it is read", "[law7][budget]") {
@@ -120,7 +120,7 @@ TEST_CASE("an attribute that does not end where it says is refused: the library 
     const std::string chlist("channels\0chlist\0", 16), order("lineOrder\0lineOrder\0", 20);
     REQUIRE(sound.find(chlist) != std::string::npos);
     write_bytes(path, with_size(chlist, 3 * 18 + 1 + 8, std::string(8, '\0')));
-    CHECK(contains(refusal(path), "a list of channels that does not end where it says"));
+    CHECK(contains(refusal(path), "a list of channels with a wrong end"));
     write_bytes(path, with_size(order, 5, "abcd"));
     CHECK(contains(refusal(path), "claims 5 bytes for 'lineOrder' of type lineOrder, which has 1"));
     // 4 x 2^20 pixels of a preview in 16 bytes.
@@ -128,7 +128,7 @@ TEST_CASE("an attribute that does not end where it says is refused: the library 
     std::string bytes = sound;
     bytes.insert(8, preview);
     write_bytes(path, bytes);
-    CHECK(contains(refusal(path), "a preview of another size than it says"));
+    CHECK(contains(refusal(path), "a preview whose size does not match"));
     write_bytes(path, sound);
     CHECK(refusal(path).empty());
 }

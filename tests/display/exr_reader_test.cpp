@@ -266,7 +266,7 @@ TEST_CASE("missing, foreign, deep and oversized files get errors that name the f
     write_bytes(folder.path("empty.exr"), "");
     CHECK(failure(folder.path("empty.exr")).find("empty") != std::string::npos);
     write_bytes(folder.path("text.exr"), "P6 3 2 255 not an EXR");
-    CHECK(failure(folder.path("text.exr")).find("no OpenEXR file") != std::string::npos);
+    CHECK(failure(folder.path("text.exr")).find("not an OpenEXR file") != std::string::npos);
     write_deep(folder.path("deep.exr"));
     CHECK(failure(folder.path("deep.exr")).find("deep") != std::string::npos);
 

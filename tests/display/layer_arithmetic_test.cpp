@@ -80,19 +80,19 @@ TEST_CASE("what is wrong in a sum is pointed at", "[display][verify][law7]") {
         const char* text;
     };
     for (const Case& wrong : {Case{"(DiffDir*DiffCol", 1, "never closed"},
-                              {"DiffDir)", 8, "does not belong"},
-                              {"DiffDir+", 9, "missing"},
-                              {"DiffDir*DiffCol,", 17, "nothing stands here"},
-                              {"", 1, "nothing"},
-                              {"DiffDir, ,Emit", 10, "nothing"},
-                              {"DiffDir*+", 10, "missing"},
+                              {"DiffDir)", 8, "is unexpected here"},
+                              {"DiffDir+", 9, "expected a layer or ("},
+                              {"DiffDir*DiffCol,", 17, "this item is empty"},
+                              {"", 1, "is empty"},
+                              {"DiffDir, ,Emit", 10, "is empty"},
+                              {"DiffDir*+", 10, "expected a layer or ("},
                               {"Emit, 'DiffDir", 7, "quote"},
-                              {"()", 2, "missing"},
-                              {"DiffDir DiffCol", 9, "does not belong"},
+                              {"()", 2, "expected a layer or ("},
+                              {"DiffDir DiffCol", 9, "is unexpected here"},
                               {"DiffDri*DiffCol", 1, "no layer 'DiffDri'"},
                               {"Emit, (DiffDir+DifCol)", 16, "no layer 'DifCol'"},
-                              {"Emit, rgba*DiffCol", 7, "summed to"},
-                              {"beauty", 1, "summed to"}}) {
+                              {"Emit, rgba*DiffCol", 7, "is the sum itself"},
+                              {"beauty", 1, "is the sum itself"}}) {
         CAPTURE(wrong.sum);
         const raylex::Error error = refusal(image, wrong.sum);
         CHECK(error.column == wrong.column);

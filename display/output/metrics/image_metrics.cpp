@@ -1,4 +1,4 @@
-// The list of metrics, and SSIM; FLIP stands in flip.cpp.
+// The list of metrics, and SSIM; flip.cpp implements FLIP.
 #include "display/output/metrics/image_metrics.h"
 
 #include <algorithm>
@@ -56,7 +56,7 @@ ImageErrors measure_ssim(const LinearImage& image, const LinearImage& reference)
     Plane ones(a.width, a.height);
     std::fill(ones.values.begin(), ones.values.end(), 1.0);
     const auto windowed = [&window](const Plane& plane) { return filtered(plane, window, window, Border::nothing); };
-    // The share of each window that is inside the image.
+    // The fraction of each window that is inside the image.
     const Plane inside = windowed(ones);
     const Plane sum_a = windowed(a), sum_b = windowed(b), sum_aa = windowed(product(a, a)),
                 sum_bb = windowed(product(b, b)), sum_ab = windowed(product(a, b));
