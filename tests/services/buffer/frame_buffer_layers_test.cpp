@@ -118,11 +118,11 @@ TEST_CASE("layers of what is not there, or by a rule that cannot be, are refused
         CHECK(added.error().line == 3);
         return added.error().to_string();
     };
-    CHECK(contains(refused({"x", "colour", FilterRule::max, here}), "no channel 'colour'"));
+    CHECK(contains(refused({"x", "colour", FilterRule::max, here}), "unknown channel 'colour'"));
     CHECK(contains(refused({"x", "colour", FilterRule::max, here}), "did you mean 'color'?"));
-    CHECK(contains(refused({"x", "nearest", FilterRule::max, here}), "no channel 'nearest'"));
+    CHECK(contains(refused({"x", "nearest", FilterRule::max, here}), "unknown channel 'nearest'"));
     CHECK(contains(refused({"light", "color", FilterRule::max, here}), "name 'light' is taken"));
-    CHECK(contains(refused({"x", "id", FilterRule::average, here}), "holds integers"));
+    CHECK(contains(refused({"x", "id", FilterRule::average, here}), "contains integers"));
     ChannelDefinition stray = plain_channel("stray", ChannelType::rgb);
     stray.source = depth;  // of another type
     list.push_back(stray);

@@ -177,22 +177,22 @@ TEST_CASE("rules and statistics by name, or errors that say what there is", "[st
     };
     CHECK(text(rule("Nm", "zmin")).find("did you mean 'Nn'") != std::string::npos);
     CHECK(text(rule("Nm", "zmin")).find("job.toml:3:5") != std::string::npos);
-    CHECK(text(rule("beauty", "zmin")).find("the beauty is made by the pixel filter alone") != std::string::npos);
+    CHECK(text(rule("beauty", "zmin")).find("the beauty always uses the pixel filter") != std::string::npos);
     CHECK(text(rule("id", "average")).find("integers") != std::string::npos);
     const RuleRequest twice = *parse_rule_request("Nn", "max", where);
-    CHECK(text(apply_rules({twice, twice}, 0, channels)).find("twice") != std::string::npos);
+    CHECK(text(apply_rules({twice, twice}, 0, channels)).find("two rules") != std::string::npos);
     REQUIRE(rule("Nn", "zmax").ok());
     CHECK(channels[1].rule == FilterRule::zmax);
 
     const auto statistic = [&](const char* name, const char* value) {
         return add_statistics({*parse_statistic_request(name, value, where)}, channels);
     };
-    CHECK(text(statistic("Nn", "mse")).find("has the rule 'zmax' and no statistics") != std::string::npos);
+    CHECK(text(statistic("Nn", "mse")).find("has the rule 'zmax'', which has no statistics") != std::string::npos);
     CHECK(text(statistic("beaty", "mse")).find("did you mean 'beauty'") != std::string::npos);
     REQUIRE(statistic("beauty", "mse").ok());
     CHECK(channels.back().name == "beauty_mse");
-    CHECK(text(statistic("beauty", "mse")).find("asked for twice") != std::string::npos);
-    CHECK(text(statistic("beauty_mse", "mse")).find("there is no channel") != std::string::npos);
+    CHECK(text(statistic("beauty", "mse")).find("requested twice") != std::string::npos);
+    CHECK(text(statistic("beauty_mse", "mse")).find("unknown channel") != std::string::npos);
     channels.push_back(plain_channel("beauty_even", ChannelType::rgb));
     CHECK(text(statistic("beauty", "even")).find("name of another channel") != std::string::npos);
 
