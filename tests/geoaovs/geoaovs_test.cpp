@@ -247,7 +247,7 @@ TEST_CASE("names of motion are refused with the reason", "[geoaovs][law7]") {
     for (const char* name : {"dPdtime", "dPcameradtime", "motionFore", "motionBack"}) {
         const auto refused = channel_definition(name);
         REQUIRE_FALSE(refused);
-        CHECK(refused.error().message.find("does not work that out yet") != std::string::npos);
+        CHECK(refused.error().message.find("does not compute yet") != std::string::npos);
     }
 }
 

@@ -1,4 +1,4 @@
-// What a path atlas takes of the services: every contribution by its words, whatever channels there are.
+// Keeps every contribution by its words for a path atlas, whatever channels there are.
 #include <utility>
 
 #include "display/services/samples/lpe_services.h"
@@ -10,13 +10,13 @@ Status LpeSetup::keep_words(WordAlphabet alphabet) {
     std::vector<lpe::EventClass> columns;
     for (std::size_t column = 0; column < alphabet.column_count(); ++column)
         columns.push_back(classify(alphabet.event(column)));
-    constexpr std::size_t most_cells = std::size_t{1} << 26;  // 256 MiB: beyond it tables are no longer looked up fast
+    constexpr std::size_t most_cells = std::size_t{1} << 26;  // 256 MiB: look-ups in larger tables are slow
     const std::size_t per_column = program_.state_count() + program_.view().image_stride;
     if (per_column * columns.size() > most_cells)
         return error_at({}, "the channels' automaton has " + std::to_string(program_.state_count()) +
                                 " states and the scene " + std::to_string(columns.size()) +
-                                " kinds of events, too many to follow both one by one; expected fewer channels beside "
-                                "a path atlas, which can be asked for them afterwards");
+                                " kinds of events, too many to follow both at once; expected fewer channels with "
+                                "a path atlas, which can compute them afterwards");
     program_ = program_.with_columns(columns);
     alphabet_ = std::make_shared<const WordAlphabet>(std::move(alphabet));
     return success();

@@ -93,7 +93,7 @@ TEST_CASE("layers are no channels to send to, and patterns do not see them", "[d
     CHECK_FALSE(services.write(nearest, std::span(rows), std::span(values)));
     CHECK(services.refusals()[nearest].of(Refusal::unknown_channel) == 3);
     CHECK(refusal_warnings(list, services.refusals()).front() ==
-          "channel 'nearest' refused 3 calls: 3 to a layer that is made of another channel's samples");
+          "channel 'nearest' refused 3 calls: 3 to a layer that uses another channel's samples");
     for (ChannelId id = 0; id < table.channel_count(); ++id) CHECK_FALSE(table.touched(id));
 }
 

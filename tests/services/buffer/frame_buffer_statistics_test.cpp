@@ -187,7 +187,7 @@ TEST_CASE("rules and statistics by name, or errors that say what there is", "[st
     const auto statistic = [&](const char* name, const char* value) {
         return add_statistics({*parse_statistic_request(name, value, where)}, channels);
     };
-    CHECK(text(statistic("Nn", "mse")).find("has the rule 'zmax'', which has no statistics") != std::string::npos);
+    CHECK(text(statistic("Nn", "mse")).find("has the rule 'zmax', which has no statistics") != std::string::npos);
     CHECK(text(statistic("beaty", "mse")).find("did you mean 'beauty'") != std::string::npos);
     REQUIRE(statistic("beauty", "mse").ok());
     CHECK(channels.back().name == "beauty_mse");

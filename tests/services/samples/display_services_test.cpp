@@ -97,12 +97,12 @@ TEST_CASE("there is one warning per channel that refused calls, with how many an
     for (const RefusalCounts& each : f.services.refusals()) sum.add(each);
     CHECK(sum.by == std::array<std::uint64_t, refusal_kinds>{1, 1, 3, 2, 0, 0});
     CHECK(sum.of(Refusal::wrong_type) == 3);
-    CHECK(
-        refusal_warnings(f.channels, f.services.refusals()) ==
-        std::vector<std::string>{"channel 'color' refused 5 calls: 1 to rows that are none of the batch, 3 of another "
-                                 "type than the channel's rgb, 1 with values that are not finite or out of range",
-                                 "channel 'depth' refused 1 call: 1 with values that are not finite or out of range",
-                                 "the display services refused 1 call: 1 to ids that are no channel"});
+    CHECK(refusal_warnings(f.channels, f.services.refusals()) ==
+          std::vector<std::string>{
+              "channel 'color' refused 5 calls: 1 to rows outside the batch, 3 whose "
+              "type differs from the channel's type rgb, 1 with values that are not finite or out of range",
+              "channel 'depth' refused 1 call: 1 with values that are not finite or out of range",
+              "the display services refused 1 call: 1 with ids that are not channels"});
 }
 
 TEST_CASE("a batch of values is written as one by one: good ones land, bad ones are counted",

@@ -101,7 +101,7 @@ TEST_CASE("clamp measures by a matrix where it is given one", "[sample_filter]")
     CHECK(refusal(by_matrix).find("expected nine finite numbers") != std::string::npos);
     ParameterSet alone = limit(2);
     alone.parameters.push_back(measure);
-    CHECK(refusal(alone).find("expected a 'component' beside it") != std::string::npos);
+    CHECK(refusal(alone).find("expected both") != std::string::npos);
 }
 
 TEST_CASE("splits sum to beauty with the clamp on", "[sample_filter][law1]") {
