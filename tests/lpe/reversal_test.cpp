@@ -1,4 +1,4 @@
-// Light subpaths read from the light end, against the same words read forward.
+// Light subpaths read from the light, compared with the same words read forward.
 #include <catch2/catch.hpp>
 
 #include <set>
@@ -23,7 +23,7 @@ void add(std::vector<ChannelSource>& channels, Dialect dialect, const std::strin
     }
 }
 
-/// Any sequence of events; most are words of W.
+/// Any sequence of events, usually a word of W.
 std::vector<Event> random_spelling(oracle::Random& random) {
     std::vector<Event> word;
     if (random.below(30) != 0) { word.push_back({EventType::camera, Scatter::none, 0, {}}); }
@@ -49,7 +49,7 @@ std::vector<Event> random_spelling(oracle::Random& random) {
     return word;
 }
 
-/// Joins every split of random words and compares with forward matching.
+/// Connects every split of random words and compares the result with forward matching.
 void check_joins(const std::vector<ChannelSource>& channels, const CompileOptions& options, bool has_lanes,
                  std::size_t least_words) {
     const auto program = Program::compile(channels, options);
@@ -84,7 +84,7 @@ void check_joins(const std::vector<ChannelSource>& channels, const CompileOption
             REQUIRE(found == expected);
             REQUIRE((joined || expected.empty()));
             if (!has_lanes) REQUIRE(joined == !expected.empty());
-            REQUIRE((alive || expected.empty()));  // Law 4: only what can never accept is dead
+            REQUIRE((alive || expected.empty()));  // Law 4: only words that can never be accepted are dead
             if (split == 0) { break; }
             alive = reversed->prepend(light.data(), events[split - 1], light.data());
         }
@@ -94,7 +94,7 @@ void check_joins(const std::vector<ChannelSource>& channels, const CompileOption
 
 }  // namespace
 
-TEST_CASE("light subpaths joined with camera subpaths match as whole words do", "[reversal]") {
+TEST_CASE("light subpaths connected to camera subpaths match like whole words", "[reversal]") {
     for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
         CAPTURE(dialect == Dialect::osl);
         std::vector<ChannelSource> channels = shipped(dialect);
@@ -113,7 +113,7 @@ TEST_CASE("light subpaths joined with camera subpaths match as whole words do", 
     }
 }
 
-TEST_CASE("a light subpath that nothing can make anything of is dead", "[reversal][law4]") {
+TEST_CASE("a light subpath that no connection can complete is dead", "[reversal][law4]") {
     const ChannelSource channel{.name = "direct", .expression = "C<RD>[<L.'key'>]"};
     const auto program = Program::compile({&channel, 1});
     REQUIRE(program);
