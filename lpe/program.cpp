@@ -1,5 +1,5 @@
-// Compiles channels to tables: each channel becomes a minimal automaton (automata/languages.h); these become groups and
-// bit-parallel automata (automata/groups.h, automata/lanes.h), which this file arranges as arrays.
+// Channels to tables: every channel becomes a minimal automaton (automata/languages.h), these become groups and lanes
+// (automata/groups.h, automata/lanes.h), and those are laid out as arrays here.
 #include "lpe/program.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace raylex::lpe {
 
 namespace {
 
-/// Writes groups and bit-parallel automata as one set of arrays.
+/// Writes groups and lanes as one set of arrays.
 class Layout {
   public:
     Layout(const EventClasses& classes, const Grouping& grouping) {
@@ -72,7 +72,7 @@ class Layout {
         for (const std::size_t event_class : class_of_column_) {
             const std::vector<std::uint32_t>& image = lanes_.image[event_class];
             tables_.lane_image.insert(tables_.lane_image.end(), image.begin(), image.end());
-            State needed = ~State{0}, reached = Program::dead;  // no phase follows
+            State needed = ~State{0}, reached = Program::dead;  // no phase leads on
             for (State phase = 1; phase < LaneTables::first_ended; ++phase) {
                 const State to = lanes_.phase.dfa.step(phase, static_cast<EventClass>(event_class));
                 if (to != 0) {
@@ -115,9 +115,9 @@ ProgramTables lay_out(const EventClasses& classes, const Grouping& grouping, std
     const std::size_t lane_words =
         grouping.lanes.empty() ? 0 : 1 + lane_word_count(grouping.lanes, grouping.lane_places);
     if (grouping.tables.size() + lane_words > options.word_cap) {
-        fail("these channels need " + std::to_string(grouping.tables.size() + lane_words) +
-                 " words of state; at most " + std::to_string(options.word_cap) + " words are allowed",
-             "expressions such as C.*X.* take at least one bit each; use fewer of them at a time");
+        fail("these channels need " + std::to_string(grouping.tables.size() + lane_words) + " words of state; " +
+                 std::to_string(options.word_cap) + " are allowed",
+             "expressions such as C.*X.* take one bit each and more; use fewer of them at a time");
     }
     ProgramTables tables = Layout(classes, grouping).take();
     for (const ChannelSource& channel : channels) { tables.channel_names.push_back(channel.name); }
@@ -191,7 +191,7 @@ EventClass Program::classify(const Event& event) const {
 
 bool Program::follows(EventClass event) const {
     const bool has_lanes = view_.has_lanes();
-    const State rows = has_lanes ? view_.first_ended - 2 : view_.state_count;  // rows without those of the phase
+    const State rows = has_lanes ? view_.first_ended - 2 : view_.state_count;  // without those of the phase
     for (State state = 0; state < rows; ++state) {
         if (view_.next(state, event) != dead) { return true; }
     }

@@ -104,7 +104,7 @@ class Program {
     void accepts(std::span<const State> states, std::span<std::uint32_t> masks) const noexcept;
     [[nodiscard]] std::size_t mask_words() const noexcept { return (view_.channel_count + 31) / 32; }
 
-    // Access to single words that are table rows: all words if !view().has_lanes(), which holds with
+    // The words that are table rows, one by one: all of them where !view().has_lanes(), as always with
     // CompileOptions::any_word and with one channel.
     [[nodiscard]] State next(State state, EventClass event) const noexcept { return view_.next(state, event); }
     /// The channels that accept in the state, ascending.

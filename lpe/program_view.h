@@ -1,16 +1,16 @@
 // A compiled program as plain data: pointers to integer arrays, and their sizes. A GPU kernel, a vector unit or another
 // language needs no more to follow paths: upload the arrays and reimplement the few functions below.
 //
-// The state of a path is `word_count` States. Each of the words [0, table_count) is a row of one transition table; row
-// 0 is dead. Channels that would multiply in one table (`C.*X.*` with many labels X) are packed into lanes. The last
-// table word then is the phase of the path (before the camera, under way, ended by terminal t), and the words after it
-// hold the lanes, 32 per word. A lane is an automaton of 2, 4 or 8 codes: kind 0, 1 or 2, with kind + 1 bits per lane.
-// The word of plane p holds bit p of the codes of 32 lanes. One event moves all lanes of a word at once:
+// The state of a path is `word_count` States. Words [0, table_count) are each a row of one transition table; row 0 is
+// dead. Where channels would multiply in one table (`C.*X.*` with many labels X) they are packed into lanes instead:
+// the last table word is then the phase of the path (before the camera, underway, ended by terminal t), and the words
+// after it hold the lanes, 32 to a word. A lane is an automaton of 2, 4 or 8 codes: kind 0, 1 or 2, with kind + 1 bits
+// a lane, bit p of the codes of 32 lanes in the word of plane p. One event moves all of a word's lanes at once:
 //
 //     plane p of the next code = OR over codes c of (lanes in code c) AND image[event class][kind][c][p][word]
 //
-// All planes become 0 if the phase is dead. A terminal event moves lanes to codes that determine the accepted channels.
-// If all lane words become 0 and the word after the image is 0 too, no lane can accept any more.
+// all of it 0 where the phase is dead. A terminal event moves lanes to codes that say what they accept. Where all words
+// of the lanes become 0 and the word after the image is 0 too, no lane can accept any more.
 #pragma once
 
 #include <array>
@@ -41,22 +41,20 @@ struct ProgramView {
     const std::uint16_t* accept_lists = nullptr;  ///< channels, ascending in each list
 
     // Lanes; all zero when word_count == table_count.
-    std::uint32_t lane_count = 0;                        ///< bits in all lane words of plane 0, including unused bits
+    std::uint32_t lane_count = 0;                        ///< bits in all lane words of plane 0, unused ones included
     std::array<std::uint32_t, lane_kinds> lane_words{};  ///< words of one plane, by kind
     std::uint32_t image_stride = 0;                      ///< words of `lane_image` per event class
     std::uint32_t accept_stride = 0;                     ///< words of `lane_accept` per terminal
-    State first_ended = 0;                               ///< phase: row of the first terminal; the other terminals
-                                                         ///< follow
-    /// [class_count][kind][code][plane][word], followed by three words: 1 if lanes whose words are all 0 can still
-    /// accept; the phase that the event requires; the phase that it leads to. The last two repeat the table in a form
-    /// that does not depend on the current phase.
+    State first_ended = 0;                               ///< phase: row of the first terminal; others follow
+    /// [class_count][kind][code][plane][word], then three words: 1 where lanes whose words are all 0 may still accept
+    /// something; the phase that the event needs, and the one that it leads to (the same as the table says, in a form
+    /// that does not wait for the phase).
     const std::uint32_t* lane_image = nullptr;
     static constexpr std::uint32_t image_tail = 3;
     const std::uint32_t* lane_accept = nullptr;  ///< [terminal][kind][code][word]: lanes that accept in that code
-    const std::uint32_t* lane_lists = nullptr;   ///< [terminal][lane][8 codes], plus one entry: offsets into
-                                                 ///< accept_lists
+    const std::uint32_t* lane_lists = nullptr;   ///< [terminal][lane][8 codes], and one more: into accept_lists
 
-    /// The next state of one table word. Lane words have no meaning on their own: see advance().
+    /// One table word. Lane words have no meaning on their own: see advance().
     [[nodiscard]] State next(State state, EventClass event) const noexcept {
         return next_state[static_cast<std::size_t>(state) * class_count + event];
     }
@@ -103,13 +101,13 @@ struct ProgramView {
         return any;
     }
 
-    /// Moves the lane words `from` by `images` (one class of lane_image; the tail is not read) and applies `mask`.
-    /// Returns the OR of the resulting words.
+    /// Lane words after `images` (laid out as one class of lane_image, its tail unread) act on `from`, cut to `mask`;
+    /// the OR of the result.
     std::uint32_t move_lanes(const std::uint32_t* from, const std::uint32_t* images, std::uint32_t mask,
                              std::uint32_t* to) const noexcept {
         const std::uint32_t ones = lane_words[0];
         std::uint32_t any = 0, w = 0;
-        // Four words at a time, then single words. All reads of a group precede its writes.
+        // Four words at a time, then one; all that is read of them is read before any is written.
         Lanes any_four{};
         const Lanes mask_four = Lanes{} + mask;
         for (; w + 4 <= ones; w += 4) {
@@ -134,8 +132,8 @@ struct ProgramView {
         }
         return any;
     }
-    /// The map of an event (`images`) followed by the map `after`. Both have the layout of one class of lane_image
-    /// without its tail; `to` can be `after`.
+    /// The map of an event (`images`) followed by the map `after`, both laid out as one class of lane_image without its
+    /// tail; `to` may be `after`.
     void compose_lanes(const std::uint32_t* after, const std::uint32_t* images, std::uint32_t* to) const noexcept {
         if (lane_words[0] != 0) { compose_kind<1>(after, images, lane_words[0], to); }
         if (lane_words[1] != 0) {
@@ -152,8 +150,8 @@ struct ProgramView {
     void visit_ended(const State* states, Visit&& visit) const {
         visit_lanes(states + 1, states[0] - first_ended, visit);
     }
-    /// Returns whether some lane is in a code that `masks` (the layout of one terminal of lane_accept) marks for it.
-    /// `planes`: the words after the phase.
+    /// Whether some lane is in a code for which `masks` (laid out as one terminal of lane_accept) has it. `planes`: the
+    /// words behind the phase.
     [[nodiscard]] bool any_lane_in(const State* planes, const std::uint32_t* masks) const noexcept {
         const std::uint32_t ones = lane_words[0], twos = lane_words[1];
         return any_of_kind<1>(planes, masks, ones) || any_of_kind<2>(planes + ones, masks + 2 * ones, twos) ||
@@ -161,8 +159,7 @@ struct ProgramView {
     }
 
   private:
-    /// Has no branch and no dependency of the phase on the lanes; either would make each event wait for the previous
-    /// one.
+    /// No branch, and no way from the lanes to the phase: both would make each event wait for the last.
     bool advance_lanes(const State* from, EventClass event, State* to) const noexcept {
         const std::uint32_t* image = lane_image + std::size_t{event} * image_stride;
         const std::uint32_t* tail = image + image_stride - image_tail;
@@ -236,7 +233,7 @@ struct ProgramView {
                           lists + 256 * (lane_words[0] + lane_words[1]), lane_words[2], visit);
         }
     }
-    /// The lanes of word w that are in a code that `masks` marks for them.
+    /// Those lanes of word w that are in a code for which `masks` has them.
     template <std::uint32_t bits>
     static std::uint32_t lanes_in(const State* planes, const std::uint32_t* masks, std::uint32_t words,
                                   std::uint32_t w) noexcept {
@@ -257,8 +254,7 @@ struct ProgramView {
         for (std::uint32_t w = 0; w < words; ++w) { found |= lanes_in<bits>(planes, masks, words, w); }
         return found != 0;
     }
-    /// Visits the channels of lanes of one width, given their planes, acceptance masks and lists (8 per lane, 32 lanes
-    /// per word).
+    /// Lanes of one width, from their planes, what they accept and their lists (8 for each of 32 lanes a word).
     template <std::uint32_t bits, class Visit>
     void visit_kind(const State* planes, const std::uint32_t* accept, const std::uint32_t* lists, std::uint32_t words,
                     Visit&& visit) const {

@@ -33,7 +33,7 @@ struct ReversedProgram::Builder {
     ReversedProgram& result;
     std::size_t bytes = 0;
 
-    /// The rows of one table: all rows that can be reached from its start; they are contiguous.
+    /// The rows of one table: all that can be reached from its start, which stand together.
     Table rows_of(State start) const {
         std::vector<bool> seen(view.state_count, false);
         std::vector<State> queue;
@@ -125,7 +125,7 @@ struct ReversedProgram::Builder {
         if (!view.has_lanes()) { return; }
         result.phase_ = reverse(view.starts[tables], true);
         find_zero_codes();
-        // The empty end maps every code to itself: the word for code c and plane p holds bit p of c.
+        // The empty end maps every code to itself: bit p of code c in the word of code c and plane p.
         for (std::uint32_t kind = 0; kind < ProgramView::lane_kinds; ++kind) {
             for (std::uint32_t code = 0; code < (2U << kind); ++code) {
                 for (std::uint32_t plane = 0; plane <= kind; ++plane) {

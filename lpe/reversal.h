@@ -1,15 +1,16 @@
-// Light subpaths are words that are read from the end. A bidirectional integrator follows the camera subpath forward
-// and grows the light subpath away from the light, so each new vertex precedes all that were read. It then connects any
-// prefix of the one with any suffix of the other, and finds the channels that accept the whole.
+// Light subpaths: words that are known from their far end. A bidirectional integrator follows the camera subpath
+// forward and grows the light subpath away from the light, each new vertex standing before all that were read; then it
+// joins any prefix of the one with any end of the other and asks which channels accept the whole.
 //
-// Each light vertex stores a state of the reversed automata, which maps states at the connection to channels. A vertex
-// costs one table look-up and a connection one more, whatever the lengths. The automata are built in advance: a table
-// of Q states with R distinct ends needs R * (classes + Q) words, limited by ReverseOptions.
+// Each light vertex keeps a state of reversed automata: which states at the join lead to which channels. A vertex costs
+// one table look-up, a join one more, whatever the lengths. The automata are prepared: for a table of Q states with R
+// ends that differ, R * (classes + Q) words, bounded by ReverseOptions.
 //
-// A suffix could be stored as the map that it applies to all Q states; that costs Q look-ups per vertex and Q words.
-// The reversed automaton enumerates these maps, so that a map is a number (the subset construction on the reversed
-// automaton: Rabin and Scott 1959, Brzozowski 1962). Packed channels (program_view.h) have few codes, so their vertices
-// store the maps, composed by word operations: at most 2, 4 or 8 times the words of lanes with 2, 4 or 8 codes.
+// An automaton's transition function of an end, as a map of all its states, would cost Q look-ups a vertex and Q words:
+// the reversed automaton is the closed set of these maps, so that a map is a number (the subset construction on the
+// reversed automaton: Rabin and Scott 1959, Brzozowski 1962). Packed channels (program_view.h) have few codes, so there
+// each vertex does carry the maps themselves, composed by word operations: at most 2, 4 or 8 times as many words as the
+// lanes of 2, 4 or 8 codes take.
 #pragma once
 
 #include <cstddef>

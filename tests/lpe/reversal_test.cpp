@@ -49,7 +49,7 @@ std::vector<Event> random_spelling(oracle::Random& random) {
     return word;
 }
 
-/// Connects every split of random words and compares the result with forward matching.
+/// Joins every split of random words and compares with forward matching.
 void check_joins(const std::vector<ChannelSource>& channels, const CompileOptions& options, bool has_lanes,
                  std::size_t least_words) {
     const auto program = Program::compile(channels, options);
@@ -84,7 +84,7 @@ void check_joins(const std::vector<ChannelSource>& channels, const CompileOption
             REQUIRE(found == expected);
             REQUIRE((joined || expected.empty()));
             if (!has_lanes) REQUIRE(joined == !expected.empty());
-            REQUIRE((alive || expected.empty()));  // Law 4: only words that can never be accepted are dead
+            REQUIRE((alive || expected.empty()));  // Law 4: only what can never accept is dead
             if (split == 0) { break; }
             alive = reversed->prepend(light.data(), events[split - 1], light.data());
         }

@@ -189,15 +189,14 @@ class LpeServices {
     void move(Tracker& tracker, std::span<const LobePart> parts);
 
     // Light subpaths: light_words.h.
-    /// A word with one event, its terminal. `words` must use the language of this object's setup.
+    /// A word of one event, its terminal. `words` reads the language of this object's setup.
     [[nodiscard]] LightWord begin(LightWords& words, lpe::EventClass terminal) const;
-    /// The word `word` with one event prepended.
+    /// `word` with one event more before all that were read.
     [[nodiscard]] LightWord prepend(LightWords& words, const LightWord& word, lpe::EventClass event) const;
-    /// The word `word` with a scattering prepended, as in move(); `key` seeds the random choice if there are too many
-    /// branches.
+    /// The same of a scattering, as move(); `key` seeds the choice where there are too many branches.
     [[nodiscard]] LightWord prepend(LightWords& words, const LightWord& word, std::span<const LobePart> parts,
                                     std::uint64_t key);
-    /// Moves the tracker along all events of `word`, through its terminal at the light.
+    /// Moves the tracker along all events of `word`, to the light: past its terminal.
     void join(Tracker& tracker, const LightWords& words, const LightWord& word);
 
     /// Adds `value` (radiance times throughput, without the filter weight) to beauty and to every channel whose

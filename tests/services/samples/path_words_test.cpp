@@ -122,7 +122,7 @@ TEST_CASE("words have no limit on pairs, but channels of the same path do", "[pa
     CHECK(sum == 1);
 }
 
-TEST_CASE("words of light subpaths equal those of the whole path", "[path_words][light_words]") {
+TEST_CASE("words of light subpaths are those of the whole path", "[path_words][light_words]") {
     const std::vector<ChannelDefinition> channels = shipped_channels();
     WordRules rules;
     rules.length = 3;
