@@ -87,7 +87,7 @@ Status check_raster(std::span<const ChannelDefinition> channels) {
             takes_samples(channel) ? channel : channels[static_cast<std::size_t>(channel.source)];
         if (source.style == ChannelStyle::expression && channel.rule != FilterRule::filter)
             return error_at({}, "channel '" + channel.name +
-                                    "' takes raster splats, which support only the "
+                                    "' takes raster splats, which have no rule but the "
                                     "pixel filter; expected the rule filter");
     }
     return success();

@@ -157,7 +157,7 @@ TEST_CASE("what the light tracer cannot do is refused or said", "[lighttracer][r
     settings.channels = {lpe_channel("a", "CDL")};  // moments that nobody asks a layer of are just not kept
     CHECK(render_of(scene, settings).frame_buffer.resolve_variance_of_mean(1).empty());
     settings.channels[0].rule = display::FilterRule::max;
-    CHECK(error().find("only the pixel filter") != std::string::npos);
+    CHECK(error().find("no rule but the pixel filter") != std::string::npos);
     settings.channels.clear();
     settings.adaptive.emplace();
     CHECK(error().find("cannot sample adaptively") != std::string::npos);
