@@ -16,7 +16,7 @@ constexpr std::uint64_t any = std::numeric_limits<std::int64_t>::max();
 // The depths are walked recursively: `most` is the depth that certainly fits a thread's stack of 8 MiB.
 constexpr BudgetRow table[] = {
     {"file_bytes", 4 * giga, any, "one file of a scene: text, mesh, image"},
-    {"text_bytes", 16 * mega, any, "a file of text beside scenes: channels, vectors, spectrum"},
+    {"text_bytes", 16 * mega, any, "a text file other than a scene: channels, vectors, spectrum"},
     {"pipe_bytes", 256 * mega, any, "input from a pipe or device named on the command line"},
     {"unpack_ratio", 100, any, "how many times its own size a compressed file may unpack to"},
     {"unpack_floor", 64 * mega, any, "bytes that any file may unpack to, however small it is"},

@@ -88,10 +88,12 @@ class Reading {
     }
     [[nodiscard]] std::uint64_t position() const { return position_; }
     bool fail(std::string message) {
-        error = file_error(path_, std::move(message), "no part of it is used; an intact copy can take its place");
+        error = file_error(path_, std::move(message), "none of it is used; replace it by an intact copy");
         return false;
     }
-    bool at_end() { return std::fgetc(file_) == EOF ? true : fail("the file goes on after its end: it is damaged"); }
+    bool at_end() {
+        return std::fgetc(file_) == EOF ? true : fail("the file has extra bytes after its end: it is damaged");
+    }
     Error error;
 
   private:

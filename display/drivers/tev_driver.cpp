@@ -42,8 +42,8 @@ class TevDriver : public DisplayDriver {
         if (!sender_) return {};
         const std::string viewer = "the viewer at " + host_ + ":" + std::to_string(port_);
         if (const std::string failure = sender_->failure(); !failure.empty())
-            return viewer + " no longer receives the image (" + failure + "); the render goes on without it";
-        return slow_ ? viewer + " was too slow to take all of the finished image" : std::string();
+            return viewer + " no longer receives the image (" + failure + "); the render continues without it";
+        return slow_ ? viewer + " was too slow to receive all of the finished image" : std::string();
     }
 
   private:

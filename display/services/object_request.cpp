@@ -94,7 +94,7 @@ Status check_all_used(const ParameterSet& parameters, const std::vector<Paramete
     }
     return error_at(unused.front()->location,
                     kind + " '" + name + "' has no parameter '" + unused.front()->name +
-                        (list.empty() ? "'; it takes none" : "'; expected one of: " + list),
+                        (list.empty() ? "'; it has none" : "'; expected one of: " + list),
                     near_miss(unused.front()->name, known));
 }
 

@@ -67,7 +67,7 @@ class IniReader {
 
     void add_macro(std::size_t begin, std::string_view name, const MappedText& value) {
         if (value.text().empty()) {
-            in_.note(begin, "the macro '" + std::string(name) + "' has no expression; expected one behind its name");
+            in_.note(begin, "the macro '" + std::string(name) + "' has no expression; expected one after its name");
             return;
         }
         const std::size_t offset = expression_offset(value.text());

@@ -224,7 +224,7 @@ class RibReader {
             const std::size_t begin = in_.position();
             const MappedText declaration = take_string();
             if (!at_argument()) {
-                in_.fail_at(begin, "the parameter '" + declaration.text() + "' has no value; expected one behind it");
+                in_.fail_at(begin, "the parameter '" + declaration.text() + "' has no value; expected one after it");
             }
             take(begin, declaration, take_value());
         }
@@ -254,7 +254,7 @@ class RibReader {
 
     void read_display_channel(std::size_t request, const std::string& comment) {
         if (!at_argument() || in_.peek() != '"') {
-            in_.fail_at(request, "DisplayChannel has no name; expected \"color name\" behind it");
+            in_.fail_at(request, "DisplayChannel has no name; expected \"color name\" after it");
         }
         const std::size_t name_begin = in_.position();
         const MappedText declared = take_string();
@@ -301,7 +301,7 @@ class RibReader {
         }
         if (offset >= expression.text().size()) {
             in_.note(expression.position(offset),
-                     "channel '" + name + "' has an empty expression; expected one behind 'lpe:'");
+                     "channel '" + name + "' has an empty expression; expected one after 'lpe:'");
             return;
         }
         if (name.empty()) {

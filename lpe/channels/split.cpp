@@ -96,7 +96,7 @@ class Generator {
         if (!prefixes.empty()) {
             Error error;
             error.message = "the expression to split carries the prefix '" + prefixes.front() +
-                            "', which changes what is splatted; expected a "
+                            "', which changes the splatted value; expected a "
                             "plain expression";
             throw Failure{SourceText::whole_error(of, std::move(error))};
         }

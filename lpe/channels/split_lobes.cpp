@@ -202,7 +202,9 @@ class RendermanFirst {
     }
 
     [[nodiscard]] std::string written(const std::optional<std::string>& text, std::size_t lobe) const {
-        if (!text) { fail("the lobe '" + lobes_[lobe].text + "' has no short expression beside the other lobes"); }
+        if (!text) {
+            fail("the lobe '" + lobes_[lobe].text + "' has no short expression that excludes the other lobes");
+        }
         return *text;
     }
 

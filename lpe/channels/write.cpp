@@ -52,7 +52,7 @@ std::string marked(const std::string& text) {
 void require_renderman(const ChannelSource& source, const char* format) {
     if (source.dialect != Dialect::renderman) {
         refuse(source,
-               "channel '" + source.name + "' is in the osl dialect; " + format + " holds renderman expressions",
+               "channel '" + source.name + "' is in the osl dialect; " + format + " stores renderman expressions",
                "write a .toml or .usda file");
     }
 }

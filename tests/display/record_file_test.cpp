@@ -56,7 +56,7 @@ TEST_CASE("a record truncated anywhere is refused", "[display][record][law7]") {
               std::string::npos);
     }
     write_bytes(folder.path("cut"), bytes + "x");
-    CHECK(read_record_file(folder.path("cut")).error().message.find("goes on after its end") != std::string::npos);
+    CHECK(read_record_file(folder.path("cut")).error().message.find("extra bytes after its end") != std::string::npos);
 }
 
 TEST_CASE("a record with any flipped bit is refused", "[display][record][law7]") {

@@ -153,7 +153,7 @@ Result<std::shared_ptr<const PackedRows::File>> PackedRows::open_file(const std:
     how.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     const exr_result_t result = exr_start_read(&file->context, path.c_str(), &how);
     if (result == EXR_ERR_FILE_ACCESS) return row_error(path, std::string("cannot be opened: ") + std::strerror(errno));
-    if (result == EXR_ERR_OUT_OF_MEMORY) return row_error(path, "there is no memory for its header");
+    if (result == EXR_ERR_OUT_OF_MEMORY) return row_error(path, "not enough memory for its header");
     if (result != EXR_ERR_SUCCESS) return damaged(path, exr_get_default_error_message(result));
     return std::shared_ptr<const File>(std::move(file));
 }
@@ -185,7 +185,7 @@ int PackedRows::plane(const std::string& name, Type type) const {
 /// uninitialised.
 Status PackedRows::Impl::check(const exr_chunk_info_t& chunk) const {
     if (chunk.data_offset > file->size || chunk.packed_size > file->size - chunk.data_offset)
-        return damaged(file->path, "a row ends behind it");
+        return damaged(file->path, "a row ends after the end of the file");
     if (chunk.unpacked_size > std::min(most_row_bytes, most_packing * chunk.packed_size))
         return damaged(file->path, "a row claims more bytes than any row can have");
     if (!packed && chunk.packed_size != chunk.unpacked_size)

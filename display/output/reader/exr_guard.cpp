@@ -223,7 +223,8 @@ Status check_pixels(const std::vector<PartHeader>& parts, std::uint64_t file_byt
         return success();
     return over_budget(Budget::exr_ratio,
                        "the header declares " + std::to_string(static_cast<std::uint64_t>(stored)) +
-                           " bytes of pixels, which a file of " + std::to_string(file_bytes) + " bytes can hardly hold",
+                           " bytes of pixels, which a file of " + std::to_string(file_bytes) +
+                           " bytes cannot plausibly contain",
                        path);
 }
 

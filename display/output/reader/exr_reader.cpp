@@ -289,7 +289,7 @@ Result<ExrBands> ExrBands::open(const std::string& path) {
             parts.push_back(described_part(header));
         }
         if (of.flat.empty())
-            return read_error(path, "the file holds only deep images; expected at least one flat part");
+            return read_error(path, "the file contains only deep images; expected at least one flat part");
         bands.image_.layers = name_layers(std::move(parts));
         if (of.flat.size() > 1 && !is_small) {
             const std::size_t threads =

@@ -31,7 +31,7 @@ Result<LayerPlanes> summable(const ExrImage& image, const ImageLayer& layer) {
     }
     for (const ImagePlane* plane : planes) {
         if (plane->stored != StoredType::unsigned_int) continue;
-        error.message = "layer '" + name_of(layer) + "' holds unsigned integers (" + plane->name +
+        error.message = "layer '" + name_of(layer) + "' contains unsigned integers (" + plane->name +
                         "); expected light, stored as half or float";
         return error;
     }

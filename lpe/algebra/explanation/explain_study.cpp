@@ -75,7 +75,7 @@ std::vector<Known> known_channels(Dialect dialect) {
         known.back().source.dialect = dialect;
     }
     for (const NamedExpression& name : builtin_names()) {
-        known.push_back({"what RenderMan calls '" + std::string(name.name) + "'", {}});
+        known.push_back({"RenderMan's '" + std::string(name.name) + "'", {}});
         known.back().source.expression = std::string(name.expression);
     }
     return known;

@@ -106,7 +106,7 @@ EventSet RendermanEvents::parse_event() {
     }
     if (!take_type(cores) && !take_scatter(cores)) {
         if (at('!')) {
-            fail_unexpected("'!' negates a whole expression and stands before it; [^...] excludes single events");
+            fail_unexpected("'!' negates a whole expression and precedes it; [^...] excludes single events");
         }
         fail_unexpected("expected an event: C L O B V R T D G S U . 'label' <...> [...] or (...)");
     }

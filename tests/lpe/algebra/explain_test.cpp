@@ -120,16 +120,16 @@ TEST_CASE("the beauty, shipped channels and names are recognised by meaning") {
 
 TEST_CASE("notes list paths that people expect in a channel and that it omits") {
     CHECK(any_has(explained("C<RD>L").notes, "never ends at emission"));
-    CHECK(any_has(explained("C<RD>L").notes, "the background (infinite lights) included"));
+    CHECK(any_has(explained("C<RD>L").notes, "including the background (infinite lights)"));
     CHECK(any_has(explained("osl:C<RD>L").notes, "never ends at the background"));
     CHECK(any_has(explained("osl:CS*L").notes, "Glossy lobes (G) do not match"));
     CHECK(any_has(explained("osl:CS*L").notes, "cutout"));
     CHECK(any_has(explained("CG+L").notes, "RenderMan itself has no G"));
-    CHECK(any_has(explained("CS+L").notes, "G is within S"));
+    CHECK(any_has(explained("CS+L").notes, "S includes G"));
     CHECK(any_has(explained("C[DS]*L").notes, "medium"));
     CHECK(any_has(explained("CD2L").notes, "numbered lobe"));
-    CHECK(any_has(explained("C<RD[^'a']>L").notes, "has no label, too"));
-    CHECK(any_has(explained("osl:C<RD[^'a']>L").notes, "has none does not match"));
+    CHECK(any_has(explained("C<RD[^'a']>L").notes, "also matches events without a label"));
+    CHECK(any_has(explained("osl:C<RD[^'a']>L").notes, "events without a label do not match"));
     CHECK(explained("C.*").notes.empty());
     const Explanation prefixes = explained("unoccluded;holdouts;C[DS]+L");
     REQUIRE(prefixes.prefixes.size() == 2);
@@ -137,10 +137,10 @@ TEST_CASE("notes list paths that people expect in a channel and that it omits") 
 }
 
 TEST_CASE("typos give warnings") {
-    CHECK(any_has(explained("CD|SL|(DS)L").warnings, "read as looser than concatenation"));
+    CHECK(any_has(explained("CD|SL|(DS)L").warnings, "looser than concatenation"));
     CHECK(any_has(explained("C(D|C)L").warnings, "'C' (column 5) can never match"));
     CHECK(any_has(explained("CL(D|O)?").warnings, "'D' (column 4) can never match"));
-    CHECK(any_has(explained("CLD").warnings, "no path can go on at 'D' (column 3)"));
+    CHECK(any_has(explained("CLD").warnings, "no path can continue at 'D' (column 3)"));
     CHECK(explained("CLD").samples.empty());
     CHECK(any_has(explained("C<RD'f\xD0\xBEor'>L").warnings, "mixes Latin letters"));
     CHECK(any_has(explained("C<RD'\xD0\xA1'>L").warnings, "looks like 'C'"));
