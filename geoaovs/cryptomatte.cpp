@@ -25,7 +25,7 @@ std::string hexadecimal(std::uint32_t value) {
     return text.data();
 }
 
-/// Bytes of the UTF-8 character at `at`, 0 where there is none (overlong forms and surrogates are none).
+/// Number of bytes of the UTF-8 character at `at`; 0 if it is invalid (overlong forms and surrogates are invalid).
 std::size_t utf8_length(std::string_view text, std::size_t at) {
     const auto byte = [&](std::size_t i) {
         return at + i < text.size() ? static_cast<unsigned char>(text[at + i]) : 0u;
@@ -44,7 +44,7 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
     return wrong ? 0 : length;
 }
 
-/// As a JSON string. A byte that is no UTF-8 cannot stand in JSON: U+FFFD stands for it.
+/// The text as a JSON string. U+FFFD replaces bytes that are not UTF-8.
 std::string quoted(std::string_view text) {
     std::string result = "\"";
     for (std::size_t at = 0; at < text.size();) {
@@ -108,7 +108,7 @@ Result<MatteKind> parse_matte_kind(std::string_view name, const std::string& whe
         known.emplace_back(kinds[i].word);
     }
     return error_at({where, 0, 0},
-                    "'" + std::string(name) + "' is no kind of cryptomatte; expected object, material or asset",
+                    "'" + std::string(name) + "' is not a kind of cryptomatte; expected object, material or asset",
                     near_miss(name, known));
 }
 
@@ -177,8 +177,8 @@ std::string Cryptomatte::manifest() const {
 }
 
 std::map<std::string, std::string> Cryptomatte::attributes() const {
-    // Any key of at most 7 characters will do that stays the same from frame to frame; the specification suggests a
-    // hash of the name.
+    // Any key of at most 7 characters is valid if it is the same in every frame; the specification suggests a hash of
+    // the name.
     const std::string prefix = "cryptomatte/" + hexadecimal(murmur_hash3(name())).substr(0, 7) + "/";
     const Remainder left = remainder();
     std::array<char, 128> summary{};

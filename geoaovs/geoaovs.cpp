@@ -29,7 +29,7 @@ std::span<const std::int32_t> rows_of(const ShadingBatch& batch) {
     return {batch.row.data(), static_cast<std::size_t>(batch.count)};
 }
 
-/// Writes a column of the batch, or three of them, as they are.
+/// Writes one or three columns of the batch unchanged.
 template <auto column>
 void as_it_is(const ShadingBatch& batch, ChannelId id, DisplayServices& services) {
     const auto& values = batch.*column;
@@ -38,8 +38,8 @@ void as_it_is(const ShadingBatch& batch, ChannelId id, DisplayServices& services
     else services.write(id, rows, DisplayServices::Columns{values[0].data(), values[1].data(), values[2].data()});
 }
 
-/// Writes three columns turned into camera space; `moved`: as points, not as vectors. The transform is rigid, so
-/// normals turn as vectors do.
+/// Writes three columns transformed to camera space; `moved`: as points, not as vectors. The transform is rigid, so
+/// normals transform like vectors.
 template <auto columns, bool moved = false>
 void in_camera_space(const ShadingBatch& batch, ChannelId id, DisplayServices& services) {
     constexpr std::size_t chunk = 64;
@@ -63,7 +63,8 @@ void in_camera_space(const ShadingBatch& batch, ChannelId id, DisplayServices& s
     }
 }
 
-/// Writes one AOV for a whole batch of hits; `function` is inlined into the loop. Chunks fit in the nearest cache.
+/// Writes one AOV for a whole batch of hits; `function` is inlined into the loop. A chunk fits in the first-level
+/// cache.
 template <auto function>
 void hits(const ShadingBatch& batch, ChannelId id, DisplayServices& services) {
     using Value = decltype(function(batch, std::size_t{0}));
@@ -78,8 +79,8 @@ void hits(const ShadingBatch& batch, ChannelId id, DisplayServices& services) {
     }
 }
 
-/// Writes a depth for every camera ray that met something, and for every row behind which that ray went on which is not
-/// wholly transparent: (origin, direction, distance) -> value.
+/// Writes a depth for every camera ray with a hit, and for every extra row that is not completely transparent: (origin,
+/// direction, distance) -> value.
 template <auto function>
 void depths(const RayBatch& rays, const SampleTable& table, ChannelId id, DisplayServices& services) {
     constexpr std::size_t chunk = 64;
@@ -87,7 +88,7 @@ void depths(const RayBatch& rays, const SampleTable& table, ChannelId id, Displa
     std::array<float, chunk> values;
     std::size_t n = 0;
     int row = 0;
-    // Camera rows that all met something, chunk by chunk; the rest one by one.
+    // Chunks in which all camera rays have a hit are written as a whole; the other rows one by one.
     const float *const origins = rays.origin_z.data(), *const directions = rays.direction_z.data(),
                        *const distances = table.depth.data();
     for (; row + static_cast<int>(chunk) <= table.camera_row_count(); row += static_cast<int>(chunk)) {
@@ -121,7 +122,7 @@ void depths(const RayBatch& rays, const SampleTable& table, ChannelId id, Displa
 constexpr auto axial_depth = [](float origin_z, float direction_z, float d) { return origin_z + d * direction_z; };
 constexpr auto radial_depth = [](float, float, float distance) { return distance; };
 
-/// Splats one value per camera ray. Splats of a sample's rows add up, so that what a cutout let through counts once.
+/// Splats one value per camera ray. Splats of a sample's rows add up, so rows behind a cutout do not count twice.
 template <auto function>
 void samples(const SampleTable& table, double seconds, ChannelId id, DisplayServices& services) {
     for (int row = 0; row < table.camera_row_count(); ++row) services.splat(id, row, function(table, row, seconds));
@@ -130,7 +131,7 @@ void samples(const SampleTable& table, double seconds, ChannelId id, DisplayServ
 constexpr auto shutter_time = [](const SampleTable& table, int row, double) {
     return table.camera_row(row).shutter_time;
 };
-/// As a real number: exact up to 2^24 a sample, and added up exactly.
+/// The count as a float: exact up to 2^24 per sample, and added exactly.
 constexpr auto invalid_values = [](const SampleTable& table, int row, double) {
     return static_cast<float>(table.invalid_count(row));
 };
@@ -139,7 +140,7 @@ constexpr auto cpu_time = [](const SampleTable& table, int, double seconds) {
     return static_cast<float>(seconds / table.camera_row_count());
 };
 
-/// 1 - (1 - o_1)(1 - o_2)... over each sample's rows, colour by colour.
+/// The opacity of each sample over its rows, per colour: 1 - (1 - o_1)(1 - o_2)...
 std::vector<RgbD> sample_opacities(const SampleTable& table) {
     std::vector<RgbD> through(static_cast<std::size_t>(table.camera_row_count()), RgbD(1.0));
     for (int row = 0; row < table.row_count(); ++row)
@@ -161,10 +162,10 @@ void alpha(const SampleTable& table, double, ChannelId id, DisplayServices& serv
         services.splat(id, row, static_cast<float>(opacities[static_cast<std::size_t>(row)].average()));
 }
 
-/// How an AOV gets its values: exactly one of the functions, or an expression.
+/// The source of an AOV's values: exactly one of the functions, or an expression.
 struct Source {
     WriteHits hits = nullptr;
-    Inputs inputs = 0;  // columns that `hits` reads
+    Inputs inputs = 0;  // columns that `hits` uses
     WriteRays rays = nullptr;
     WriteSamples samples = nullptr;
     bool timed = false;
@@ -190,14 +191,14 @@ struct Aov {
     FilterRule rule;
     float miss_value;
     Source source;
-    int length_power = 0;  ///< 1: a length in the scene's unit, -1: one over a length
+    int length_power = 0;  ///< 1: a length in the scene's unit, -1: an inverse length
 };
 
 using T = ChannelType;
 using R = FilterRule;
 namespace in = inputs;
 
-// The only place that knows what an AOV is.
+// The only definition of the AOVs.
 constexpr std::array aovs{
     Aov{"P", T::point, "camera", R::filter, 0, from_hits(in_camera_space<&ShadingBatch::position, true>, in::position),
         1},
@@ -252,7 +253,7 @@ constexpr std::array motion_names{"dPdtime", "dPcameradtime", "motionFore", "mot
 Error unknown_name(std::string_view name) {
     if (std::find(motion_names.begin(), motion_names.end(), name) != motion_names.end())
         return error_at({}, "the geometric AOV '" + std::string(name) +
-                                "' tells how things move during the exposure, and raylex does not work that out yet; "
+                                "' describes motion during the exposure, which raylex does not compute yet; "
                                 "expected an AOV of the still scene, such as P or z");
     std::string known;
     for (const std::string& each : channel_names()) known += (known.empty() ? "" : ", ") + each;
@@ -265,7 +266,7 @@ Error unknown_name(std::string_view name) {
 void ShadingBatch::resize(int new_count, Inputs wanted) {
     count = new_count;
     const auto size = static_cast<std::size_t>(new_count);
-    const auto grow = [size](auto& column) {  // never shrinks: a batch is filled many times
+    const auto grow = [size](auto& column) {  // never shrinks, because batches are filled many times
         if (column.size() < size) column.resize(size);
     };
     const auto grow_three = [&grow](auto(&columns)[3]) {

@@ -1,5 +1,5 @@
-// What AOVs of a hit are that are no column of a shading batch, as functions of it and an index: right-hand sides of
-// geoaovs.cpp's table.
+// Values of AOVs that are not columns of a shading batch, as functions of the batch and an index; geoaovs.cpp's table
+// uses them.
 #pragma once
 
 #include <algorithm>
@@ -28,12 +28,12 @@ inline float camera_axis(Hits h, int axis, const Rgb& v) {
     const float* m = h.world_to_camera[axis];
     return m[0] * v.r + m[1] * v.g + m[2] * v.b;
 }
-/// The transform is rigid, so normals turn like vectors.
+/// The transform is rigid, so normals transform like vectors.
 inline Rgb camera_vector(Hits h, const Rgb& v) {
     return {camera_axis(h, 0, v), camera_axis(h, 1, v), camera_axis(h, 2, v)};
 }
 
-/// Where the parameterisation collapses (the pole of a sphere) there is no tangent: 0.
+/// Where the parameterisation degenerates (the pole of a sphere) the tangent is 0.
 inline constexpr auto tangent = [](Hits h, At i) {
     const Rgb d = triple(h.dpdu, i);
     const float l = length(d);
@@ -42,13 +42,13 @@ inline constexpr auto tangent = [](Hits h, At i) {
 
 inline constexpr auto st = [](Hits h, At i) { return Rgb(h.s[i], h.t[i], 0.0f); };
 
-/// By the arc tangent, which keeps its digits near 0 where the arc cosine loses half of them.
+/// Uses the arc tangent, which keeps its digits near 0, where the arc cosine loses half of them.
 inline constexpr auto incidence_angle = [](Hits h, At i) {
     const Rgb n = triple(h.shading_normal, i), w = triple(h.view, i);
     const Rgb cross{n.g * w.b - n.b * w.g, n.b * w.r - n.r * w.b, n.r * w.g - n.g * w.r};
     return elementary::atan2(length(cross), std::abs(dot(n, w)));
 };
-/// A coordinate of the hit point in the world's space.
+/// A coordinate of the hit point in world space.
 template <int axis>
 inline constexpr auto world_coordinate =
     [](Hits h, At i) { return static_cast<float>(static_cast<double>(h.position[axis][i]) + h.origin[axis]); };

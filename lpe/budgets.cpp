@@ -13,24 +13,24 @@ namespace {
 constexpr std::uint64_t kilo = 1024, mega = kilo * kilo, giga = kilo * mega;
 constexpr std::uint64_t any = std::numeric_limits<std::int64_t>::max();
 
-// The depths are walked by recursion: `most` is what the stack of a thread, 8 MiB, surely holds.
+// The depths are walked recursively: `most` is the depth that certainly fits a thread's stack of 8 MiB.
 constexpr BudgetRow table[] = {
     {"file_bytes", 4 * giga, any, "one file of a scene: text, mesh, image"},
-    {"text_bytes", 16 * mega, any, "a file of text beside scenes: channels, vectors, spectrum"},
-    {"pipe_bytes", 256 * mega, any, "what is read from a pipe or device named on the command line"},
+    {"text_bytes", 16 * mega, any, "a text file other than a scene: channels, vectors, spectrum"},
+    {"pipe_bytes", 256 * mega, any, "input from a pipe or device named on the command line"},
     {"unpack_ratio", 100, any, "how many times its own size a compressed file may unpack to"},
     {"unpack_floor", 64 * mega, any, "bytes that any file may unpack to, however small it is"},
     {"exr_ratio", 1032, any, "as unpack_ratio, for OpenEXR: empty layers pack as well as deflate can"},
     {"image_pixels", 256 * mega, any, "pixels of one image"},
     {"mesh_rows", 512 * mega, 2 * giga - 1, "rows of one element of a PLY file: vertices, faces"},
-    {"include_files", 10'000, any, "files that a scene includes or imports, each as often as it is named"},
+    {"include_files", 10'000, any, "files that a scene includes or imports, each inclusion counts"},
     {"include_depth", 256, 4'096, "files that include one another"},
     {"include_repeats", 128 * mega, any, "bytes of files that are included again"},
     {"block_depth", 4'096, 65'536, "AttributeBegin, TransformBegin and ObjectBegin inside one another"},
     {"parameters", 4'096, 65'536,
-     "parameters of one directive, each as often as it is given; those of a kind set by Attribute"},
+     "parameters of one directive, repetitions included; parameters of a kind set by Attribute"},
     {"texture_depth", 512, 1'024, "textures that use one another in a row"},
-    {"texture_work", 100'000, any, "textures looked up for one value"},
+    {"texture_work", 100'000, any, "texture lookups for one value"},
     {"material_depth", 256, 4'096, "mix materials inside one another"},
     {"toml_bytes", 4 * mega, any, "a TOML file: job, study, channels"},
     {"toml_depth", 100, 1'000, "tables and arrays of a TOML file inside one another"},
@@ -58,7 +58,7 @@ Error failure(std::string message) {
     return {std::move(message), "--budget", 0, 0, {}, {}};
 }
 
-/// A whole number with K, M or G; false when it is none or does not fit.
+/// Parses a whole number with an optional K, M or G; false when it is not a number or does not fit.
 bool parse_value(std::string_view text, std::uint64_t& value) {
     std::uint64_t unit = 1;
     if (!text.empty()) {
@@ -91,12 +91,13 @@ Status set_budget(std::string_view assignment) {
     if (equals == std::string_view::npos || row == std::end(table)) {
         std::string list;
         for (const BudgetRow& each : table) list += (list.empty() ? "" : ", ") + std::string(each.name);
-        return failure("'" + std::string(assignment) + "' sets no budget; expected NAME=VALUE with a name of: " + list);
+        return failure("'" + std::string(assignment) +
+                       "' names no budget; expected NAME=VALUE, where NAME is one of: " + list);
     }
     std::uint64_t value = 0;
     if (!parse_value(assignment.substr(equals + 1), value) || value == 0 || value > row->most)
-        return failure("'" + std::string(assignment) + "' has no value that fits; expected a whole number from 1 to " +
-                       std::to_string(row->most) + ", K, M or G behind it for powers of 1024");
+        return failure("'" + std::string(assignment) + "' has an invalid value; expected a whole number from 1 to " +
+                       std::to_string(row->most) + ", with an optional suffix K, M or G (powers of 1024)");
     value_of(static_cast<std::size_t>(row - std::begin(table))) = value;
     return success();
 }
@@ -116,7 +117,7 @@ Error over_budget(Budget which, const std::string& what, const std::string& file
     const BudgetRow& row = table[static_cast<std::size_t>(which)];
     const std::uint64_t value = budget(which);
     Error error{what + "; the budget " + row.name + " is " + std::to_string(value), file, line, column, {}, {}};
-    error.hint = "where this is meant, raise it: --budget " + std::string(row.name) + "=VALUE (at most " +
+    error.hint = "to allow this, raise the budget: --budget " + std::string(row.name) + "=VALUE (at most " +
                  std::to_string(row.most) + ")";
     if (row.most == any) error.hint.erase(error.hint.find(" (at most"));
     return error;

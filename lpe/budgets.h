@@ -1,6 +1,6 @@
-// What a reader may spend on something that comes from outside: one table of names and numbers. Each is above what
-// honest files need; what exceeds one is an Error that names the budget, its value and how to raise it. Bounds on the
-// language itself, which nobody has to raise, stand in lpe/limits.h.
+// Limits on external input: one table of names and numbers. Each default is above what sensible files need. Input above
+// a limit is an Error that names the budget, its value, and the option that raises it. Limits on the language itself,
+// which nobody needs to raise, are in lpe/limits.h.
 #pragma once
 
 #include <cstdint>
@@ -39,22 +39,23 @@ enum class Budget : std::uint8_t {
 struct BudgetRow {
     const char* name;
     std::uint64_t fallback;
-    std::uint64_t most;  ///< to which it can be raised: what recursion or 32-bit indices hold
+    std::uint64_t most;  ///< the largest permitted value: the limit of recursion or of 32-bit indices
     const char* meaning;
 };
 
-/// In the order of Budget.
+/// The budgets in the order of the enum Budget.
 [[nodiscard]] std::span<const BudgetRow> budget_table();
 
 [[nodiscard]] std::uint64_t budget(Budget which);
 
-/// "NAME=VALUE", the value a whole number with K, M or G (powers of 1024) behind it or nothing. For the whole program,
-/// before anything is read. Errors: an unknown name (with all there are), no number, more than the row allows.
+/// Sets a budget for the whole program; call it before any input is read. `assignment` is "NAME=VALUE"; the value is a
+/// whole number with an optional K, M or G (powers of 1024). Errors: unknown name (the message lists all names), not a
+/// number, value above the limit of the row.
 Status set_budget(std::string_view assignment);
-/// The same for several, parted by commas; nothing for "".
+/// Sets several budgets, separated by commas; "" sets none.
 Status set_budgets(std::string_view assignments);
 
-/// "WHAT; the budget NAME is VALUE", with how to raise it as the hint.
+/// The error "WHAT; the budget NAME is VALUE". Its hint gives the option that raises the budget.
 [[nodiscard]] Error over_budget(Budget which, const std::string& what, const std::string& file, int line = 0,
                                 int column = 0);
 

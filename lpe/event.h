@@ -7,17 +7,17 @@
 
 namespace raylex::lpe {
 
-/// What happened: C R T V L B O, or a user event (U1..U12), which no wildcard matches.
+/// The type of an event: C R T V L B O, or a user event (U1 to U12), which no wildcard matches.
 enum class EventType : std::uint8_t { camera, reflection, transmission, volume, light, background, emission, user };
 
-/// How it scattered: D G S s, or nothing (cameras, terminals, phase scattering).
+/// The scattering: D G S s, or none (cameras, terminals, phase scattering).
 enum class Scatter : std::uint8_t { none, diffuse, glossy, singular, straight };
 
 /// One event of a path.
 ///
-/// Scene events always carry their label slots, the empty string standing for "no label": (object, lobe) for
-/// scattering, (light group) for terminals. An event read from text may carry fewer; to the `osl` dialect a trailing
-/// empty label is an absent one, to `renderman` an absent one is an empty one.
+/// Scene events always have their label slots, with the empty string for "no label": (object, lobe) for scattering,
+/// (light group) for terminals. An event read from text can have fewer. In the `osl` dialect a trailing empty label
+/// counts as absent; in `renderman` an absent label counts as empty.
 struct Event {
     EventType type = EventType::camera;
     Scatter scatter = Scatter::none;
@@ -27,7 +27,7 @@ struct Event {
     bool operator==(const Event&) const = default;
 };
 
-/// The language an expression is written in; see lpe/README.md for both grammars.
+/// The language of an expression; lpe/README.md has both grammars.
 enum class Dialect : std::uint8_t { renderman, osl };
 
 }  // namespace raylex::lpe

@@ -1,4 +1,4 @@
-// Inside lpe/ a stage that cannot go on throws a Failure; the public functions turn it into an Error value.
+// Inside lpe/ a stage that cannot continue throws a Failure; the public functions convert it to an Error value.
 #pragma once
 
 #include <utility>
@@ -18,7 +18,7 @@ struct Failure {
     throw Failure{std::move(error)};
 }
 
-/// Runs `work` and returns its value, or the Error of the Failure it threw.
+/// Runs `work` and returns its value, or the Error of the Failure that it threw.
 template <class Work>
 auto guarded(Work&& work) -> Result<decltype(work())> {
     try {

@@ -90,7 +90,7 @@ class EventReader {
         const std::size_t scatter = position_ < text_.size() ? letters.find(text_[position_]) : std::string_view::npos;
         if (scatter == std::string_view::npos) { return refuse(position_, "a scattering: D G S s, or '-' for none"); }
         if (event.type == EventType::user && static_cast<Scatter>(scatter) != Scatter::none) {
-            return refuse(position_, "'-': a user event has no scattering");  // its number is the event's own
+            return refuse(position_, "'-': a user event has no scattering");  // the number is part of the event
         }
         ++position_;
         event.scatter = static_cast<Scatter>(scatter);

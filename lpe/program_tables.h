@@ -1,5 +1,4 @@
-// The arrays of a compiled program, as it keeps them and as its file holds them (adopt/program_file.h). program_view.h
-// says what they mean.
+// The arrays of a compiled program, in memory and in files (adopt/program_file.h). program_view.h explains them.
 #pragma once
 
 #include <array>
@@ -28,9 +27,9 @@ struct ProgramTables {
     ClassTable classes;                       ///< event -> fine class
     std::vector<EventClass> column_of_class;  ///< fine class -> column of the tables: the EventClass of the program
 
-    /// Valid as long as the arrays stay where they are.
+    /// Valid as long as the arrays do not move.
     [[nodiscard]] ProgramView view() const;
-    /// Bytes of all that following a path touches: everything but names and classes.
+    /// The bytes of all arrays that following a path reads: everything except names and classes.
     [[nodiscard]] std::size_t bytes() const;
 };
 

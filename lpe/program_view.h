@@ -1,5 +1,5 @@
-// A compiled program as plain data: pointers to arrays of integers and their sizes, nothing else. What a GPU kernel, a
-// vector unit or another language needs to follow paths; upload the arrays as they are and repeat the few lines below.
+// A compiled program as plain data: pointers to integer arrays, and their sizes. A GPU kernel, a vector unit or another
+// language needs no more to follow paths: upload the arrays and reimplement the few functions below.
 //
 // The state of a path is `word_count` States. Words [0, table_count) are each a row of one transition table; row 0 is
 // dead. Where channels would multiply in one table (`C.*X.*` with many labels X) they are packed into lanes instead:
@@ -32,13 +32,13 @@ struct ProgramView {
     std::uint32_t word_count = 0;   ///< States of one path
     std::uint32_t table_count = 0;  ///< words that are table rows, the phase included
     std::uint32_t class_count = 1;
-    std::uint32_t state_count = 0;  ///< table rows of all tables together, row 0 the common dead one
+    std::uint32_t state_count = 0;  ///< rows of all tables together; all share row 0, the dead one
     std::uint32_t channel_count = 0;
 
     const State* starts = nullptr;                ///< [word_count] before the camera event
     const State* next_state = nullptr;            ///< [state_count][class_count]
     const std::uint32_t* accept_begin = nullptr;  ///< [state_count + 1] into accept_lists
-    const std::uint16_t* accept_lists = nullptr;  ///< channels, ascending within a list
+    const std::uint16_t* accept_lists = nullptr;  ///< channels, ascending in each list
 
     // Lanes; all zero when word_count == table_count.
     std::uint32_t lane_count = 0;                        ///< bits in all lane words of plane 0, unused ones included
@@ -63,8 +63,8 @@ struct ProgramView {
     }
     [[nodiscard]] bool has_lanes() const noexcept { return word_count != table_count; }
 
-    /// Moves one path along one event; `to` may be `from`. False when no channel can accept any more, now or after any
-    /// further events.
+    /// Moves one path along one event; `to` can be `from`. Returns false when no channel can accept the path now or
+    /// after further events.
     bool advance(const State* from, EventClass event, State* to) const noexcept {
         State alive = 0;
         const bool lanes = has_lanes();
@@ -77,7 +77,7 @@ struct ProgramView {
         return alive != 0;
     }
 
-    /// Calls visit(channel) for every channel that accepts the path read so far; each once, in no order.
+    /// Calls visit(channel) once, in no particular order, for every channel that accepts the path so far.
     template <class Visit>
     void for_each_accepted(const State* states, Visit&& visit) const {
         for (std::uint32_t g = 0; g < table_count; ++g) {
@@ -85,7 +85,7 @@ struct ProgramView {
         }
         for_each_accepted_lane(states, visit);
     }
-    /// Of the packed channels only: those that no table row lists.
+    /// Calls visit(channel) for the accepting packed channels, which no table row lists.
     template <class Visit>
     void for_each_accepted_lane(const State* states, Visit&& visit) const {
         if (has_lanes() && states[table_count - 1] >= first_ended) { visit_ended(states + table_count - 1, visit); }
@@ -145,7 +145,7 @@ struct ProgramView {
             compose_kind<3>(after + skipped, images + skipped, lane_words[2], to + skipped);
         }
     }
-    /// Calls visit(channel) for the packed channels that accept: `states` begins with a phase that has ended.
+    /// Calls visit(channel) for the accepting packed channels. `states` must begin with a phase that has ended.
     template <class Visit>
     void visit_ended(const State* states, Visit&& visit) const {
         visit_lanes(states + 1, states[0] - first_ended, visit);

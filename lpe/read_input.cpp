@@ -43,7 +43,7 @@ const char* kind_of(mode_t mode) {
            : S_ISSOCK(mode) ? "a socket"
            : S_ISCHR(mode)  ? "a device"
            : S_ISBLK(mode)  ? "a device"
-                            : "no regular file";
+                            : "not a regular file";
 }
 
 Status check_kind(const std::string& path, mode_t mode, NamedBy by, const std::string& expected) {
@@ -56,29 +56,30 @@ Status check_kind(const std::string& path, mode_t mode, NamedBy by, const std::s
 
 Status check_name(const std::string& path, const std::string& expected) {
     if (path.empty()) return failure(path, "the file's name is empty; expected " + expected);
-    if (path.find('\0') != std::string::npos) return failure(path, "the file's name holds a zero byte");
+    if (path.find('\0') != std::string::npos) return failure(path, "the file's name contains a zero byte");
     return success();
 }
 
-/// Waits until there is something to read; false when reading is to stop. Nobody may ever write to a pipe.
+/// Waits until there is something to read; returns false when reading must stop. A pipe may never get any data.
 bool wait_readable(int descriptor) {
     constexpr int milliseconds = 100;
     while (!reading_stopped()) {
         pollfd one{descriptor, POLLIN, 0};
         const int ready = ::poll(&one, 1, milliseconds);
         if (ready > 0) return true;
-        if (ready < 0 && errno != EINTR && errno != EAGAIN) return true;  // the read will say what is wrong
+        if (ready < 0 && errno != EINTR && errno != EAGAIN) return true;  // read() will report the error
     }
     return false;
 }
 
-/// `stoppable`: whether stop_reading_when() is heeded.
+/// `stoppable`: whether stop_reading_when() applies.
 Result<std::string> read_all(int descriptor, const std::string& path, std::size_t expected_size, Budget most,
                              const std::string& expected, bool stoppable) {
     const std::uint64_t bound = budget(most);
     constexpr std::size_t block = 1 << 20;
     std::string content;
-    content.resize(std::max<std::size_t>(expected_size, 4'096) + 1);  // one more: the end is seen without growing
+    content.resize(std::max<std::size_t>(expected_size, 4'096) + 1);  // one extra byte, so that the end is found
+                                                                      // without growing
     std::size_t used = 0;
     while (true) {
         if (used == content.size()) content.resize(2 * content.size());
@@ -90,7 +91,7 @@ Result<std::string> read_all(int descriptor, const std::string& path, std::size_
         }
         if (got == 0) break;
         used += static_cast<std::size_t>(got);
-        if (used > bound) return over_budget(most, "the file has more bytes than are read", path);
+        if (used > bound) return over_budget(most, "the file is too large", path);
     }
     content.resize(used);
     return content;
@@ -123,7 +124,7 @@ Result<std::string> read_file(const std::string& path, NamedBy by, const std::st
     struct stat status {};
     if (::stat(path.c_str(), &status) != 0) return system_failure(path, expected);
     if (Status kind = check_kind(path, status.st_mode, by, expected); !kind) return kind.error();
-    // Without O_NONBLOCK the opening of a pipe waits for somebody who writes.
+    // Without O_NONBLOCK, opening a pipe waits for a writer.
     const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     if (file.number() < 0 || ::fstat(file.number(), &status) != 0) return system_failure(path, expected);
     if (Status kind = check_kind(path, status.st_mode, by, expected); !kind) return kind.error();

@@ -1,5 +1,5 @@
-// Files from outside, whole, into memory: the one door for everything that is read from a path. What has no end
-// (devices, pipes) and what is too large is refused before memory is asked for.
+// Reads whole external files into memory. Everything that is read from a path uses this. Endless inputs (devices,
+// pipes) and inputs that are too large are refused before memory is allocated.
 #pragma once
 
 #include <atomic>
@@ -10,29 +10,30 @@
 
 namespace raylex {
 
-/// Who named a file. A person at a command line may name a pipe or a device, as shells do for `<(...)`: it is read up
-/// to Budget::pipe_bytes. What a file names must be a regular file.
+/// Who named a file. On the command line a person can name a pipe or a device, as shells do for `<(...)`; at most
+/// Budget::pipe_bytes are read. A file named by another file must be a regular file.
 enum class NamedBy : std::uint8_t { file, command_line };
 
-/// Reading stops, with an Error, soon after `flag` is set. For the whole program; nullptr: nothing stops it.
+/// Makes all reading in the program stop with an Error soon after `flag` is set; nullptr: never.
 void stop_reading_when(const std::atomic<bool>* flag);
 [[nodiscard]] bool reading_stopped();
 [[nodiscard]] Error reading_stopped_error(const std::string& path);
 
-/// Errors, naming `path`: no such file or not readable (`expected` says what was wanted: "a TOML job"), a directory, a
-/// pipe, device or socket where none may be, more bytes than `most`. A UTF-8 byte order mark at the head is left out.
+/// Reads a file without a leading UTF-8 byte order mark. Errors, which name `path`: the file does not exist or is not
+/// readable (`expected` describes the required content: "a TOML job"); it is a directory, or a pipe, device or socket
+/// where none is allowed; it has more bytes than the budget `most`.
 Result<std::string> read_input(const std::string& path, NamedBy by, const std::string& expected,
                                Budget most = Budget::text_bytes);
 
-/// The same for a regular file that raylex keeps for itself, such as a study's records: a program that was stopped
-/// still needs those to end in order, so that nothing stops it.
+/// Reads a regular file that raylex maintains, such as a study's records. stop_reading_when() does not apply, because a
+/// stopped program still needs these files to end in order.
 Result<std::string> read_record(const std::string& path, const std::string& expected,
                                 Budget most = Budget::record_bytes);
 
-/// The same questions without reading, for files that a library opens by itself: only a regular file passes.
+/// Checks, without reading, a file that a library opens itself: it must be a regular file.
 Status check_regular_file(const std::string& path, const std::string& expected);
 
-/// Takes a UTF-8 byte order mark off the head of `text`.
+/// Removes a UTF-8 byte order mark from the beginning of `text`.
 void drop_byte_order_mark(std::string& text);
 
 }  // namespace raylex

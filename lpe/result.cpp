@@ -7,7 +7,7 @@ namespace raylex {
 
 namespace {
 
-/// Blanks up to the byte `column`, keeping tabs, and one blank per character of UTF-8 so that the caret lines up.
+/// Blanks up to byte `column`: tabs are kept, and each UTF-8 character gives one blank, so that the caret lines up.
 std::string caret_indent(const std::string& excerpt, int column) {
     std::string indent;
     const std::size_t bytes = std::min(excerpt.size(), static_cast<std::size_t>(column - 1));
@@ -36,7 +36,7 @@ std::string Error::to_string() const {
     text += message;
     if (!excerpt.empty()) {
         text += "\n  " + excerpt;
-        // A caret far beyond the excerpt would only push the terminal about.
+        // A caret far beyond the excerpt would only disturb the terminal.
         if (column > 0 && static_cast<std::size_t>(column) <= excerpt.size() + 1) {
             text += "\n  " + caret_indent(excerpt, column) + "^";
         }

@@ -1,5 +1,5 @@
-// Errors as values. Every border of the toolkit that reads what a user wrote (an expression, a scene, a job, an
-// image) returns Result<T>; exceptions stay inside third-party libraries and never cross a folder's border.
+// Errors as values. Every function of the toolkit that reads user input (an expression, a scene, a job, an image)
+// returns Result<T>. Exceptions stay inside third-party libraries and never leave a folder.
 #pragma once
 
 #include <string>
@@ -8,15 +8,15 @@
 
 namespace raylex {
 
-/// What went wrong, where, and what was expected instead.
-/// `line` and `column` count from 1; 0 means "not known". `column` counts bytes.
+/// The error, its position and what was expected. `line` and `column` count from 1; 0 means unknown. `column` counts
+/// bytes.
 struct Error {
-    std::string message;  ///< one sentence, naming what was found and what was expected
+    std::string message;  ///< one sentence that names what was found and what was expected
     std::string file;     ///< path, or a description such as "--lpe caustics"; empty when there is none
     int line = 0;
     int column = 0;
-    std::string excerpt;  ///< the offending line of text; printed with a caret under `column`
-    std::string hint;     ///< near misses, look-alike letters, the next thing to try
+    std::string excerpt;  ///< the line of text with the error; printed with a caret under `column`
+    std::string hint;     ///< near misses, look-alike letters, a suggestion
 
     /// "file:line:column: message", then the excerpt with its caret and the hint, one line each.
     [[nodiscard]] std::string to_string() const;

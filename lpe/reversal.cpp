@@ -25,7 +25,8 @@ struct VectorHash {
 
 }  // namespace
 
-/// Determinises the reversal of each table: a state is what the end read so far makes of each forward state.
+/// Determinises the reversal of each table: a reversed state maps each forward state to its outcome after the end read
+/// so far.
 struct ReversedProgram::Builder {
     const ProgramView& view;
     const ReverseOptions& options;
@@ -59,7 +60,7 @@ struct ReversedProgram::Builder {
         return table;
     }
 
-    /// `of_phase`: the outcome of a state is itself, not one that accepts the same.
+    /// `of_phase`: the outcome of a state is that state, not a representative that accepts the same channels.
     Table reverse(State start, bool of_phase) {
         Table table = rows_of(start);
         const auto row_state = [&table](std::uint32_t row) { return row == 0 ? 0 : table.first_row + row - 1; };
@@ -79,9 +80,9 @@ struct ReversedProgram::Builder {
             if (fresh) {
                 bytes += 4 * (std::size_t{table.rows} + view.class_count);
                 if (order.size() >= options.state_cap || bytes > options.byte_cap) {
-                    fail("reversing this program takes more than " + std::to_string(order.size()) + " states or " +
+                    fail("reversing this program needs more than " + std::to_string(order.size()) + " states or " +
                              std::to_string(options.byte_cap >> 20) + " MiB",
-                         "ask for fewer channels at once, or for ones that count fewer events behind a `.*`");
+                         "request fewer channels, or channels that count fewer events after a `.*`");
                 }
                 order.push_back(&place->first);
             }

@@ -24,29 +24,29 @@
 namespace raylex::lpe {
 
 struct ReverseOptions {
-    std::size_t state_cap = 50'000;           ///< ends that one table may tell apart
-    std::size_t byte_cap = 64 * 1024 * 1024;  ///< of all reversed automata together
+    std::size_t state_cap = 50'000;           ///< distinct ends of one table
+    std::size_t byte_cap = 64 * 1024 * 1024;  ///< bytes of all reversed automata together
 };
 
-/// Reads words of a program from their ends. Immutable, for any number of threads; nothing but build() allocates. The
-/// program's tables must outlive it; the program itself may move.
+/// Reads words of a program from their ends. It is immutable and usable by any number of threads; only build()
+/// allocates. The program's tables must outlive it; the program object itself can move.
 class ReversedProgram {
   public:
-    /// Errors: the program needs more than the options allow.
+    /// Builds the reversed automata. Errors: they need more than the options allow.
     static Result<ReversedProgram> build(const Program& program, const ReverseOptions& options = {});
 
-    /// States of one light subpath.
+    /// The number of States of one light subpath.
     [[nodiscard]] std::size_t word_count() const noexcept { return starts_.size(); }
-    /// The state of the empty end: joined with a camera subpath it gives what that subpath alone gives.
+    /// The state of the empty end: connected to a camera subpath it gives that subpath's own result.
     [[nodiscard]] std::span<const State> starts() const noexcept { return starts_; }
-    /// Puts an event before all that were read; word_count() words each, `to` may be `from`. False when no camera
-    /// subpath can be joined so that a channel accepts. (Packed channels are not asked one by one: true may be in vain
-    /// for them.)
+    /// Prepends an event; both states have word_count() words, `to` can be `from`. Returns false when no connection to
+    /// a camera subpath can be accepted. For packed channels, which are not tested one by one, true can be wrong.
     bool prepend(const State* from, EventClass event, State* to) const noexcept;
-    /// A state of the program that accepts what the camera subpath followed by the light subpath does; `whole` has the
-    /// program's word_count() words and may be `camera`. Nothing is to be read after it. False when no channel accepts.
+    /// Computes a state of the program that accepts what the camera subpath followed by the light subpath accepts.
+    /// `whole` has the program's word_count() words and can be `camera`. No event can follow it. Returns false when no
+    /// channel accepts.
     bool join(const State* camera, const State* light, State* whole) const noexcept;
-    /// Of one word, for who asks ahead; 0 is the end of which nothing is made. Not for packed channels.
+    /// The number of states of one reversed table, for look-ahead; state 0 accepts nothing. Not for packed channels.
     [[nodiscard]] std::size_t state_count(std::size_t word) const noexcept {
         return tables_[word].outcome.size() / tables_[word].rows;
     }
@@ -56,17 +56,17 @@ class ReversedProgram {
     [[nodiscard]] bool accepts(std::size_t word, State camera, State light) const noexcept {
         return outcome(word, camera, light) != 0;
     }
-    /// Bytes of the reversed automata.
+    /// The size of the reversed automata in bytes.
     [[nodiscard]] std::size_t bytes() const noexcept;
 
   private:
-    /// One reversed automaton; state 0 is the end that no state makes anything of.
+    /// One reversed automaton; state 0 accepts nothing from any state.
     struct Table {
         State first_row = 0;         // row 1 of the forward table; rows are first_row ... first_row + rows - 2
-        std::uint32_t rows = 0;      // forward states, the dead one included
+        std::uint32_t rows = 0;      // forward states, including the dead one
         std::vector<State> next;     // [state][class]
-        std::vector<State> outcome;  // [state][row]: a forward state that accepts what the one after the end does,
-                                     // or for the phase that one; 0 for nothing
+        std::vector<State> outcome;  // [state][row]: a forward state that accepts what the state after the end accepts
+                                     // (for the phase: that state itself); 0 for none
     };
     struct Builder;
 
@@ -81,7 +81,7 @@ class ReversedProgram {
     std::vector<Table> tables_;
     Table phase_;
     std::vector<State> starts_;
-    std::vector<std::uint8_t> zero_accepts_;  // [terminal] whether a packed channel accepts in code 0
+    std::vector<std::uint8_t> zero_accepts_;  // [terminal] a packed channel accepts in code 0
 };
 
 }  // namespace raylex::lpe

@@ -18,7 +18,7 @@ constexpr std::array<NamedExpression, 9> renderman_partition{{
     {"volume", "CV.*"},
 }};
 
-// The same layers where straight-through events are letters: they may stand anywhere and decide nothing.
+// The layers in osl, where pass-through events are letters: they can occur anywhere and do not affect the layer.
 constexpr std::array<NamedExpression, 9> osl_partition{{
     {"emissive", "C<Ts>*[LO]"},
     {"background", "C<Ts>*B"},

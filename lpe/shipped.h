@@ -1,4 +1,4 @@
-// The partition of the beauty that ships with raylex, proved in tests/lpe against W.
+// The partition of the beauty that ships with raylex. tests/lpe proves it over W.
 #pragma once
 
 #include <span>
@@ -17,7 +17,7 @@ struct NamedExpression {
 /// volume: a partition of W in the given dialect.
 [[nodiscard]] std::span<const NamedExpression> shipped_partition(Dialect dialect = Dialect::renderman);
 
-/// An expression for the beauty, W itself.
+/// An expression that accepts exactly W, the beauty.
 [[nodiscard]] std::string_view beauty_expression(Dialect dialect = Dialect::renderman);
 
 }  // namespace raylex::lpe

@@ -13,18 +13,18 @@ namespace raylex::lpe {
 
 namespace {
 
-/// The automaton as paths of the enclosure walk through it.
+/// The automaton as a Markov chain for paths in the enclosure.
 struct Chain {
     struct Step {
         std::size_t to;
         double weight;
     };
     std::vector<std::vector<Step>> steps;  // [node]
-    std::vector<double> ending;            // [node] what paths that end here give
+    std::vector<double> ending;            // [node] light of the paths that end here
 };
 
-/// Where a path is: the automaton's state; how many sheets the flight that it is on crosses in all, the widest first;
-/// and how many crossings are still ahead of the wall.
+/// The position of a path: the state of the automaton, the number of sheets that the current flight crosses in total
+/// (the widest first), and the number of crossings that remain before the wall.
 struct Node {
     State state;
     std::size_t sheets, ahead;
@@ -37,7 +37,7 @@ struct NodeHash {
     }
 };
 
-/// The share of a Lambert lobe's flights that cross just 0, 1, 2 ... sheets.
+/// The fractions of a Lambert lobe's flights that cross exactly 0, 1, 2, ... sheets.
 std::vector<double> shares_of_sheets(std::vector<double> radii) {
     std::sort(radii.begin(), radii.end(), std::greater<>());
     std::vector<double> shares;
@@ -112,7 +112,7 @@ class ChainMaker {
     Chain chain_;
     std::unordered_map<Node, std::size_t, NodeHash> number_;
     std::vector<Node> nodes_;
-    std::vector<Chain::Step>* steps_ = nullptr;  // of the node that is made
+    std::vector<Chain::Step>* steps_ = nullptr;  // steps of the node under construction
 };
 
 void check_sheets(const Enclosure& enclosure) {
@@ -128,8 +128,8 @@ void check_sheets(const Enclosure& enclosure) {
     }
 }
 
-/// x = ending + M x by Gaussian elimination. Rows of I - M are diagonally dominant where albedos sum to less than 1, so
-/// that no pivoting is called for (Golub and Van Loan, Matrix Computations, section 3.4.10).
+/// Solves x = ending + M x by Gaussian elimination. Rows of I - M are diagonally dominant when albedos sum to less than
+/// 1, so no pivoting is needed (Golub and Van Loan, Matrix Computations, section 3.4.10).
 double solve(const Chain& chain) {
     const std::size_t n = chain.steps.size();
     std::vector<double> matrix(n * n, 0), x = chain.ending;
@@ -137,7 +137,7 @@ double solve(const Chain& chain) {
         matrix[row * n + row] = 1;
         for (const Chain::Step& step : chain.steps[row]) { matrix[row * n + step.to] -= step.weight; }
     }
-    for (std::size_t pivot = n; pivot-- > 1;) {  // upwards: the start, state 0, is what is asked for
+    for (std::size_t pivot = n; pivot-- > 1;) {  // upwards, because only the value of the start, state 0, is needed
         for (std::size_t row = 0; row < pivot; ++row) {
             const double factor = matrix[row * n + pivot] / matrix[pivot * n + pivot];
             if (factor == 0) { continue; }
@@ -150,7 +150,7 @@ double solve(const Chain& chain) {
     return x[0] / matrix[0];
 }
 
-/// What paths of each number of scattering events give, until nothing is left or `visit` has enough.
+/// Sums the light of paths by their number of scattering events, until nothing is left or `visit` returns false.
 template <class Visit>
 void walk(const Chain& chain, Visit visit) {
     std::vector<double> here(chain.steps.size(), 0), next;
@@ -183,9 +183,9 @@ Result<EnclosureTruth> enclosure_truth(const ChannelSource& expression, const En
         double albedo = 0;
         for (const WeightedEvent& each : enclosure.scattering) { albedo += each.weight; }
         if (!enclosure.max_depth && !(albedo < 1)) {
-            fail("the enclosure's albedos sum to " + std::to_string(albedo) +
-                     ", so that its light has no bound; expected less than 1",
-                 "paths of a limited depth have one: give a largest depth");
+            fail("the albedos of the enclosure sum to " + std::to_string(albedo) +
+                     ", so its light is unbounded; expected less than 1",
+                 "set a largest depth");
         }
         EnclosureTruth truth;
         truth.by_depth.assign(depths_shown, 0);
@@ -194,7 +194,7 @@ Result<EnclosureTruth> enclosure_truth(const ChannelSource& expression, const En
         if (!enclosure.max_depth && chain.steps.size() > most_states) {
             fail("the expression has " + std::to_string(chain.steps.size()) +
                      " states that paths of the enclosure reach; expected at most " + std::to_string(most_states),
-                 "give a largest depth, which needs no system of equations");
+                 "set a largest depth; the sum then needs no system of equations");
         }
         if (!enclosure.max_depth) { truth.value = solve(chain); }
         walk(chain, [&](std::uint64_t depth, double value) {

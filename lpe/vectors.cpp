@@ -23,12 +23,12 @@ Error row_error(const std::string& origin, int line, int column, std::string_vie
     return error;
 }
 
-/// Rows of one expression stand together in practice, so the last program is kept.
+/// Rows of one expression are usually adjacent, so the last program is kept.
 class VectorRunner {
   public:
     VectorRunner(std::string origin, Dialect dialect) : origin_(std::move(origin)), dialect_(dialect) {}
 
-    /// Nothing, or what is wrong with the row itself.
+    /// Runs a row. Returns an error if the row itself is malformed.
     std::optional<Error> run(std::string_view row, int line, VectorReport& report) {
         const std::size_t first = row.find('\t');
         const std::size_t second = first == std::string_view::npos ? first : row.find('\t', first + 1);

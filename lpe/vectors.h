@@ -1,5 +1,5 @@
-// Conformance vectors: files of rows EXPRESSION<TAB>EVENTS<TAB>EXPECTED, '#' starting a comment line.
-// EXPECTED is 1 (matches), 0 (does not), ERR (must be refused with a message) or NOCRASH (may be accepted or refused).
+// Conformance vectors: files of rows EXPRESSION<TAB>EVENTS<TAB>EXPECTED; '#' starts a comment line.
+// EXPECTED is 1 (matches), 0 (does not), ERR (must be refused with a message) or NOCRASH (either is allowed).
 #pragma once
 
 #include <cstddef>
@@ -13,11 +13,11 @@
 namespace raylex::lpe {
 
 struct VectorRow {
-    int line = 0;  ///< in the file, from 1
+    int line = 0;  ///< line in the file, from 1
     std::string expression, events;
     std::string expected;  ///< as in the file
     std::string found;     ///< "1", "0" or "ERR"
-    std::string message;   ///< why the expression was refused, when it was
+    std::string message;   ///< the error message if the expression was refused
 };
 
 struct VectorReport {
@@ -25,10 +25,11 @@ struct VectorReport {
     std::vector<VectorRow> disagree;
 };
 
-/// Runs every row of the file. Errors: unreadable file, a row without three fields, events or a verdict that do not
-/// read (with file, line and column); a row whose expression is refused is no error but has found "ERR".
+/// Runs every row of the file. Errors: an unreadable file, a row without three fields, events or an expected result
+/// that do not parse (with file, line and column). A row whose expression is refused is not an error; its `found` is
+/// "ERR".
 Result<VectorReport> run_vectors(const std::string& path, Dialect dialect);
-/// The same on text; `origin` names it in errors.
+/// Runs rows from a text; `origin` names the text in errors.
 Result<VectorReport> run_vectors_text(std::string_view text, const std::string& origin, Dialect dialect);
 
 }  // namespace raylex::lpe

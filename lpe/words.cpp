@@ -35,7 +35,7 @@ bool occurs(const Words& words, const Event& event) {
     }
 }
 
-/// Which of the sets an event is in.
+/// The membership of an event in each set, as a text.
 std::string signature(const Event& event, std::span<const EventSet> sets) {
     std::string answers;
     answers.reserve(sets.size());
@@ -43,7 +43,7 @@ std::string signature(const Event& event, std::span<const EventSet> sets) {
     return answers;
 }
 
-/// Exactly the events of the list that occur, one for each kind that `told_apart` tells.
+/// The listed events that occur; one representative per combination of the sets in `told_apart`.
 EventSet listed(const std::vector<Event>& events, const Words& words, std::span<const EventSet> told_apart) {
     EventSet set;
     std::set<std::string> known;
@@ -61,7 +61,7 @@ EventSet listed(const std::vector<Event>& events, const Words& words, std::span<
     return set;
 }
 
-/// Moves the straight-through events of `scattering` out of it.
+/// Moves the pass-through events of `scattering` to a set of their own.
 void part_straight(WordSets& sets) {
     for (EventPattern& pattern : sets.scattering.any_of) {
         EventPattern through = pattern;
@@ -72,7 +72,7 @@ void part_straight(WordSets& sets) {
     std::erase_if(sets.scattering.any_of, [](const EventPattern& pattern) { return pattern.cores.none(); });
 }
 
-/// The label is one of the list, or absent.
+/// A test for labels of the list, and for no label.
 LabelTest one_of(const std::vector<std::string>& names) {
     LabelTest test;
     test.add_name({});

@@ -1,5 +1,5 @@
-// W, the words a scene can produce: C scatter* (L | O | B). Every proof of the algebra is relative to W, cut to what
-// can occur, so that a split is judged by the paths that exist and not by sequences of events no renderer makes.
+// W, the words that a scene can produce: C scatter* (L | O | B). Every proof of the algebra is relative to W,
+// restricted to what can occur, so a split is checked on existing paths and not on impossible sequences of events.
 #pragma once
 
 #include <optional>
@@ -10,27 +10,28 @@
 
 namespace raylex::lpe {
 
-/// The events that can occur, when they are known (from a scene, say). Labels are compared exactly. Thousands of labels
-/// cost little: of events that no expression of a question tells apart, the first listed stands for all.
+/// The events that can occur, if they are known (for example from a scene). Labels are compared exactly. Thousands of
+/// labels cost little, because one event represents all that no expression of a question distinguishes.
 struct Alphabet {
     std::vector<Event> scattering;  ///< R, T and V events
     std::vector<Event> terminals;   ///< L, O and B events
 };
 
-/// What W is cut to. The default is everything: every lobe, any label in either slot, every terminal.
+/// The restrictions of W. By default there are none: every lobe, any label in either slot, every terminal.
 struct Words {
     bool volume = true;             ///< V events occur
-    bool straight = true;           ///< Ts events occur (to `renderman` channels they never leave an event)
+    bool straight = true;           ///< Ts events occur (words of `renderman` channels never contain them)
     bool background = true;         ///< B terminals occur
     bool emission = true;           ///< O terminals occur
     bool unlabelled_lights = true;  ///< L and B terminals without a light group occur
-    /// The light groups, and the labels of objects and media, that exist; none given: any text. Emission without a
-    /// group and objects without a label always exist. No part beside an alphabet, which lists its own.
+    /// The existing light groups, and the existing labels of objects and media; none: any text. Emission without a
+    /// group and objects without a label always exist. Ignored if there is an alphabet, which lists its own labels.
     std::optional<std::vector<std::string>> light_groups, object_labels;
-    /// Scattering events of a word at most, straight-through ones not counted; none or more than limits::word_depth:
-    /// any number, so that a proof is never relative to fewer words than there are.
+    /// Largest number of scattering events of a word, pass-through events excluded. No limit, if it is absent or above
+    /// limits::word_depth: a proof must never cover fewer words than exist.
     std::optional<int> max_depth;
-    std::optional<Alphabet> alphabet;  ///< exactly these scattering and terminal events, further cut by the flags above
+    std::optional<Alphabet> alphabet;  ///< only these scattering and terminal events, further restricted by the flags
+                                       ///< above
 };
 
 }  // namespace raylex::lpe

@@ -1,7 +1,8 @@
-// Time per call of our elementary functions beside the C library's: bench_elementary [rounds, default 40].
+// Measures the time per call of raylex's elementary functions and of the C library's: bench_elementary [rounds, default
+// 40].
 //
-// Arguments are 4096 random numbers of a usual range and results are added up, so what is measured is throughput with
-// some latency, as in a renderer's loops. The smallest of all rounds counts.
+// Arguments are 4096 random numbers of a typical range, and results are added up. So it measures throughput with some
+// latency, as in a renderer's loops. The fastest round counts.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

@@ -1,8 +1,10 @@
-// What writing an image costs beyond its encoders: `bench_exr [WIDTH HEIGHT LAYERS ROUNDS]`, by default 960 540 64 3.
+// Measures the overhead of writing an image over its encoders: `bench_exr [WIDTH HEIGHT LAYERS ROUNDS]`, by default 960
+// 540 64 3.
 //
-// A: the library's encoders alone, on planes that were resolved before, into memory. B: write_exr of the frame buffer,
-// with resolving, rounding, the verdict on one partition of all layers, the disk and the sync. A and B take turns.
-// Measured are wall time and CPU time of the process; "beyond" is B's wall time over A's CPU time / processors.
+// A: the library's encoders alone, into memory, on planes that are already resolved. B: write_exr() of the frame
+// buffer, with resolving, rounding, checking one partition of all layers, writing to disk and syncing. A and B
+// alternate. It measures wall time and CPU time of the process; "beyond" is B's wall time over A's CPU time /
+// processors.
 #include <sys/resource.h>
 
 #include <chrono>
@@ -73,7 +75,7 @@ std::vector<ChannelDefinition> channels(int layers) {
     return list;
 }
 
-/// Noise around a gradient in two layers of three, nothing in the others.
+/// Fills two of three layers with noise around a gradient, and leaves the others empty.
 void fill(FrameBuffer& buffer, const std::vector<ChannelDefinition>& list, int width, int height) {
     std::vector<CameraRow> rows(static_cast<std::size_t>(width));
     SampleTable table(list, width);

@@ -1,4 +1,4 @@
-// What a renderer pays for attribution (Law 5): the state vector when two or more lobes overlap at every event, and
+// Measures the cost of attribution (Law 5): the state vector when two or more lobes overlap at every event, and
 // contributions to a sample table. Part of bench_lpe.
 #include <benchmark/benchmark.h>
 
@@ -38,7 +38,7 @@ LpeSetup setup_or_exit(const std::vector<ChannelDefinition>& channels) {
     return std::move(*setup);
 }
 
-/// Follows paths of `depth` scattering events, `lobes` overlapping lobes at each. Arguments: channels, lobes, depth.
+/// Follows paths of `depth` scattering events with `lobes` overlapping lobes each. Arguments: channels, lobes, depth.
 void law5(benchmark::State& state, const std::string& set) {
     const auto channels = display_channels(set, static_cast<std::size_t>(state.range(0)));
     const auto lobes = static_cast<std::size_t>(state.range(1)), depth = static_cast<std::size_t>(state.range(2));
@@ -77,7 +77,7 @@ void law5(benchmark::State& state, const std::string& set) {
     state.counters["branches at the end"] = branches / runs;
 }
 
-/// A contribution to beauty and to every channel that accepts, along a path that was never split. Argument: channels.
+/// Contributes to beauty and to every accepting channel, along a path without overlapping lobes. Argument: channels.
 void contribute(benchmark::State& state, const std::string& set) {
     const auto channels = display_channels(set, static_cast<std::size_t>(state.range(0)));
     const LpeSetup setup = setup_or_exit(channels);

@@ -1,5 +1,5 @@
-// Exact sums of doubles: 128-bit fixed point, so that addition is associative and a sum has one value whatever the
-// order.
+// Exact sums of doubles in 128-bit fixed point: addition is associative, so a sum does not depend on the order of its
+// terms.
 #pragma once
 
 #include <array>
@@ -13,9 +13,9 @@ namespace raylex::display {
 __extension__ typedef __int128 Int128;
 __extension__ typedef unsigned __int128 UnsignedInt128;
 
-/// Rounds `value` to a multiple of 2^quantum_exponent, to nearest with ties to even, and returns the multiple.
-/// False, and `fixed` untouched, when the value is not finite or the multiple has more than 126 bits. A value with bits
-/// below the quantum loses them (at most half a quantum); every other double is exact, subnormal ones included.
+/// Rounds `value` to a multiple of 2^quantum_exponent, to nearest with ties to even, and returns the multiple. Returns
+/// false and leaves `fixed` unchanged when the value is not finite or the multiple needs more than 126 bits. Bits below
+/// the quantum are rounded (by at most half a quantum); every other double is exact, including subnormal ones.
 [[nodiscard]] inline bool to_fixed(double value, int quantum_exponent, Int128& fixed) {
     const auto bits = std::bit_cast<std::uint64_t>(value);
     const int exponent_field = static_cast<int>(bits >> 52) & 0x7ff;
@@ -26,7 +26,7 @@ __extension__ typedef unsigned __int128 UnsignedInt128;
     const int shift = (exponent_field == 0 ? 1 : exponent_field) - 1075 - quantum_exponent;
     Int128 magnitude = 0;
     if (shift >= 0) {
-        if (shift > 126 - 53) {  // might not fit: let the mantissa's own length decide
+        if (shift > 126 - 53) {  // might not fit: the length of the mantissa decides
             if (mantissa == 0) {
                 fixed = 0;
                 return true;
@@ -38,41 +38,41 @@ __extension__ typedef unsigned __int128 UnsignedInt128;
         const int drop = -shift;
         const std::uint64_t odd = drop == 53 ? 0 : mantissa >> drop & 1;
         magnitude = static_cast<Int128>((mantissa + (std::uint64_t{1} << (drop - 1)) - 1 + odd) >> drop);
-    }  // else at most half a quantum: 0
+    }  // otherwise at most half a quantum: 0
     fixed = (bits >> 63) != 0 ? -magnitude : magnitude;
     return true;
 }
 
-/// Adds unless the sum would not fit.
+/// Adds `term` unless the sum would overflow; returns whether it added.
 [[nodiscard]] inline bool add_fixed(Int128& sum, Int128 term) {
     return !__builtin_add_overflow(sum, term, &sum);
 }
 
-/// 2^exponent; exact, and no call as std::ldexp is.
+/// 2^exponent, exactly, and without the call that std::ldexp is.
 [[nodiscard]] inline long double power_of_two(int exponent) {
     if (exponent < -1022 || exponent > 1023) return std::ldexp(1.0L, exponent);
     return static_cast<long double>(std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52));
 }
 
-/// The nearest long double to `fixed`, below 2^126, in a fraction of the time that the compiler's own conversion takes:
-/// both halves and the scaling are exact, so only the addition rounds. The lower half is taken with a sign, for without
-/// one its conversion has a branch that is right every second time.
+/// The long double closest to `fixed`, which must be below 2^126, much faster than the compiler's conversion. Both
+/// halves and the scaling are exact, so only the addition rounds. The lower half is signed, because an unsigned
+/// conversion has a branch that is mispredicted half of the time.
 [[nodiscard]] inline long double as_long_double(Int128 fixed) {
     const auto low = static_cast<std::int64_t>(fixed);
     const auto high = static_cast<std::int64_t>(fixed >> 64) + (low < 0 ? 1 : 0);
     return static_cast<long double>(high) * 0x1p64L + static_cast<long double>(low);
 }
 
-/// The sum of at most 2^12 arrays of `count` doubles, each rounded as by to_fixed(): the same total in a fraction of
-/// the time, two numbers at once. A number is cut into three by adding constants so large that what lies below their
-/// last bit is rounded off; how often that bit goes into each part is then to be read from the bits.
+/// The sum of at most 2^12 arrays of `count` doubles, each rounded as by to_fixed(): the same total much faster,
+/// because two numbers are added at once. Adding large constants splits a number into three parts: bits below the last
+/// bit of the constant are rounded off. The bit pattern then contains the part as an integer multiple of that last bit.
 template <std::size_t count>
 class FixedSum {
   public:
     explicit FixedSum(int quantum_exponent) : scale_(static_cast<double>(power_of_two(-quantum_exponent))) {}
 
-    /// False, and nothing added, of an array that has 2^110 quanta or more in all, or is not finite: that is for
-    /// to_fixed().
+    /// Adds an array. Returns false and adds nothing if its magnitudes sum to 2^110 quanta or more, or if it is not
+    /// finite; the caller then uses to_fixed().
     [[gnu::always_inline]] bool add(const std::array<double, count>& values) {
         Pair scaled[pairs], size{};
         for (std::size_t i = 0; i < pairs; ++i) {
@@ -109,7 +109,7 @@ class FixedSum {
     using Pair [[gnu::vector_size(16)]] = double;
     using Bits [[gnu::vector_size(16)]] = std::uint64_t;
     static constexpr std::size_t pairs = (count + 1) / 2;
-    // Their last bits are 2^60, 2^9 and 1, so that parts are at most 2^50 of them.
+    // The last bits of the units are 2^60, 2^9 and 1, so each part is at most 2^50 of them.
     static constexpr double high_unit = 0x1.8p112, middle_unit = 0x1.8p61, low_unit = 0x1.8p52;
 
     Bits high_[pairs] = {}, middle_[pairs] = {}, low_[pairs] = {};
@@ -117,7 +117,7 @@ class FixedSum {
     double scale_;
 };
 
-/// The nearest long double to fixed * 2^quantum_exponent: scaling by a power of two rounds nothing.
+/// The long double closest to fixed * 2^quantum_exponent; scaling by a power of two does not round.
 [[nodiscard]] inline long double to_long_double(Int128 fixed, int quantum_exponent) {
     return as_long_double(fixed) * power_of_two(quantum_exponent);
 }

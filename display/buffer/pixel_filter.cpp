@@ -10,10 +10,10 @@ namespace raylex::display {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr int smooth_segments = 256;  // a Gaussian's straight pieces are then within 2e-5 of it at the centre
+constexpr int smooth_segments = 256;  // linear pieces; a Gaussian then deviates by at most 2e-5 at the centre
 
-// The kernels. Formulas: M. Pharr, W. Jakob, G. Humphreys, Physically Based Rendering, 4th ed., section 8.8, but for
-// the Blackman-Harris window: F. J. Harris, "On the use of windows for harmonic analysis with the discrete Fourier
+// The kernels. Formulas: M. Pharr, W. Jakob, G. Humphreys, Physically Based Rendering, 4th ed., section 8.8; for the
+// Blackman-Harris window: F. J. Harris, "On the use of windows for harmonic analysis with the discrete Fourier
 // transform", Proc. IEEE 66 (1978), 4-term minimum.
 
 double normal_density(double x, double sigma) {
@@ -100,8 +100,8 @@ Result<PixelFilter> build_mitchell(const ParameterSet& parameters) {
                  [bb = *b, cc = *c](double x, double radius) { return mitchell(2 * x / radius, bb, cc); });
 }
 
-// Not in pbrt. The radius of 1.5 gives it the 3 x 3 pixel footprint of pbrt's default Gaussian; with a standard
-// deviation of 0.416 pixels it is a little sharper, and it meets zero smoothly.
+// Not in pbrt. Its radius of 1.5 gives the 3 x 3 pixel footprint of pbrt's default Gaussian. Its standard deviation of
+// 0.416 pixels makes it slightly sharper, and it falls to zero smoothly.
 Result<PixelFilter> build_blackman_harris(const ParameterSet& parameters) {
     return build("blackman-harris", parameters, 1.5, smooth_segments, blackman_harris);
 }
@@ -121,7 +121,7 @@ std::vector<ParameterDescription> joined(std::vector<ParameterDescription> first
 
 Registry<PixelFilterFactory> in_tree_filters() {
     Registry<PixelFilterFactory> registry("pixel filter");
-    registry.add({"box", "every sample of the pixel alike", radius_parameters("0.5"), build_box});
+    registry.add({"box", "equal weights for all samples of the pixel", radius_parameters("0.5"), build_box});
     registry.add({"triangle", "falls linearly to zero at the radius", radius_parameters("2"), build_triangle});
     registry.add({"gaussian", "Gaussian, lowered to zero at the radius",
                   joined(radius_parameters("1.5"), {real_parameter("sigma", "0.5", "standard deviation, pixels, > 0")}),
@@ -154,7 +154,7 @@ FilterProfile::FilterProfile(const std::function<double(double)>& profile, doubl
     for (std::size_t i = 0; i < count; ++i) {
         const double start = static_cast<double>(i) * step, a = values[i], b = values[i + 1];
         const auto sign = [](double value) { return value < 0 ? -1.0 : 1.0; };
-        if (a * b < 0) {  // cut where the straight piece crosses zero
+        if (a * b < 0) {  // split where the linear piece crosses zero
             const double cut = step * (a / (a - b));
             wide.push_back({start, cut, std::abs(a), 0.0, sign(a)});
             wide.push_back({start + cut, step - cut, 0.0, std::abs(b), sign(b)});
@@ -162,11 +162,11 @@ FilterProfile::FilterProfile(const std::function<double(double)>& profile, doubl
             wide.push_back({start, step, std::abs(a), std::abs(b), sign(a + b)});
         }
     }
-    double positive_part = 0, negative_part = 0;  // over [0, radius]
+    double positive_part = 0, negative_part = 0;  // integrals over [0, radius]
     for (const WidePiece& piece : wide)
         (piece.sign > 0 ? positive_part : negative_part) += piece.width * (piece.left + piece.right) / 2;
     const double absolute = positive_part + negative_part, integral = positive_part - negative_part;
-    // A kernel that nearly cancels would have weights without bound (here: above 20): it is none.
+    // A kernel that nearly cancels would have unbounded weights (here: above 20), so it is invalid.
     if (!(integral > 0.05 * absolute) || !std::isfinite(absolute)) return;
 
     radius_ = static_cast<float>(radius);

@@ -1,9 +1,9 @@
-// Pixel filters: how the samples around a pixel's centre become its value.
+// Pixel filters: kernels that combine the samples around a pixel's centre into its value.
 //
-// A filter is a plain value: a product of two symmetric profiles, one per axis, each kept as a table of straight
-// pieces. sample() draws an offset by exact inversion of |profile| (importance mode: the sample then belongs to this
-// pixel alone) and evaluate() gives the kernel those samples follow, so the two cannot disagree. Because the density is
-// |f| itself, the weight f / pdf is a constant with a sign: exactly 1 for every kernel without negative lobes.
+// A filter is a plain value: the product of two symmetric profiles, one per axis, each a table of linear pieces.
+// sample() draws an offset by exact inversion of |profile| (importance mode: the sample then belongs to this pixel
+// alone). evaluate() gives the kernel that these samples follow, so the two always agree. The density is |f| itself, so
+// the weight f / pdf is a constant with a sign: exactly 1 for kernels without negative lobes.
 #pragma once
 
 #include <algorithm>
@@ -17,40 +17,41 @@
 
 namespace raylex::display {
 
-/// An offset from the pixel centre, in pixels, and what the sample counts for; weights have mean 1.
+/// An offset from the pixel centre, in pixels, and the weight of the sample; weights have mean 1.
 struct FilterSample {
     float dx = 0, dy = 0;
     float weight = 1;
 };
 
-/// One axis of a filter: an even function on [-radius, radius], as `segments` straight pieces on [0, radius].
+/// One axis of a filter: an even function on [-radius, radius], stored as `segments` linear pieces on [0, radius].
 class FilterProfile {
   public:
-    /// `profile` is called at points of [0, radius] (pixels) and need not be normalised. Two or more segments per
+    /// `profile` is evaluated at points of [0, radius] (pixels) and need not be normalised. At least two segments per
     /// oscillation are needed; 1 is exact for a constant or a triangle. The integral must be positive: see valid().
     FilterProfile(const std::function<double(double)>& profile, double radius, int segments);
 
     [[nodiscard]] bool valid() const { return !pieces_.empty(); }
     [[nodiscard]] float radius() const { return radius_; }
     [[nodiscard]] bool has_negative_lobes() const { return weight_ > 1.0f; }
-    /// Kernel value, per pixel; the integral over [-radius, radius] is 1.
+    /// The kernel value per pixel; its integral over [-radius, radius] is 1.
     [[nodiscard]] float evaluate(float x) const;
-    /// Inverts the distribution of |kernel|, monotone in u (stratification survives); `weight` gets its factor.
+    /// Inverts the distribution of |kernel|. It is monotone in u, so stratification is preserved. Multiplies `weight`
+    /// by its factor.
     [[nodiscard]] float sample(float u, float& weight) const;
 
   private:
     struct Piece {
         float start, width;  // on [0, radius]
-        float below;         // share of |kernel| on [0, start]
-        float left, right;   // density at both ends: below grows by width * (left + right) / 2
+        float below;         // fraction of |kernel| on [0, start]
+        float left, right;   // density at both ends: `below` grows by width * (left + right) / 2
         float sign;
     };
     static constexpr int guide_size = 256;
     float radius_ = 0, steps_per_pixel_ = 0;
     float weight_ = 1;                  // integral of |kernel| over integral of kernel
     std::vector<float> values_;         // kernel at equally spaced points of [0, radius]
-    std::vector<Piece> pieces_;         // cut at the zeros of the interpolated kernel
-    std::vector<std::uint16_t> guide_;  // [share * guide_size] -> first piece that can hold that share
+    std::vector<Piece> pieces_;         // split at the zeros of the interpolated kernel
+    std::vector<std::uint16_t> guide_;  // [fraction * guide_size] -> first piece that can contain it
 };
 
 class PixelFilter {
@@ -58,7 +59,7 @@ class PixelFilter {
     PixelFilter(std::string name, FilterProfile x, FilterProfile y)
         : name_(std::move(name)), x_(std::move(x)), y_(std::move(y)) {}
 
-    /// u, v in [0, 1). Offsets lie within the radii; weights have mean 1 and are negative in negative lobes.
+    /// u and v are in [0, 1). Offsets lie within the radii; weights have mean 1 and are negative in negative lobes.
     [[nodiscard]] FilterSample sample(float u, float v) const {
         FilterSample result;
         float weight_x = 1, weight_y = 1;
@@ -67,7 +68,8 @@ class PixelFilter {
         result.weight = weight_x * weight_y;
         return result;
     }
-    /// Kernel value at an offset from the pixel centre, per square pixel: its integral is 1. Zero outside the radii.
+    /// Kernel value at an offset in pixels from the pixel centre, per square pixel. Its integral is 1; it is 0 outside
+    /// the radii.
     [[nodiscard]] float evaluate(float dx, float dy) const { return x_.evaluate(dx) * y_.evaluate(dy); }
     [[nodiscard]] float radius_x() const { return x_.radius(); }
     [[nodiscard]] float radius_y() const { return y_.radius(); }
@@ -85,7 +87,7 @@ using PixelFilterFactory = std::function<Result<PixelFilter>(const ParameterSet&
 /// box, triangle, gaussian, mitchell, blackman-harris and sinc, with pbrt-v4's parameter names and defaults.
 Registry<PixelFilterFactory>& pixel_filter_registry();
 
-/// The filter of that name built from its parameters, or an error at the set's location that lists what there is.
+/// Makes the filter of that name with these parameters. An error is at the set's location and lists the known filters.
 Result<PixelFilter> make_pixel_filter(const std::string& name, const ParameterSet& parameters);
 
 inline float FilterProfile::evaluate(float x) const {
@@ -104,7 +106,7 @@ inline float FilterProfile::sample(float u, float& weight) const {
         guide_[static_cast<std::size_t>(std::min(static_cast<int>(share * guide_size), guide_size - 1))];
     while (piece + 1 < pieces_.size() && pieces_[piece + 1].below <= share) ++piece;
     const Piece& p = pieces_[piece];
-    // left t + (right - left) t^2 / 2 = q, solved in the form that does not cancel.
+    // Solves left t + (right - left) t^2 / 2 = q in a form without cancellation.
     const float q = (share - p.below) / p.width;
     const float root = std::sqrt(std::max(0.0f, p.left * p.left + 2.0f * (p.right - p.left) * q));
     const float denominator = p.left + root;

@@ -1,5 +1,5 @@
-// An image as what shows or stores it sees it: layers of resolved pixels. A frame buffer is one, and so is a frame
-// buffer seen through display filters.
+// An image of resolved pixels in layers, for display and storage. A frame buffer is one, and so is a frame buffer with
+// display filters.
 #pragma once
 
 #include <span>
@@ -13,7 +13,7 @@ struct FrameBufferLayout {
     int width = 0, height = 0;
     int block_size = 16;  ///< samples per canonical block; a power of two
     int quantum_exponent = -80;
-    int first_row = 0;  ///< of the image, where this is a band of its rows: [first_row, first_row + height)
+    int first_row = 0;  ///< first row in the image if this is a band of its rows: [first_row, first_row + height)
 
     bool operator==(const FrameBufferLayout&) const = default;
 };
@@ -34,14 +34,13 @@ class PixelImage {
 
     [[nodiscard]] virtual const FrameBufferLayout& layout() const = 0;
     [[nodiscard]] virtual std::span<const ChannelDefinition> channels() const = 0;
-    /// The pixels of a channel in a region, which must lie within the image: row-major from the top, components
-    /// interleaved.
+    /// The pixels of a channel in a region inside the image, in row order from the top, with interleaved components.
     [[nodiscard]] virtual std::vector<double> resolve(ChannelId id, const PixelRegion& region) const = 0;
-    /// Coverage.
+    /// The coverage of the pixels in a region.
     [[nodiscard]] virtual std::vector<double> resolve_alpha(const PixelRegion& region) const = 0;
 
-    /// Where the rows from `y` on end that should be asked for together, channel after channel: an image that does not
-    /// fit in memory holds no more of itself at a time.
+    /// The end of the rows from `y` on that callers should resolve together, channel after channel. An image that does
+    /// not fit in memory holds only one such band at a time.
     [[nodiscard]] virtual int band_end(int /*y*/) const { return layout().height; }
 
     [[nodiscard]] PixelRegion whole() const { return {0, 0, layout().width, layout().height}; }

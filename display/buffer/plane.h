@@ -1,4 +1,4 @@
-// Arrays as large as an image.
+// Arrays of the size of an image.
 #pragma once
 
 #include <algorithm>
@@ -12,10 +12,10 @@
 
 namespace raylex::display {
 
-/// A zeroed array whose untouched pages cost nothing. All-zero bits mean "nothing yet" for every T here.
+/// A zeroed array whose untouched pages cost no memory. For every T here, all-zero bits mean "nothing yet".
 ///
-/// Large ones ask the system for large pages: a tile of pixels touches some rows of every channel's plane, a page each.
-/// With 45 layers on two threads three quarters of what asking for them cost were page faults and address-cache misses.
+/// Large arrays use large pages: a tile of pixels uses some rows of every channel's plane, each on its own page. With
+/// 45 layers on two threads, page faults and address-cache misses caused three quarters of the cost of layers.
 template <class T>
 class Plane {
   public:
@@ -42,7 +42,7 @@ class Plane {
     static void* map(std::size_t bytes) {
         void* data = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
         if (data == MAP_FAILED) return nullptr;
-        madvise(data, bytes, MADV_HUGEPAGE);  // a wish: where it is refused, small pages do
+        madvise(data, bytes, MADV_HUGEPAGE);  // a hint: small pages work, too
         return data;
     }
     struct Release {

@@ -1,4 +1,4 @@
-// Which pixels a raster splat counts for, and by how much.
+// The pixels that a raster splat contributes to, and their weights.
 #pragma once
 
 #include <algorithm>
@@ -10,22 +10,23 @@
 
 namespace raylex::display {
 
-/// What of one axis a splat reaches: the first and last pixel.
+/// The first and last pixel that a splat reaches along one axis.
 struct RasterFootprint {
     int first, last;
 
     RasterFootprint(float position, float radius, int size)
         : first(std::max(0, static_cast<int>(std::floor(position - radius - 0.5f)))),
           last(std::min(size - 1, static_cast<int>(std::ceil(position + radius - 0.5f)))) {}
-    /// From a pixel's centre. A splat just on a kernel's edge belongs to the pixel on its right, so that a box loses
-    /// none: float positions lie on edges more often than never.
+    /// The distance from a pixel's centre. A splat exactly on the edge of a kernel belongs to the pixel on its right,
+    /// so that a box filter loses none: float positions do lie on edges sometimes.
     static float offset(float position, int pixel, float radius) {
         const float from_centre = position - (static_cast<float>(pixel) + 0.5f);
         return from_centre == -radius ? std::nextafter(from_centre, 0.0f) : from_centre;
     }
 };
 
-/// Calls visit(pixel, weight) for every pixel of an image that `splat` counts for, its own weight included.
+/// Calls visit(pixel, weight) for every pixel of an image that `splat` contributes to; the weight includes the splat's
+/// own.
 template <class Visit>
 void for_each_reached(const PixelFilter& kernel, const CameraRow& splat, int width, int height, Visit visit) {
     const RasterFootprint across(splat.screen_x, kernel.radius_x(), width),

@@ -5,7 +5,7 @@
 
 namespace raylex::display {
 
-/// Camera rows come first in the table, so each ray's list begins with its own.
+/// Camera rows are first in the table, so each ray's list begins with its camera row.
 void RayRows::sort_rows(const SampleTable& table) {
     std::fill(first_.begin(), first_.end(), 0u);
     for (int row = 0; row < table.row_count(); ++row) ++first_[static_cast<std::size_t>(table.original(row)) + 1];
@@ -48,7 +48,7 @@ void RayRows::gather(const SampleTable& table) {
     }
 }
 
-/// Most batches: each ray has its camera row and no other.
+/// The usual batch: each ray has only its camera row.
 void RayRows::gather_single_rows(const SampleTable& table) {
     const std::size_t cameras = alpha_.size();
     if (ordered_ < cameras) {
@@ -83,7 +83,7 @@ WrittenMean written_mean(const SampleTable& table, ChannelId id, std::span<const
     mean.any = written > 0;
     mean.covers = covered > 0;
     if (!mean.any) return mean;
-    const bool weighted = mean.covers && written > 1;  // a single value is its own mean, bit by bit
+    const bool weighted = mean.covers && written > 1;  // a single value is its own mean, bit for bit
     for (std::size_t c = 0; c < components; ++c) mean.value[c] = weighted ? sum[c] / covered : value_of(mean.first)[c];
     return mean;
 }

@@ -1,4 +1,5 @@
-// Numbers, texts and planes as the bytes of a record, in this machine's byte order (little-endian; files say so).
+// Writes numbers, texts and planes as the bytes of a record, in the byte order of this machine (little-endian; files
+// declare it).
 #pragma once
 
 #include <algorithm>
@@ -14,10 +15,10 @@
 
 namespace raylex::display {
 
-/// How wide the numbers of a page of a plane of sums are: each is `width` bytes long, sign extended, times 2^(8 low).
+/// The width of the numbers of one page in a plane of sums: each is `width` bytes long, sign extended, times 2^(8 low).
 struct PackedWidth {
     std::uint8_t low = 0, width = 16;
-    /// In place of a width: the page is that of the plane before it which it was compared with.
+    /// Special width: the page equals that of the earlier plane it was compared with.
     static constexpr std::uint8_t same = 0xFF;
 
     static PackedWidth of(std::span<const Int128> values) {
@@ -33,7 +34,7 @@ struct PackedWidth {
     }
 };
 
-/// Appends to `bytes`.
+/// Appends values to `bytes`.
 class RecordWriter {
   public:
     explicit RecordWriter(std::string& bytes) : bytes_(bytes) {}
@@ -51,7 +52,7 @@ class RecordWriter {
         number(static_cast<std::uint64_t>(values.size()));
         append(values.data(), values.size_bytes());
     }
-    /// A plane without its pages of zeros: size, then (index, bytes) of every page that has something in it.
+    /// Writes a plane without its zero pages: the size, then (index, bytes) of every other page.
     void plane(std::span<const char> values) {
         number(static_cast<std::uint64_t>(values.size()));
         for (std::size_t at = 0; at < values.size(); at += page_size) {
@@ -63,8 +64,8 @@ class RecordWriter {
         number(end_of_plane);
     }
 
-    /// A plane of sums, which seldom need all of their 128 bits: as plane(), each page in as few bytes a number as hold
-    /// it, and in none where it is that of `like`, a plane of the same size written before (empty: none is).
+    /// Writes a plane of sums, which rarely need all 128 bits. Like plane(), but each page uses as few bytes per number
+    /// as possible, and none if it equals the page of `like`, an earlier plane of the same size (empty: no comparison).
     void sums(std::span<const Int128> values, std::span<const Int128> like = {}) {
         constexpr std::size_t page = page_size / sizeof(Int128);
         number(static_cast<std::uint64_t>(values.size()));
@@ -79,7 +80,8 @@ class RecordWriter {
             const PackedWidth packed = PackedWidth::of(part);
             number(packed.width);
             number(packed.low);
-            char bytes[page_size + sizeof(Int128)];  // whole numbers are copied, each over the last one's excess
+            char bytes[page_size + sizeof(Int128)];  // whole numbers are copied; each overwrites the excess of the one
+                                                     // before
             for (std::size_t i = 0; i < part.size(); ++i) {
                 const Int128 shifted = part[i] >> (8 * packed.low);
                 std::memcpy(bytes + i * packed.width, &shifted, sizeof shifted);
@@ -97,14 +99,13 @@ class RecordWriter {
         if (size != 0) bytes_.append(static_cast<const char*>(data), size);
     }
     static bool all_zero(const char* data, std::size_t size) {
-        // The first byte is 0, and every byte equals the one before it.
+        // True if the first byte is 0 and every byte equals the one before it.
         return *data == 0 && std::memcmp(data, data + 1, size - 1) == 0;
     }
     std::string& bytes_;
 };
 
-/// Reads what a RecordWriter wrote. The first thing that does not fit makes ok() false for good; what is read from then
-/// on is 0 and empty.
+/// Reads what RecordWriter wrote. After the first mismatch ok() is false, and all further values are 0 or empty.
 class RecordReader {
   public:
     explicit RecordReader(std::string_view bytes) : left_(bytes) {}
@@ -135,7 +136,7 @@ class RecordReader {
         take(values.data(), size * sizeof(std::uint64_t));
         return values;
     }
-    /// Into zeros of exactly the plane's size.
+    /// Reads a plane into zeroed memory of exactly its size.
     void plane(std::span<char> values) {
         if (number<std::uint64_t>() != values.size()) fail();
         while (ok_) {
@@ -145,7 +146,7 @@ class RecordReader {
             take(values.data() + at, std::min<std::size_t>(RecordWriter::page_size, values.size() - at));
         }
     }
-    /// As plane(), of what RecordWriter::sums() wrote.
+    /// Reads a plane that RecordWriter::sums() wrote.
     void sums(std::span<Int128> values, std::span<const Int128> like = {}) {
         constexpr std::size_t page = RecordWriter::page_size / sizeof(Int128);
         if (number<std::uint64_t>() != values.size()) fail();

@@ -1,4 +1,4 @@
-// What takes in finished samples beside the frame buffer: deep images, statistics of one's own.
+// Receivers of finished samples other than the frame buffer: deep images, custom statistics.
 #pragma once
 
 #include <cstddef>
@@ -11,18 +11,19 @@ namespace raylex::display {
 class SampleSink {
   public:
     virtual ~SampleSink() = default;
-    /// One batch, after the sample filters; never one that was discarded. Threads call at once, but never two of them
-    /// for the same pixel. Batches come in any order: what a sink keeps must not depend on it (Law 3).
+    /// Takes one batch after the sample filters; discarded batches are never passed. Threads call it concurrently, but
+    /// never for the same pixel. Batches arrive in any order, and the content of a sink must not depend on it (Law 3).
     virtual void accumulate(const SampleTable& table) = 0;
-    /// Raster splats, as FrameBuffer::splat takes them in. Threads call at once for different pixels.
+    /// Takes raster splats, as FrameBuffer::splat() does. Threads call it concurrently for different pixels.
     virtual void splat(const SampleTable& /*table*/, std::span<const int> /*rows*/) {}
-    /// Between two phases of a render, when no thread brings samples: what is there by then depends on no thread.
+    /// Called between two phases of a render, while no thread adds samples. The content then does not depend on
+    /// threads.
     virtual void end_phase() {}
-    /// Whether it has to be told so after every block of samples of the image.
+    /// Returns whether end_phase() must be called after every block of samples of the image.
     [[nodiscard]] virtual bool wants_phases() const { return false; }
-    /// Whether it looks at what channels hold: else light may reach them by sums of many samples.
+    /// Returns whether it reads the values of channels. If not, light may reach channels as sums of many samples.
     [[nodiscard]] virtual bool reads_channels() const { return true; }
-    /// An estimate of what it will have taken when the render ends, for the table printed before it begins.
+    /// Estimated bytes at the end of the render, for the table that is printed before it starts.
     [[nodiscard]] virtual std::size_t expected_bytes() const = 0;
 };
 

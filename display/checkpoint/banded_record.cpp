@@ -63,10 +63,10 @@ Result<BandedRecord> BandedRecord::open(RecordFileReader file) {
     const auto error = [&](const std::string& message) { return error_at({record.file_.path(), 0, 0}, message); };
     for (const std::string& section : record.file_.sections())
         if (const std::optional<RowRange> rows = rows_of(section)) record.bands_.push_back(*rows);
-    if (record.bands_.empty()) return error("the record has no sums of an image");
+    if (record.bands_.empty()) return error("the record contains no image");
     int next = 0;
     for (const RowRange& rows : record.bands_) {
-        if (rows.first != next || rows.end <= rows.first) return error("the record's bands do not make an image");
+        if (rows.first != next || rows.end <= rows.first) return error("the record's bands do not form an image");
         next = rows.end;
     }
     const auto first = record.read(record.bands_.front());
@@ -86,7 +86,7 @@ Result<FrameBuffer> BandedRecord::read(const RowRange& rows) const {
     if (!band) return at_file(band.error(), file_.path());
     const FrameBufferLayout& layout = band->layout();
     if (layout.first_row == rows.first && layout.first_row + layout.height == rows.end) return band;
-    return error_at({file_.path(), 0, 0}, "section '" + section_of(rows) + "' is of other rows");
+    return error_at({file_.path(), 0, 0}, "section '" + section_of(rows) + "' contains other rows");
 }
 
 Result<FrameBuffer> sum_of_band(std::span<const BandedRecord> records, const RowRange& rows) {

@@ -1,9 +1,8 @@
-// A frame buffer in a record file, band by band: each a section of its own, so that records of images larger than
-// memory are written, read and added up with no more than a band of each in memory. What a shard of a render and a cell
-// of an experiment leave.
+// Stores a frame buffer in a record file as bands, each in a section of its own. Records of images larger than memory
+// are written, read and merged with one band of each in memory. Shards of a render and cells of an experiment use it.
 //
-// Bands are of so many rows that one takes 64 MiB at most, and of one at least; records of one render have the same,
-// whatever the buckets that it was rendered in.
+// A band has as many rows as fit in 64 MiB, and at least one. All records of one render have the same bands, whatever
+// its buckets were.
 #pragma once
 
 #include <memory>
@@ -15,30 +14,30 @@
 
 namespace raylex::display {
 
-/// The bands of a record of this image. `raster`: with room for raster splats.
+/// The bands of a record of this image. `raster`: include room for raster splats.
 [[nodiscard]] std::vector<RowRange> record_bands(const FrameBufferLayout& layout,
                                                  std::span<const ChannelDefinition> channels, bool raster);
 
-/// Adds the sections of an image's bands, which record_bands() counts.
+/// Adds the bands of an image as sections; record_bands() gives their number.
 Status add_bands(RecordFileWriter& writer, const FrameBuffer& buffer);
-/// The same of an image in bands of its own.
+/// Adds the sections for an image that has other bands.
 Status add_bands(RecordFileWriter& writer, const std::vector<RowRange>& bands, const BandedImage& image);
 
 /// A record file with the bands of a frame buffer.
 class BandedRecord {
   public:
-    /// An Error when the file has none, or not all rows of an image.
+    /// Opens the record. An Error if the file has no bands, or lacks rows of the image.
     static Result<BandedRecord> open(RecordFileReader file);
 
     [[nodiscard]] const RecordFileReader& file() const { return file_; }
     [[nodiscard]] const std::vector<RowRange>& bands() const { return bands_; }
-    /// Of the image.
+    /// The layout of the whole image.
     [[nodiscard]] const FrameBufferLayout& layout() const { return layout_; }
     [[nodiscard]] const std::vector<ChannelDefinition>& channels() const { return channels_; }
     [[nodiscard]] bool raster() const { return raster_; }
     /// FrameBuffer::light_path_count() of the image.
     [[nodiscard]] std::uint64_t light_path_count() const { return light_paths_; }
-    /// One of bands(). Errors name the file.
+    /// Reads one of bands(). Errors name the file.
     [[nodiscard]] Result<FrameBuffer> read(const RowRange& rows) const;
 
   private:
@@ -51,10 +50,10 @@ class BandedRecord {
     bool raster_ = false;
 };
 
-/// The exact sum of records in a band (FrameBuffer::merge): in any order the same bits. Memory: two bands. An Error
-/// names the record that does not fit.
+/// The exact sum of one band over all records (FrameBuffer::merge), with the same bits in any order. Needs memory for
+/// two bands. An Error names the record that does not match.
 Result<FrameBuffer> sum_of_band(std::span<const BandedRecord> records, const RowRange& rows);
-/// Of all bands, in memory; of one record, what it holds.
+/// The exact sum over all bands, in memory; for a single record, its content.
 Result<FrameBuffer> sum_of_records(std::span<const BandedRecord> records);
 
 }  // namespace raylex::display

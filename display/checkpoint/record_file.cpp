@@ -51,14 +51,14 @@ struct FileCloser {
     void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
-/// Reads a record file front to back; the first thing that is wrong becomes `error`.
+/// Reads a record file from front to back; the first problem becomes `error`.
 class Reading {
   public:
     Reading(std::FILE* file, const std::string& path) : file_(file), path_(path) {}
 
     bool take(std::string& bytes, std::uint64_t size) {
         bytes.clear();
-        // In pieces, so that a size that is wrong costs no more memory than the file has bytes.
+        // Reads in pieces, so that a wrong size needs no more memory than the file has bytes.
         constexpr std::uint64_t piece = std::uint64_t{1} << 24;
         while (size > 0) {
             const auto part = static_cast<std::size_t>(std::min(size, piece));
@@ -74,7 +74,7 @@ class Reading {
         }
         return true;
     }
-    /// Past bytes that are there.
+    /// Skips bytes that must exist.
     bool skip(std::uint64_t size) {
         struct stat status {};
         if (fstat(fileno(file_), &status) != 0)
@@ -88,10 +88,12 @@ class Reading {
     }
     [[nodiscard]] std::uint64_t position() const { return position_; }
     bool fail(std::string message) {
-        error = file_error(path_, std::move(message), "no part of it is used; an intact copy can take its place");
+        error = file_error(path_, std::move(message), "none of it is used; replace it by an intact copy");
         return false;
     }
-    bool at_end() { return std::fgetc(file_) == EOF ? true : fail("the file goes on after its end: it is damaged"); }
+    bool at_end() {
+        return std::fgetc(file_) == EOF ? true : fail("the file has extra bytes after its end: it is damaged");
+    }
     Error error;
 
   private:
@@ -103,22 +105,22 @@ class Reading {
 bool read_header(Reading& file, std::uint64_t& sections) {
     std::string bytes;
     if (!file.take(bytes, header_size)) return false;
-    if (bytes.substr(0, magic.size()) != magic) return file.fail("this is no raylex record: expected its magic number");
+    if (bytes.substr(0, magic.size()) != magic) return file.fail("not a raylex record; expected its magic number");
     RecordReader reader(std::string_view(bytes).substr(magic.size()));
     const auto mark = reader.number<std::uint32_t>(), found = reader.number<std::uint32_t>();
     sections = reader.number<std::uint64_t>();
     if (mark != byte_order_mark)
-        return file.fail(mark == 0x04030201 ? "the record was written by a machine of the other byte order"
+        return file.fail(mark == 0x04030201 ? "the record was written on a machine with a different byte order"
                                             : "the record's header is damaged");
     if (reader.number<std::uint64_t>() != hash64({bytes.data(), header_size - 8}))
         return file.fail("the record's header is damaged");
     if (found != version)
-        return file.fail("the record has version " + std::to_string(found) + "; this raylex reads version " +
+        return file.fail("the record has version " + std::to_string(found) + "; expected version " +
                          std::to_string(version));
     return true;
 }
 
-/// Everything of a section but its content.
+/// Reads a section up to its content.
 bool read_section_header(Reading& file, std::string& name, std::uint64_t& size, std::uint64_t& hash) {
     std::string header;
     if (!file.take(header, section_header_size)) return false;
@@ -135,7 +137,7 @@ bool read_section_header(Reading& file, std::string& name, std::uint64_t& size, 
 }
 
 std::string damaged(const std::string& section) {
-    return "section '" + section + "' is damaged: its checksum does not agree";
+    return "section '" + section + "' is damaged: its checksum does not match";
 }
 
 std::string shortened(const std::string& text) {
@@ -225,7 +227,7 @@ Result<RecordFileReader> RecordFileReader::open(const std::string& path) {
         if (!file.take(content, section.size)) return file.error;
         if (hash64(content) != section.hash) file.fail(damaged(section.name));
         else if (section.name == "identity" && read_identity(content, record.identity_)) continue;
-        else file.fail("the record does not say what it is of: it is damaged");
+        else file.fail("the record has no identity: it is damaged");
         return file.error;
     }
     std::string end;
@@ -266,7 +268,7 @@ Result<std::string> RecordFileReader::content(const Section& section) const {
     Reading file(handle.get(), path_);
     std::string bytes;
     if (!file.skip(section.position)) return file.error;
-    bytes.reserve(section.size);  // which open() saw
+    bytes.reserve(section.size);  // open() checked the size
     if (!file.take(bytes, section.size)) return file.error;
     if (hash64(bytes) == section.hash) return bytes;
     file.fail(damaged(section.name));

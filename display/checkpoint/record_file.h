@@ -1,9 +1,9 @@
-// The file around a record: named sections, each with a checksum, and an identity that says what the record is of. It
-// is what checkpoints are written to; shards and experiment cells can be, too.
+// The file format of records: named sections, each with a checksum, and an identity that describes the content.
+// Checkpoints use it; shards and experiment cells can, too.
 //
-// Version 1, numbers in the order of the byte-order mark (little-endian on every machine raylex runs on):
+// Version 1. Numbers have the byte order of the mark (little-endian on every machine that raylex supports):
 //
-//   8 bytes   89 "RLX" 0d 0a 1a 0a      as PNG begins: a transfer that changes line ends is seen here
+//   8 bytes   89 "RLX" 0d 0a 1a 0a      as in PNG: detects transfers that change line ends
 //   u32       01020304                  byte-order mark
 //   u32       1                         version of this layout
 //   u64       number of sections
@@ -13,7 +13,7 @@
 //     the name, then the content
 //   u64       XXH64 of all the sections' content hashes, and nothing after it
 //
-// So every bit of the file is under a checksum, and an end that is missing is seen.
+// So a checksum covers every bit of the file, and a missing end is detected.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,8 @@
 
 namespace raylex::display {
 
-/// What a record is of, line by line: {"seed", "3"}, {"resolution", "640x480"}. Order counts for messages only.
+/// The description of a record, line by line: {"seed", "3"}, {"resolution", "640x480"}. The order only affects
+/// messages.
 using RecordIdentity = std::vector<std::pair<std::string, std::string>>;
 
 struct RecordSection {
@@ -39,24 +40,24 @@ struct RecordFile {
     RecordIdentity identity;
     std::vector<RecordSection> sections;
 
-    /// Null when there is none of that name.
+    /// Finds a section; null if there is none of that name.
     [[nodiscard]] const RecordSection* find(std::string_view name) const;
-    /// Appends an empty one.
+    /// Appends an empty section and returns its content.
     std::string& add(std::string name);
 };
 
-/// Writes the record whole or not at all: a temporary file, synced, renamed, the folder synced. An earlier file at
-/// `path` survives every failure.
+/// Writes the record completely or not at all: a temporary file, synced, renamed, then the folder synced. An earlier
+/// file at `path` survives every failure.
 Status write_record_file(const std::string& path, const RecordFile& record, FileSync sync = FileSync::now);
 
-/// Reads and checks all of it. Errors name the file and what is wrong: no record file at all, another version or byte
-/// order, truncated (with the byte), or damaged (with the section).
+/// Reads and checks the whole file. Errors name the file and the problem: not a record file, a different version or
+/// byte order, truncated (with the byte), or damaged (with the section).
 Result<RecordFile> read_record_file(const std::string& path);
 
-/// The same file section by section, so that no more than one of them need be in memory.
+/// Writes a record file section by section, so that only one section must be in memory.
 class RecordFileWriter {
   public:
-    /// `sections` is how many add() will be called for.
+    /// `sections` is the number of later calls of add().
     static Result<RecordFileWriter> create(const std::string& path, const RecordIdentity& identity,
                                            std::size_t sections, FileSync sync = FileSync::now);
     Status add(const std::string& name, std::string_view content);
@@ -68,19 +69,19 @@ class RecordFileWriter {
     std::string hashes_;
 };
 
-/// A record file whose sections are read, and checked, one by one. No file stays open.
+/// Reads and checks the sections of a record file one by one. No file stays open.
 class RecordFileReader {
   public:
-    /// Reads and checks what stands around the contents; a file that is too short for them is found here.
+    /// Reads and checks everything except the contents; detects a file that is too short for them.
     static Result<RecordFileReader> open(const std::string& path);
 
     [[nodiscard]] const std::string& path() const { return path_; }
     [[nodiscard]] const RecordIdentity& identity() const { return identity_; }
     [[nodiscard]] std::vector<std::string> sections() const;  ///< names, without the identity's
     [[nodiscard]] bool has(std::string_view name) const;
-    /// The content of a section; an Error when there is none of that name, or it is damaged.
+    /// The content of a section. An Error if there is none of that name, or if it is damaged.
     [[nodiscard]] Result<std::string> read(std::string_view name) const;
-    /// Whether every section is sound.
+    /// Checks every section.
     [[nodiscard]] Status check() const;
 
   private:
@@ -94,8 +95,8 @@ class RecordFileReader {
     std::vector<Section> sections_;
 };
 
-/// What differs, one line each: "seed: 3 there, 4 here". Empty when the two say the same. Fields that only one of them
-/// has differ too. Long values are cut.
+/// The differences, one line each: "seed: 3 there, 4 here". Empty if both are equal. A field in only one of them is a
+/// difference. Long values are shortened.
 std::vector<std::string> identity_differences(const RecordIdentity& there, const RecordIdentity& here);
 
 }  // namespace raylex::display

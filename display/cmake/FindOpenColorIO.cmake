@@ -1,4 +1,4 @@
-# Finds OpenColorIO by its header and library. Debian 12's own CMake package stands where CMake does not look, and its
+# Finds OpenColorIO by its header and library. Debian 12's own CMake package is not in CMake's search path, and its
 # prefix resolves to "/", so it cannot be used.
 # Defines OpenColorIO_FOUND, OpenColorIO_VERSION and the target OpenColorIO::OpenColorIO.
 find_path(OpenColorIO_INCLUDE_DIR OpenColorIO/OpenColorIO.h)

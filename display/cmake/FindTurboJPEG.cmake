@@ -1,4 +1,4 @@
-# Finds TurboJPEG by its header and library. Debian 12's own CMake package asks for files of packages that it does not
+# Finds TurboJPEG by its header and library. Debian 12's own CMake package needs files of packages that it does not
 # depend on. Defines TurboJPEG_FOUND and the target TurboJPEG::TurboJPEG.
 find_path(TurboJPEG_INCLUDE_DIR turbojpeg.h)
 find_library(TurboJPEG_LIBRARY turbojpeg)

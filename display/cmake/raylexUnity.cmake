@@ -1,11 +1,11 @@
-# raylex_unity(<out> <source>...): the sources to compile in place of these. Those of one folder of a part, with the
-# folders inside it, are compiled together, at most RAYLEX_UNITY_BATCH in one go, which takes less than half the time:
-# headers are parsed, and templates that several sources use are compiled, once. CMake's own UNITY_BUILD writes absolute
-# paths: no two clones would share a compiler cache.
+# raylex_unity(<out> <source>...): returns the sources to compile instead. The sources of one folder of a part, and of its
+# subfolders, are compiled together, at most RAYLEX_UNITY_BATCH at a time. This takes less than half the time, because
+# headers and templates that several sources use are compiled once. CMake's own UNITY_BUILD writes absolute paths, so
+# two clones could not share a compiler cache.
 #
-# Sources that are compiled together see each other's anonymous namespaces: equal names there are an error of the
-# compiler. raylex_compile_alone() keeps a source by itself: one that holds the code of a library, say. Generated ones
-# stay so, too.
+# Sources that are compiled together share their anonymous namespaces, so equal names there are compiler errors.
+# raylex_compile_alone() compiles a source separately, for example one that contains the code of a library. Generated
+# sources are always separate.
 function(raylex_unity out)
   set(result "")
   set(folders "")
@@ -28,7 +28,7 @@ function(raylex_unity out)
   endforeach()
   list(REMOVE_DUPLICATES folders)
   foreach(key ${folders})
-    # As many batches as it takes, of nearly equal length.
+    # The smallest number of batches, with nearly equal lengths.
     list(LENGTH sources_${key} count)
     math(EXPR batches "(${count} + ${RAYLEX_UNITY_BATCH} - 1) / ${RAYLEX_UNITY_BATCH}")
     math(EXPR length "(${count} + ${batches} - 1) / ${batches}")
@@ -44,7 +44,7 @@ function(raylex_unity out)
       file(CONFIGURE OUTPUT ${unity} CONTENT "${text}" @ONLY)
       set(options ${RAYLEX_UNITY_OPTIONS})
       if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-        # g++ takes all files but the one on its command line for headers, where anonymous types in classes are a slip.
+        # g++ treats all files except the one on its command line as headers, and warns of anonymous types in their classes.
         list(APPEND options -Wno-subobject-linkage)
       endif()
       set_source_files_properties(${unity} PROPERTIES COMPILE_OPTIONS "${options}")

@@ -15,18 +15,18 @@ namespace raylex::display {
 
 namespace {
 
-constexpr int quantum = -80;  // as the frame buffer's: 1e-24 of a sample's unit
+constexpr int quantum = -80;  // like the frame buffer's: 1e-24 of a sample's unit
 constexpr int mantissa_bits = 23;
 constexpr std::uint32_t background_key = 0xffffffffu;
 
-/// Order and bin of a depth: bits of floats from 0 up sort as integers do.
+/// The sort key and bin of a depth: the bits of non-negative floats sort like integers.
 std::uint32_t depth_key(float depth, int level) {
     return std::bit_cast<std::uint32_t>(depth) >> level;
 }
 
-/// A volume's and a surface's bin of one key may interleave; the transmittances were made in the order of the bins, so
-/// that order stays and depths are moved, within the key, to agree with it: by ImfDeepImageState.h, (Z, ZBack) must
-/// rise strictly, and tidy spans must not reach into each other.
+/// A volume bin and a surface bin with the same key can interleave. The transmittances were computed in the order of
+/// the bins. So the order stays, and depths are moved within the key to match it: by ImfDeepImageState.h, (Z, ZBack)
+/// must increase strictly, and tidy spans must not overlap.
 void put_in_order(DeepSample& front, DeepSample& back, bool tidy) {
     back.z = std::max(back.z, front.z);
     if (tidy) front.z_back = std::min(front.z_back, back.z);
@@ -38,7 +38,7 @@ void put_in_order(DeepSample& front, DeepSample& back, bool tidy) {
 
 }  // namespace
 
-/// What stands in one bin beside its sums. Surfaces and volumes of one depth have bins of their own, volumes first.
+/// A bin without its sums. Surfaces and volumes of the same depth have separate bins; volume bins come first.
 struct DeepBuffer::Bin {
     std::uint32_t key = 0;
     bool surface = false;
@@ -55,12 +55,12 @@ struct DeepBuffer::Pixel {
     std::vector<Int128> sums;  // [bin][stride()]
     Int128 weight = 0;
     std::uint32_t refused = 0;
-    std::uint8_t level = 0;  // 0 = not begun: first_level_ is at least 1
+    std::uint8_t level = 0;  // 0: not started; first_level_ is at least 1
 };
 
 struct DeepBuffer::Row {
     int index = 0;
-    double weight = 0, drop = 0;  // of the sample; of the transmittance, weight included
+    double weight = 0, drop = 0;  // weight of the sample; drop in transmittance, weight included
     bool background = false;
     bool sample_covers = false;  // the sample's alpha is not 0
 };
@@ -102,11 +102,11 @@ Status DeepBuffer::check(std::span<const ChannelDefinition> channels, std::span<
         const ChannelDefinition& channel = channels[static_cast<std::size_t>(id)];
         if (!takes_samples(channel))
             return error_at({}, "channel '" + channel.name +
-                                    "' cannot be deep: it is made of another channel's samples; expected "
+                                    "' cannot be deep: it uses another channel's samples; expected "
                                     "light or a filtered channel");
         if (channel.type == ChannelType::integer || channel.rule != FilterRule::filter)
             return error_at({}, "channel '" + channel.name + "' cannot be deep: it is " +
-                                    (channel.type == ChannelType::integer ? "an integer" : "no filtered mean") +
+                                    (channel.type == ChannelType::integer ? "an integer" : "not a filtered mean") +
                                     "; expected light or a filtered channel (depth is in every deep image)");
     }
     return success();
@@ -132,7 +132,7 @@ void DeepBuffer::accumulate(const SampleTable& table) {
     }
 }
 
-/// A sample's rows from front to back, each with what it takes from the transmittance.
+/// Adds the rows of a sample from front to back, each with its drop in transmittance.
 void DeepBuffer::add_sample(Pixel& pixel, const SampleTable& table, const RayRows& rays, int camera_row,
                             Scratch& scratch) {
     if (pixel.level == 0) pixel.level = static_cast<std::uint8_t>(first_level_);
@@ -170,7 +170,7 @@ void DeepBuffer::add_row(Pixel& pixel, const SampleTable& table, const Row& row,
         leaves_a_trace = leaves_a_trace || terms[at] != 0;
     };
     put(0, row.drop);
-    // The mean depth is kept relative to 1, so that its sums stay in range: depths reach 1e30.
+    // Depths reach 1e30, so the mean of their logarithm is stored, relative to 1, to keep the sums in range.
     put(1, row.background ? 0 : row.drop * elementary::log2(std::max(depth, std::numeric_limits<float>::min())));
     std::size_t at = 2;
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
@@ -184,7 +184,7 @@ void DeepBuffer::add_row(Pixel& pixel, const SampleTable& table, const Row& row,
         const bool adds = state == SampleTable::RowState::splatted ||
                           (state == SampleTable::RowState::untouched && table.fill_value(id) == 0);
         const bool miss = !written.set && row.index == table.original(row.index) && std::isfinite(table.fill_value(id));
-        // A sample that covers nothing has its written value in the first row that has one.
+        // A sample without coverage has its written value in the first row that has one.
         const double share = row.sample_covers ? row.drop : row.index == written.first ? row.weight : 0.0;
         for (std::size_t c = 0; c < components; ++c) {
             double value = 0;
@@ -217,7 +217,7 @@ void DeepBuffer::add_row(Pixel& pixel, const SampleTable& table, const Row& row,
     coarsen(pixel);
 }
 
-/// Raises the level until the bins, without the background's, are at most the limit; or at level 31 two are left.
+/// Raises the level until the number of bins, without the background, is at most the limit, or until level 31.
 void DeepBuffer::coarsen(Pixel& pixel) const {
     const auto limit = static_cast<std::size_t>(options_.most_samples);
     const std::size_t width = stride();
@@ -225,7 +225,8 @@ void DeepBuffer::coarsen(Pixel& pixel) const {
         ++pixel.level;
         for (Bin& bin : pixel.bins)
             if (bin.key != background_key) bin.key >>= 1;
-        // Halving may bring a surface bin before a volume bin of the same new key: sort again, sums along.
+        // Halving keys can put a surface bin before a volume bin of the same new key, so bins and sums are sorted
+        // again.
         std::vector<std::size_t> order(pixel.bins.size());
         for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
         std::stable_sort(order.begin(), order.end(),
@@ -261,11 +262,11 @@ std::vector<DeepSample> DeepBuffer::resolve(int x, int y) const {
         const Bin& bin = pixel.bins[b];
         const Int128* sums = &pixel.sums[b * stride()];
         const long double drop = to_long_double(sums[0], quantum) / weight;
-        // What comes after everything opaque cannot be seen; rounding of the last drop leaves at most a few 1e-19.
+        // Nothing behind an opaque surface is visible; rounding of the last drop leaves at most a few 1e-19.
         const bool open = through > 1e-15L;
         DeepSample sample;
         sample.alpha = open ? static_cast<float>(std::clamp(drop / through, 0.0L, 1.0L)) : 1.0f;
-        const bool points = bin.surface || sample.alpha == 1;  // a span that lets nothing through would hide its inside
+        const bool points = bin.surface || sample.alpha == 1;  // an opaque span would hide its inside
         sample.z = bin.nearest;
         sample.z_back = bin.farthest;
         if (points && bin.key != background_key && sums[0] > 0) {

@@ -17,7 +17,7 @@ double now() {
 
 float live_value(double value) {
     if (std::isnan(value)) return 0;
-    if (std::isinf(value)) return static_cast<float>(value);  // a miss, where the channel says so
+    if (std::isinf(value)) return static_cast<float>(value);  // a miss value of the channel
     constexpr double largest = std::numeric_limits<float>::max();
     return static_cast<float>(std::clamp(value, -largest, largest));
 }
@@ -68,7 +68,7 @@ void DriverSet::update(double seconds, double fraction, const PixelSource& sourc
         const bool taken = send(slices_[next_], source);
         next_ = (next_ + 1) % slices_.size();
         spent_seconds_ += now() - begin;
-        if (!taken) break;  // no room: more would be dropped as well
+        if (!taken) break;  // no room: further regions would be dropped too
     }
 }
 

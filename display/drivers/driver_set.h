@@ -1,8 +1,8 @@
-// All the drivers of one render, and what feeds the live ones.
+// All drivers of one render, and the updates of the live ones.
 //
-// Regions are resolved in slices of at most slice_pixels, layer after layer and round again, on the thread that reports
-// progress. Slices stop when they have taken live_share of the time since rendering began, so a viewer costs a render
-// that part of one processor and no more.
+// Regions are resolved in slices of at most slice_pixels, layer by layer and repeatedly, on the thread that reports
+// progress. Updates stop when they have used live_share of the time since rendering began, so a viewer costs a render
+// at most that fraction of one processor.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@
 
 namespace raylex::display {
 
-/// Where live pixels come from: PixelImage::resolve and resolve_alpha.
+/// The source of live pixels: PixelImage::resolve() and resolve_alpha().
 struct PixelSource {
     std::function<std::vector<double>(ChannelId, const PixelRegion&)> resolve;
     std::function<std::vector<double>(const PixelRegion&)> resolve_alpha;
@@ -24,20 +24,21 @@ class DriverSet {
   public:
     static constexpr double live_share = 0.02;
     static constexpr int slice_pixels = 1 << 15;
-    /// How long close() waits, in all, for live drivers to take the finished image.
+    /// Total time that close() waits for live drivers to take the finished image.
     static constexpr double patience_seconds = 2;
 
     void add(std::unique_ptr<DisplayDriver> driver) { drivers_.push_back(std::move(driver)); }
     [[nodiscard]] std::size_t size() const { return drivers_.size(); }
     [[nodiscard]] bool any_live() const;
 
-    /// Opens all; the first error closes nothing, since nothing was written yet.
+    /// Opens all drivers. The first error closes none of them, because nothing is written yet.
     Status open(const DriverImage& image);
-    /// Call now and then while the image grows. `seconds` since rendering began.
+    /// Updates live drivers; call it regularly while the image grows. `seconds` since rendering began.
     void update(double seconds, double fraction, const PixelSource& source);
-    /// Gives live drivers the finished image and closes all in their order. The first error, after all were closed.
+    /// Sends the finished image to live drivers and closes all drivers in order. Returns the first error after closing
+    /// all.
     Status close(const FinishedImage& image);
-    /// New since the last call, at most one per driver in all.
+    /// Warnings since the last call; at most one per driver overall.
     std::vector<std::string> take_warnings();
     [[nodiscard]] std::vector<std::string> files() const;
 

@@ -1,4 +1,4 @@
-// The driver that writes the whole image as one OpenEXR file when the render is over.
+// The driver that writes the whole image as one OpenEXR file at the end of the render.
 #pragma once
 
 #include "display/drivers/display_driver.h"

@@ -24,7 +24,7 @@ namespace raylex::display {
 
 namespace {
 
-constexpr int poll_milliseconds = 100;  // how soon the thread sees that it shall stop
+constexpr int poll_milliseconds = 100;  // reaction time of the thread to a stop
 
 class Socket {
   public:
@@ -53,7 +53,7 @@ struct PacketSender::State {
     mutable std::mutex mutex;
     std::condition_variable changed;
     std::deque<std::vector<unsigned char>> queue;
-    std::size_t queued_bytes = 0;  // the packet being sent included
+    std::size_t queued_bytes = 0;  // includes the packet being sent
     bool sending = false;
     std::string failure;
     std::atomic<bool> stop{false};
@@ -73,7 +73,7 @@ struct PacketSender::State {
     void run();
 };
 
-/// Until the descriptor is ready, `seconds` passed or the sender stops.
+/// Waits until the descriptor is ready, `seconds` have passed, or the sender stops.
 bool PacketSender::State::wait_for(int descriptor, short events, double seconds) const {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     while (!stop && std::chrono::steady_clock::now() < deadline) {
@@ -132,7 +132,7 @@ bool PacketSender::State::send_all(int descriptor, const std::vector<unsigned ch
         if (count > 0) {
             sent += static_cast<std::size_t>(count);
         } else if (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR) {
-            // However slow the viewer is: it may take its time, nobody waits for it but this thread.
+            // A slow viewer blocks only this thread.
             while (!stop && !wait_for(descriptor, POLLOUT, 1)) {}
             if (stop) return false;
         } else {
@@ -171,7 +171,7 @@ PacketSender::PacketSender(const std::string& host, int port, std::size_t capaci
     state_->capacity = capacity;
     std::thread thread = thread_or_none([state = state_] { state->run(); });
     if (thread.joinable()) thread.detach();
-    else state_->fail("the system starts no more threads");
+    else state_->fail("the system cannot start another thread");
 }
 
 PacketSender::~PacketSender() {

@@ -1,4 +1,4 @@
-// Sends packets over TCP from a thread of its own: whoever hands them over never waits.
+// Sends packets over TCP from a thread of its own, so that callers never wait.
 #pragma once
 
 #include <cstddef>
@@ -10,26 +10,26 @@ namespace raylex::display {
 
 class PacketSender {
   public:
-    /// Connects in the background, for at most connect_seconds. At most `capacity` bytes wait to be sent.
+    /// Connects in the background, for at most connect_seconds. At most `capacity` bytes are queued.
     PacketSender(const std::string& host, int port, std::size_t capacity);
-    /// Does not wait for what is not sent yet.
+    /// Does not wait for packets that are not sent yet.
     ~PacketSender();
     PacketSender(const PacketSender&) = delete;
     PacketSender& operator=(const PacketSender&) = delete;
 
-    /// False when there is no room; a single packet always fits into an empty queue. Packets after a failure are taken
-    /// and forgotten.
+    /// Queues a packet. Returns false if there is no room; a single packet always fits into an empty queue. After a
+    /// failure packets are accepted and discarded.
     bool send(std::vector<unsigned char> packet);
-    /// Waits until everything was handed to the system, for at most `seconds`; false when it was not.
+    /// Waits until everything is handed to the system, for at most `seconds`; returns false if something is left.
     bool drain(double seconds);
-    /// Why packets are not arriving any more; empty while they are.
+    /// Why packets no longer arrive; empty while they do.
     [[nodiscard]] std::string failure() const;
 
     static constexpr double connect_seconds = 3;
 
   private:
     struct State;
-    std::shared_ptr<State> state_;  // the thread may outlive this object while a name is looked up
+    std::shared_ptr<State> state_;  // the thread can outlive this object while a name is looked up
 };
 
 }  // namespace raylex::display

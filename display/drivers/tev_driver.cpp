@@ -10,7 +10,7 @@ namespace raylex::display {
 
 namespace {
 
-/// Room for a few slices: newer values are worth more than many old ones.
+/// Room for a few slices, because newer values are more useful than many old ones.
 constexpr std::size_t queue_bytes = 16u << 20;
 constexpr double drain_seconds = 1;
 
@@ -42,8 +42,8 @@ class TevDriver : public DisplayDriver {
         if (!sender_) return {};
         const std::string viewer = "the viewer at " + host_ + ":" + std::to_string(port_);
         if (const std::string failure = sender_->failure(); !failure.empty())
-            return viewer + " shows nothing more (" + failure + "); the render goes on without it";
-        return slow_ ? viewer + " was too slow to take all of the finished image" : std::string();
+            return viewer + " no longer receives the image (" + failure + "); the render continues without it";
+        return slow_ ? viewer + " was too slow to receive all of the finished image" : std::string();
     }
 
   private:
@@ -63,7 +63,7 @@ Result<std::unique_ptr<DisplayDriver>> make_tev(const ParameterSet& parameters, 
     auto name = parameters.string_or("name", "");
     if (!name) return name.error();
     if (host->empty() || *port < 1 || *port > 65535)
-        return error_at(parameters.location, "no viewer can be at '" + *host + ":" + std::to_string(*port) +
+        return error_at(parameters.location, "invalid viewer address '" + *host + ":" + std::to_string(*port) +
                                                  "'; expected a host and a port from 1 to 65535");
     return std::unique_ptr<DisplayDriver>(std::make_unique<TevDriver>(*host, static_cast<int>(*port), *name));
 }
@@ -74,8 +74,8 @@ Registry<DisplayDriverFactory>::Entry tev_driver_entry() {
     return {"tev",
             "shows the image in a running tev viewer while it is rendered",
             {{"host", ParameterType::string, "localhost", "where the viewer runs"},
-             {"port", ParameterType::integer, std::to_string(tev::default_port), "its TCP port"},
-             {"name", ParameterType::string, "the output's name", "what the viewer calls the image"}},
+             {"port", ParameterType::integer, std::to_string(tev::default_port), "TCP port of the viewer"},
+             {"name", ParameterType::string, "the output's name", "name of the image in the viewer"}},
             make_tev};
 }
 
@@ -83,7 +83,7 @@ Result<ParameterSet> tev_address(const std::string& text, const SourceLocation& 
     ParameterSet set;
     set.location = where;
     const auto wrong = [&] {
-        return error_at(where, "'" + text + "' is no viewer's address; expected HOST:PORT, such as localhost:14158");
+        return error_at(where, "'" + text + "' is not a viewer's address; expected HOST:PORT, such as localhost:14158");
     };
     const std::size_t bracket = text.find(']');
     const bool numeric = !text.empty() && text.front() == '[' && bracket != std::string::npos;

@@ -1,4 +1,4 @@
-// The driver that shows the image in a running tev viewer while it is being rendered.
+// The driver that shows the image in a running tev viewer during the render.
 #pragma once
 
 #include "display/drivers/display_driver.h"
@@ -7,8 +7,8 @@ namespace raylex::display {
 
 Registry<DisplayDriverFactory>::Entry tev_driver_entry();
 
-/// "host:port", "host" or ":port" (localhost, 14158 when left out; [::1]:14158 for numeric IPv6) as the parameters of a
-/// tev driver. Errors at `where`.
+/// Parses "host:port", "host" or ":port" into the parameters of a tev driver (defaults: localhost, 14158; [::1]:14158
+/// for numeric IPv6). Errors are at `where`.
 Result<ParameterSet> tev_address(const std::string& text, const SourceLocation& where);
 
 }  // namespace raylex::display

@@ -9,7 +9,7 @@ namespace {
 class Writer {
   public:
     explicit Writer(unsigned char type) {
-        number<std::uint32_t>(0);  // the length, known in the end
+        number<std::uint32_t>(0);  // the length, filled in at the end
         byte(type);
     }
     void byte(unsigned char value) { packet_.push_back(value); }
@@ -42,7 +42,7 @@ class Writer {
 
 Packet create_image(const std::string& name, int width, int height, const std::vector<std::string>& channels) {
     Writer writer(4);
-    writer.byte(1);  // shown at once
+    writer.byte(1);  // show it at once
     writer.text(name);
     writer.int32(width);
     writer.int32(height);
@@ -53,7 +53,7 @@ Packet create_image(const std::string& name, int width, int height, const std::v
 Packet update_image(const std::string& name, const std::vector<std::string>& channels, const PixelRegion& region,
                     std::span<const float> values) {
     Writer writer(6);
-    writer.byte(0);  // whoever looks at another image goes on doing so
+    writer.byte(0);  // do not take the focus from another image
     writer.text(name);
     writer.texts(channels);
     for (const int each : {region.x0, region.y0, region.width(), region.height()}) writer.int32(each);

@@ -1,5 +1,5 @@
-// The packets of the tev image viewer (github.com/Tom94/tev). The facts are those of the Python description of its
-// protocol that the viewer's authors publish (package "tevclient", formerly src/python/ipc.py in its repository):
+// The packets of the tev image viewer (github.com/Tom94/tev), from the Python description of its protocol that the
+// viewer's authors publish (package "tevclient", formerly src/python/ipc.py in its repository):
 //
 // TCP, by default port 14158. A packet is its own length in bytes as uint32, the type as one byte, and its fields;
 // numbers are little-endian, text is UTF-8 and ends with a zero byte.
@@ -24,10 +24,10 @@ inline constexpr int default_port = 14158;
 /// A packet ready to be sent.
 using Packet = std::vector<unsigned char>;
 
-/// Makes an image of that name, black, in place of an earlier one.
+/// Creates a black image with that name; it replaces an earlier one.
 [[nodiscard]] Packet create_image(const std::string& name, int width, int height,
                                   const std::vector<std::string>& channels);
-/// Pixels of a region, row by row, the channels interleaved.
+/// The pixels of a region in row order with interleaved channels.
 [[nodiscard]] Packet update_image(const std::string& name, const std::vector<std::string>& channels,
                                   const PixelRegion& region, std::span<const float> values);
 

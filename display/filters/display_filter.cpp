@@ -29,7 +29,7 @@ class GradeDisplay final : public DisplayFilter {
   private:
     Grade grade_;
     std::vector<ChannelId> changed_;
-    bool alone_;  // named channels, and not all light alike
+    bool alone_;  // applies to named channels, not to all light
 };
 
 Result<std::unique_ptr<DisplayFilter>> build_display_grade(const ParameterSet& parameters,
@@ -44,7 +44,7 @@ Result<std::unique_ptr<DisplayFilter>> build_display_grade(const ParameterSet& p
     return std::unique_ptr<DisplayFilter>(std::make_unique<GradeDisplay>(*grade, std::move(*changed), alone));
 }
 
-/// beauty + (1 - alpha) x colour: colours are premultiplied.
+/// beauty + (1 - alpha) x colour, because colours are premultiplied.
 class Background final : public DisplayFilter {
   public:
     Background(const RgbD& color, ChannelId beauty) : color_(color), beauty_(beauty) {}
@@ -73,7 +73,7 @@ Result<std::unique_ptr<DisplayFilter>> build_background(const ParameterSet& para
     if (!color) return color.error();
     if (context.beauty < 0)
         return error_at(parameters.location,
-                        "display filter 'background' puts the beauty over a colour, and this render leaves it out; "
+                        "display filter 'background' needs a beauty channel, and this render has none; "
                         "expected a beauty channel");
     return std::unique_ptr<DisplayFilter>(std::make_unique<Background>(*color, context.beauty));
 }
@@ -91,7 +91,7 @@ Registry<DisplayFilterFactory> in_tree_filters() {
 
 }  // namespace
 
-/// One filter over the image before it.
+/// The image after one filter.
 class FilteredImage::Stage final : public PixelImage {
   public:
     Stage(const PixelImage& before, const DisplayFilter& filter) : before_(before), filter_(filter) {}

@@ -1,5 +1,5 @@
-// Display filters: they see resolved pixels, after the pixel filter and before drivers. Deep images, statistics and the
-// adaptive sampler never see what they do.
+// Display filters process resolved pixels, after the pixel filter and before drivers. They do not affect deep images,
+// statistics or the adaptive sampler.
 #pragma once
 
 #include <functional>
@@ -13,28 +13,28 @@
 
 namespace raylex::display {
 
-/// One object serves all threads and is asked for any region, again and again while an image is shown live: apply()
-/// changes nothing but the pixels it is given, and a pixel must not depend on the region it is part of.
+/// One object serves all threads and is called for any region, repeatedly while an image is shown live. apply() may
+/// change only the given pixels, and a pixel must not depend on the region that contains it.
 class DisplayFilter {
   public:
     virtual ~DisplayFilter() = default;
     [[nodiscard]] virtual bool changes(ChannelId id) const = 0;
     [[nodiscard]] virtual bool changes_alpha() const { return false; }
-    /// Changes the pixels of a channel for which changes() holds: row-major, components interleaved, as `before` has
-    /// them. `before` is the image that the filters in front of this one make; other channels and other pixels can be
-    /// read there.
+    /// Changes the pixels of a channel for which changes() is true: in row order with interleaved components, initially
+    /// the values of `before`. `before` is the result of the filters before this one; other channels and pixels can be
+    /// read from it.
     virtual void apply(const PixelImage& before, ChannelId id, const PixelRegion& region,
                        std::span<double> pixels) const = 0;
-    /// The same for coverage, when changes_alpha() holds.
+    /// Changes the coverage of a region, if changes_alpha() is true.
     virtual void apply_alpha(const PixelImage& /*before*/, const PixelRegion& /*region*/,
                              std::span<double> /*alpha*/) const {}
-    /// Channels that change in another way than all light together does, so that partitions they are in no longer sum.
-    /// Such a partition is not declared in files, and the user is told. What a filter fails to list shows as a split
-    /// that does not hold.
+    /// Channels that the filter changes differently from all light together, so that partitions containing them no
+    /// longer sum. Such a partition is not declared in files, and a warning is shown. If a filter omits a channel here,
+    /// its split is reported as not holding.
     [[nodiscard]] virtual std::vector<ChannelId> alters() const { return {}; }
 };
 
-/// What a filter may know of the image it is made for.
+/// The properties of the image for which a filter is made.
 struct DisplayFilterContext {
     std::span<const ChannelDefinition> channels;
     ChannelId beauty = invalid_channel;
@@ -46,12 +46,12 @@ using DisplayFilterFactory =
 /// "grade" (filters/grade.h, on resolved pixels) and "background" (the beauty over a colour; alpha becomes 1).
 Registry<DisplayFilterFactory>& display_filter_registry();
 
-/// The filter of that name built from its parameters, or an error at the set's location; a parameter that it does not
-/// take is an error too.
+/// Makes the filter of that name with these parameters. Errors, at the set's location: no such filter, a wrong or
+/// unknown parameter.
 Result<std::unique_ptr<DisplayFilter>> make_display_filter(const std::string& name, const ParameterSet& parameters,
                                                            const DisplayFilterContext& context);
 
-/// An image seen through filters, in their order. `image` and the filters must outlive it.
+/// An image after filters, applied in order. `image` and the filters must outlive it.
 class FilteredImage final : public PixelImage {
   public:
     FilteredImage(const PixelImage& image, std::span<const std::unique_ptr<DisplayFilter>> filters);
@@ -71,7 +71,7 @@ class FilteredImage final : public PixelImage {
     class Stage;
     [[nodiscard]] const PixelImage& last() const { return *images_.back(); }
     std::vector<std::unique_ptr<const PixelImage>> stages_;
-    std::vector<const PixelImage*> images_;  // the image itself, then each stage
+    std::vector<const PixelImage*> images_;  // the image itself, then the image after each filter
 };
 
 }  // namespace raylex::display

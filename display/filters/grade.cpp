@@ -33,13 +33,14 @@ void Grade::apply(double* values, int components) const {
 }
 
 std::vector<ParameterDescription> grade_parameters() {
-    return {{"exposure", ParameterType::real, "0", "stops: twice the light for each"},
-            {"gain", ParameterType::rgb, "1", "factor, or three of them, >= 0"},
-            {"offset", ParameterType::rgb, "0", "what is added after gain, or three of them; only with channels"},
-            {"gamma", ParameterType::rgb, "1", "to the power 1 / gamma, or three of them, > 0; only with channels"},
-            {"saturation", ParameterType::real, "1", "0 is grey, above 1 is more than there was, >= 0"},
+    return {{"exposure", ParameterType::real, "0", "exposure in stops; each doubles the light"},
+            {"gain", ParameterType::rgb, "1", "one factor or three, >= 0"},
+            {"offset", ParameterType::rgb, "0", "one summand or three, added after gain; only with channels"},
+            {"gamma", ParameterType::rgb, "1",
+             "one gamma or three, > 0; the value becomes value^(1 / gamma); only with channels"},
+            {"saturation", ParameterType::real, "1", "0 is grey, 1 keeps colours, above 1 increases saturation, >= 0"},
             {"channels", ParameterType::string, "",
-             "names of what is changed; none: beauty and all light layers alike, so that splits still sum"}};
+             "names of the channels to change; none: beauty and all light layers alike, so that splits still sum"}};
 }
 
 Result<RgbD> read_triple(const ParameterSet& parameters, const std::string& name, double fallback,
@@ -51,7 +52,7 @@ Result<RgbD> read_triple(const ParameterSet& parameters, const std::string& name
                       std::all_of(numbers.begin(), numbers.end(), [](double v) { return std::isfinite(v); });
     if (!fits)
         return error_at(parameter->location, who + " has a parameter '" + name +
-                                                 "' that is no number and no three of them; expected such as "
+                                                 "' that is neither a number nor three numbers; expected, for example, "
                                                  "1.5 or three numbers for red, green and blue");
     return numbers.size() == 1 ? RgbD(numbers[0]) : RgbD(numbers[0], numbers[1], numbers[2]);
 }
@@ -72,7 +73,7 @@ Result<Grade> read_grade(const ParameterSet& parameters, const std::string& who)
     if (!(std::abs(*exposure) <= 64)) return wrong("an exposure beyond 64 stops; expected one from -64 to 64");
     if (!(std::min({gain->r, gain->g, gain->b}) >= 0)) return wrong("a negative gain; expected 0 or above");
     if (!(std::min({gamma->r, gamma->g, gamma->b}) > 0))
-        return wrong("a gamma that is not above 0; expected such as 2.2");
+        return wrong("a gamma that is not above 0; expected, for example, 2.2");
     if (!(*saturation >= 0) || !std::isfinite(*saturation)) return wrong("a negative saturation; expected 0 or above");
     grade.gain = *gain * elementary::exp2(*exposure);
     grade.offset = *offset;
@@ -116,7 +117,7 @@ Result<std::vector<ChannelId>> named_channels(const std::vector<std::string>& na
         if (found < 0) {
             return error_at(parameters.location,
                             who + " names the channel '" + name +
-                                "', which is not there or holds no numbers to work on; "
+                                "', which does not exist or has no filterable numbers; "
                                 "expected one of: " +
                                 list,
                             near_miss(name, known));

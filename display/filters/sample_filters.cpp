@@ -16,7 +16,7 @@ class GradeFilter final : public SampleFilter {
 
     void apply(SampleTable& table) const override {
         for (const ChannelId id : changed_) {
-            if (!table.touched(id) && grade_.is_linear()) continue;  // a grade of nothing is nothing
+            if (!table.touched(id) && grade_.is_linear()) continue;  // a linear grade maps 0 to 0
             const int components = component_count(table.channel(id).type);
             const bool plain = table.channel(id).style == ChannelStyle::name;
             if (!plain && !grade_.is_linear() && table.row_count() > table.camera_row_count()) {
@@ -32,7 +32,7 @@ class GradeFilter final : public SampleFilter {
     }
 
   private:
-    /// Light of a sample is the sum of its rows, so that is what an offset or a power is of.
+    /// The light of a sample is the sum of its rows, so offset and power apply to the sum.
     void grade_sums(SampleTable& table, ChannelId id) const {
         const double* const values = table.values(id);
         std::vector<RgbD> sums(static_cast<std::size_t>(table.camera_row_count()));
@@ -49,7 +49,7 @@ class GradeFilter final : public SampleFilter {
 
     Grade grade_;
     std::vector<ChannelId> changed_;
-    bool alone_;  // named channels, and not all light alike
+    bool alone_;  // applies to named channels, not to all light
 };
 
 Result<std::unique_ptr<SampleFilter>> build_sample_grade(const ParameterSet& parameters,
@@ -65,8 +65,8 @@ Result<std::unique_ptr<SampleFilter>> build_sample_grade(const ParameterSet& par
 }
 
 struct ShadowSetup {
-    ChannelId light = invalid_channel;  // with nothing in the way
-    ChannelId other = invalid_channel;  // what arrives, or what is held back
+    ChannelId light = invalid_channel;  // unoccluded light
+    ChannelId other = invalid_channel;  // light that arrives, or that is blocked
     bool other_is_held_back = false;
     double threshold = 0;
     bool alpha = true;
@@ -90,7 +90,7 @@ class ShadowFilter final : public SampleFilter {
             }
             if (setup_.output < 0) continue;
             table.edit(setup_.output, row)[0] = shadow;
-            // Splatted: rows of a sample add up, so what lies behind a cutout counts by what is there.
+            // Splatted, because rows of a sample add up: what is behind a cutout counts by the cutout's transmittance.
             table.set_row_state(setup_.output, row, SampleTable::RowState::splatted);
         }
     }
@@ -103,7 +103,7 @@ class ShadowFilter final : public SampleFilter {
     ShadowSetup setup_;
 };
 
-/// One light channel by name.
+/// The id of one light channel by name.
 Result<ChannelId> light_channel(const ParameterSet& parameters, const SampleFilterContext& context, const char* key,
                                 const std::string& name) {
     const std::vector<ChannelDefinition> channels(context.channels.begin(), context.channels.end());
@@ -111,8 +111,9 @@ Result<ChannelId> light_channel(const ParameterSet& parameters, const SampleFilt
     const auto ids = named_channels({name}, channels, invalid_channel, parameters, who);
     if (!ids) return ids.error();
     if (channels[static_cast<std::size_t>(ids->front())].style != ChannelStyle::expression)
-        return error_at(parameters.location, who + " has " + key + " = '" + name +
-                                                 "', which is no light path expression; expected a channel of light");
+        return error_at(parameters.location,
+                        who + " has " + key + " = '" + name +
+                            "', which is not a light path expression; expected a channel of light");
     return ids->front();
 }
 
@@ -130,8 +131,8 @@ Result<std::unique_ptr<SampleFilter>> build_shadow(const ParameterSet& parameter
     if (unoccluded->empty() || occluded->empty() == shadows->empty())
         return error_at(parameters.location,
                         who +
-                            " takes light with nothing in the way and one of what arrives and what is "
-                            "held back; expected unoccluded=NAME with shadows=NAME or occluded=NAME");
+                            " needs unoccluded light, and either the light that arrives or the light that is "
+                            "blocked; expected unoccluded=NAME with shadows=NAME or occluded=NAME");
     if (!(*threshold >= 0)) return error_at(parameters.location, who + " has a threshold below 0; expected 0 or above");
     ShadowSetup setup;
     setup.threshold = *threshold;
@@ -156,7 +157,7 @@ Result<std::unique_ptr<SampleFilter>> build_shadow(const ParameterSet& parameter
     }
     if (!setup.alpha && setup.output < 0)
         return error_at(parameters.location,
-                        who + " has nowhere to put the shadow; expected alpha=true or channel=NAME");
+                        who + " has no destination for the shadow; expected alpha=true or channel=NAME");
     return std::unique_ptr<SampleFilter>(std::make_unique<ShadowFilter>(setup));
 }
 
@@ -167,17 +168,17 @@ Registry<SampleFilterFactory>::Entry grade_filter_entry() {
 }
 
 Registry<SampleFilterFactory>::Entry shadow_filter_entry() {
-    return {
-        "shadow",
-        "how much of the light is held back, sample by sample, into alpha or a layer",
-        {{"unoccluded", ParameterType::string, "", "channel of the light with nothing in the way"},
-         {"shadows", ParameterType::string, "", "channel of what is held back of it: shadow = shadows / unoccluded"},
-         {"occluded", ParameterType::string, "", "or of what arrives of it: shadow = 1 - occluded / unoccluded"},
-         {"threshold", ParameterType::real, "0.01",
-          "luminance that unoccluded must exceed; below it there is no shadow"},
-         {"alpha", ParameterType::boolean, "true", "puts the shadow over the sample's opacity"},
-         {"channel", ParameterType::string, "", "name of a layer to add for it; none: no layer"}},
-        build_shadow};
+    return {"shadow",
+            "the blocked fraction of the light, sample by sample, in alpha or a layer",
+            {{"unoccluded", ParameterType::string, "", "channel of the unoccluded light"},
+             {"shadows", ParameterType::string, "", "channel of the blocked part of it: shadow = shadows / unoccluded"},
+             {"occluded", ParameterType::string, "",
+              "or channel of the part that arrives: shadow = 1 - occluded / unoccluded"},
+             {"threshold", ParameterType::real, "0.01",
+              "luminance that unoccluded must exceed; below it there is no shadow"},
+             {"alpha", ParameterType::boolean, "true", "composites the shadow over the sample's opacity"},
+             {"channel", ParameterType::string, "", "name of a new layer for the shadow; none: no layer"}},
+            build_shadow};
 }
 
 }  // namespace raylex::display

@@ -23,8 +23,8 @@ namespace {
 
 constexpr std::size_t buffer_limit = std::size_t{1} << 20;
 
-// A write past the file size limit (ulimit -f) kills the process unless SIGXFSZ is ignored; ignored, it is an ordinary
-// error. A handler that somebody installed is left alone.
+// A write past the file size limit (ulimit -f) kills the process unless SIGXFSZ is ignored; then it is an ordinary
+// error. An existing handler is kept.
 void ignore_file_size_signal() {
     static std::once_flag once;
     std::call_once(once, [] {
@@ -73,7 +73,7 @@ FileFault& file_fault() {
     return fault;
 }
 
-/// Whether a test wants this call to fail; errno says how.
+/// Returns whether a test makes this call fail; errno gives the reason.
 bool fails(FileCall call, const std::string& path) {
     if (!file_fault()) return false;
     const int error_number = file_fault()(call, path);
@@ -81,8 +81,8 @@ bool fails(FileCall call, const std::string& path) {
     return error_number != 0;
 }
 
-/// Names of temporary files for a signal's handler, which may touch only lock-free atomics. Whoever takes a name out of
-/// its place has it alone; a handler's stay in memory.
+/// Names of temporary files for a signal handler, which may use only lock-free atomics. Code that takes a name out of
+/// its slot owns it; names that a handler takes are never freed.
 std::array<std::atomic<char*>, 64> unfinished{};
 static_assert(std::atomic<char*>::is_always_lock_free);
 
@@ -92,7 +92,7 @@ std::atomic<char*>* keep_unfinished(const std::string& path) {
         char* none = nullptr;
         if (name != nullptr && place.compare_exchange_strong(none, name)) return &place;
     }
-    std::free(name);  // more files at once than there are places: a second interrupt leaves this one
+    std::free(name);  // more files than slots: an interrupt leaves this file
     return nullptr;
 }
 
@@ -100,7 +100,7 @@ void sync_folder_of(const std::string& path) {
     if (fails(FileCall::sync_folder, path)) return;
     const int folder = open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (folder < 0) return;
-    fsync(folder);  // best effort: the data itself is safe already
+    fsync(folder);  // best effort: the data itself is already safe
     close(folder);
 }
 
@@ -205,7 +205,7 @@ bool AtomicFile::write_through(const char* bytes, std::size_t left) {
 bool AtomicFile::write(const void* bytes, std::size_t size) {
     if (error_number_ != 0 || descriptor_ < 0) return false;
     position_ += size;
-    // Much at once needs no copy first.
+    // Large writes skip the buffer.
     if (size >= buffer_limit) return flush() && write_through(static_cast<const char*>(bytes), size);
     buffer_.append(static_cast<const char*>(bytes), size);
     return buffer_.size() < buffer_limit || flush();
@@ -225,7 +225,7 @@ Error AtomicFile::failure() const {
 
 Status AtomicFile::commit() {
     if (descriptor_ < 0) return write_error(target_, EBADF);
-    // Some file systems cannot sync (EINVAL); that is no reason to lose the image.
+    // Some file systems cannot sync (EINVAL); that must not lose the image.
     if (flush() && sync_ == FileSync::now && (fails(FileCall::sync, target_) || fsync(descriptor_) != 0) &&
         errno != EINVAL)
         error_number_ = errno;
@@ -258,8 +258,8 @@ Status sync_files_in(const std::string& folder) {
         if (!entry.is_regular_file(failed)) continue;
         const int file = open(entry.path().c_str(), O_RDONLY | O_CLOEXEC);
         files.emplace_back(entry.path().string(), file);
-        // All are begun before the first is waited for, so that the file system commits them together. A hint: what
-        // counts is fsync.
+        // Starts writing all files before waiting for the first, so that the file system commits them together. This is
+        // only a hint; fsync gives the guarantee.
         if (file >= 0) sync_file_range(file, 0, 0, SYNC_FILE_RANGE_WRITE);
     }
     Status status = success();

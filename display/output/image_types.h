@@ -1,4 +1,4 @@
-// Plain data that readers, writers and checks of images share.
+// Data types that readers, writers and checks of images share.
 #pragma once
 
 #include <array>
@@ -23,16 +23,16 @@ struct Chromaticities {
 /// A declared or automatic partition: layers whose per-pixel sum must equal `of`.
 struct PartitionDeclaration {
     std::string name;  ///< "auto", "shipped", or the job's name for it
-    std::string of;    ///< layer summed to; empty = beauty
+    std::string of;    ///< the layer that they sum to; empty = beauty
     std::vector<std::string> layers;
 };
 
-/// A part of a file that no display channel stands behind, such as a cryptomatte: FLOAT, bit by bit as given.
+/// A part of a file without a display channel, such as a cryptomatte: FLOAT, bit-identical to the given values.
 struct DataPart {
     std::string name;
     std::vector<std::string> planes;                ///< OpenEXR channel names
-    std::map<std::string, std::string> attributes;  ///< for its own header and that of part 0
-    /// Of whole rows [y0, y1): plane after plane, rows from the top. Called once for every row, when written.
+    std::map<std::string, std::string> attributes;  ///< for the part's header and that of part 0
+    /// The values of whole rows [y0, y1): plane after plane, rows from the top. Called once per row during writing.
     std::function<std::vector<float>(const PixelRegion&)> values;
 };
 

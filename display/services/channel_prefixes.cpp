@@ -35,21 +35,22 @@ Result<ChannelPrefixes> read_prefixes(const ChannelDefinition& channel) {
         if (name == "unweighted") prefixes.unweighted = true;
         const std::optional<lpe::TechniquePrefix> technique = lpe::technique_prefix(name);
         if (technique && prefixes.technique && prefixes.technique != technique)
-            return error_at(location_of(channel), "channel '" + channel.name +
-                                                      "' has two techniques for prefixes, and nothing is found by "
-                                                      "both; expected one of them");
+            return error_at(location_of(channel),
+                            "channel '" + channel.name +
+                                "' has two techniques as prefixes, and no contribution is found by "
+                                "both; expected one of them");
         if (technique) prefixes.technique = technique;
     }
     if (prefixes.unoccluded && prefixes.shadows)
         return error_at(location_of(channel),
                         "channel '" + channel.name +
-                            "' has the prefixes 'unoccluded;' and 'shadows;', and what is in the way of light that "
-                            "nothing is in the way of is nothing; expected one of them");
+                            "' has the prefixes 'unoccluded;' and 'shadows;', but unoccluded light "
+                            "has no shadows; expected one of them");
     if (prefixes.unweighted && prefixes.emitter_sample())
         return error_at(location_of(channel),
                         "channel '" + channel.name +
-                            "' has the prefix 'unweighted;' beside 'unoccluded;', 'shadows;' or "
-                            "'nothruput;', which have no weight to leave out; expected one of them");
+                            "' has the prefix 'unweighted;' together with 'unoccluded;', 'shadows;' or "
+                            "'nothruput;', which have no MIS weight; expected one of them");
     return prefixes;
 }
 

@@ -1,10 +1,10 @@
-// The prefixes of a light path expression ("unoccluded;holdouts;C[DS]+<L.>"): what a channel splats instead of the
-// radiance that arrives. Which words the expression accepts is not their business.
+// The prefixes of a light path expression ("unoccluded;holdouts;C[DS]+<L.>"). They define what a channel splats instead
+// of the arriving radiance, and do not affect which words the expression accepts.
 //
 // Sources: RenderMan's public wiki (page "Holdouts": occluded and unoccluded channels with the prefix `holdouts` "only
 // contain the shadowing term for holdout geometry"), the channel definitions of RenderManForBlender, and the manual of
 // Unity Eddy (page "Custom and Advanced AOVs": unoccluded is "the radiance with all shadowing disabled", shadow the
-// difference between it and the occluded radiance). Where they are silent, lpe/README.md says what holds here.
+// difference between it and the occluded radiance). For everything else lpe/README.md defines the behaviour.
 #pragma once
 
 #include "display/services/channel.h"
@@ -14,40 +14,42 @@
 namespace raylex::display {
 
 struct ChannelPrefixes {
-    bool unoccluded = false;       ///< light samples count as if nothing were in the way
-    bool shadows = false;          ///< what is in the way of light samples: unoccluded minus occluded
-    bool nothruput = false;        ///< what the emitter sends, or the user value, without the path's throughput
-    bool holdouts = false;         ///< paths whose first hit is a holdout, and no others
+    bool unoccluded = false;       ///< light samples ignore occluders
+    bool shadows = false;          ///< the blocked part of light samples: unoccluded minus occluded
+    bool nothruput = false;        ///< the emitted radiance, or the user value, without the path's throughput
+    bool holdouts = false;         ///< only paths whose first hit is a holdout
     bool overwrite = false;        ///< the last contribution of a camera sample replaces earlier ones
-    bool noinfinitecheck = false;  ///< judged by its own value alone, whatever the beauty's is (Law 6 holds for it too)
-    bool noclamp = false;          ///< sample filters leave it alone
+    bool noinfinitecheck = false;  ///< checks only its own value for validity, not the beauty's (Law 6 applies to it,
+                                   ///< too)
+    bool noclamp = false;          ///< sample filters do not change it
     bool unweighted = false;       ///< without the MIS weight
-    std::optional<lpe::TechniquePrefix> technique;  ///< what these techniques find, and nothing else
+    std::optional<lpe::TechniquePrefix> technique;  ///< only contributions of these techniques
 
-    /// Takes something else than the value that beauty takes, or takes it in another way.
+    /// Returns whether the channel takes a value other than beauty's, or takes it in a different way.
     [[nodiscard]] bool own_value() const {
         return unoccluded || shadows || nothruput || overwrite || noinfinitecheck || unweighted ||
                technique.has_value();
     }
-    /// Needs the EmitterSample beside the value.
+    /// Returns whether the channel needs the EmitterSample beside the value.
     [[nodiscard]] bool emitter_sample() const { return unoccluded || shadows || nothruput; }
-    /// Whether what `technique` found is its own; null: a surface's event, which no technique finds.
+    /// Returns whether it takes a contribution of technique `found_by`; null: a surface event, which no technique
+    /// finds.
     [[nodiscard]] bool takes(const Technique* found_by) const {
         if (!technique) return true;
         if (found_by == nullptr) return false;
         if (technique->t == 0) return found_by->s + found_by->t > technique->beyond;
         return found_by->s == technique->s && found_by->t == technique->t;
     }
-    /// Makes sense only where lights are sampled.
+    /// Returns whether the channel is meaningful only where lights are sampled.
     [[nodiscard]] bool light_samples() const { return unoccluded || shadows; }
     bool operator==(const ChannelPrefixes&) const = default;
 };
 
-/// Those of the channel's expression; none for a channel without one. Errors: the expression does not parse; prefixes
-/// that contradict each other, such as `shadows` and `unoccluded`.
+/// Reads the prefixes of the channel's expression; none for a channel without one. Errors: the expression does not
+/// parse; prefixes contradict each other, such as `shadows` and `unoccluded`.
 Result<ChannelPrefixes> read_prefixes(const ChannelDefinition& channel);
 
-/// Where the channel's expression stands, for errors.
+/// The position of the channel's expression, for errors.
 SourceLocation location_of(const ChannelDefinition& channel);
 
 }  // namespace raylex::display

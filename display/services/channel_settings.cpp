@@ -15,7 +15,7 @@ constexpr std::array types{ChannelType::real,   ChannelType::rgb,    ChannelType
                            ChannelType::normal, ChannelType::vector, ChannelType::integer};
 constexpr std::array statistics{Statistic::variance, Statistic::mse, Statistic::even, Statistic::odd};
 
-/// The value whose name is `text`.
+/// The value with the name `text`.
 template <class Value, std::size_t count>
 Result<Value> named(const char* kind, const std::string& text, const std::array<Value, count>& values,
                     const char* (*name_of)(Value), const SourceLocation& where) {
@@ -40,7 +40,7 @@ Result<std::size_t> index_of(const std::string& name, std::span<const ChannelDef
         known.push_back(channels[i].name);
         list += (list.empty() ? "" : ", ") + known.back();
     }
-    return error_at(where, "there is no channel '" + name + "'; expected one of: " + list, near_miss(name, known));
+    return error_at(where, "unknown channel '" + name + "'; expected one of: " + list, near_miss(name, known));
 }
 
 }  // namespace
@@ -80,7 +80,7 @@ ChannelDefinition declared_channel(std::string name, ChannelType type) {
 Result<ChannelDefinition> parse_declared_channel(const std::string& text, const SourceLocation& where) {
     const std::size_t colon = text.rfind(':');
     if (colon == std::string::npos || colon == 0)
-        return error_at(where, "'" + text + "' declares no channel; expected NAME:TYPE, such as heat:float");
+        return error_at(where, "'" + text + "' is not a channel declaration; expected NAME:TYPE, such as heat:float");
     const auto type = parse_channel_type(text.substr(colon + 1), where);
     if (!type) return type.error();
     return declared_channel(text.substr(0, colon), *type);
@@ -147,7 +147,7 @@ Status check_rule(const ChannelDefinition& channel, FilterRule rule, const Sourc
     const bool mixes = rule == FilterRule::filter || rule == FilterRule::average;
     if (channel.type == ChannelType::integer && mixes)
         return error_at(where, "channel '" + channel.name +
-                                   "' holds integers, whose average means nothing; expected zmin, "
+                                   "' contains integers, whose average is meaningless; expected zmin, "
                                    "zmax, min, max or sum");
     return success();
 }
@@ -163,11 +163,11 @@ Status apply_rules(const std::vector<RuleRequest>& requests, ChannelId beauty,
         ChannelDefinition& channel = channels[*index];
         if (static_cast<ChannelId>(*index) == beauty)
             return error_at(request.location,
-                            "the beauty is made by the pixel filter alone; expected a rule for another "
+                            "the beauty always uses the pixel filter; expected a rule for another "
                             "channel, such as one with the expression 'C.*'");
         if (!done.insert(*index).second)
-            return error_at(request.location, "channel '" + request.channel +
-                                                  "' is given a rule twice; expected one rule for each channel");
+            return error_at(request.location,
+                            "channel '" + request.channel + "' has two rules; expected one rule for each channel");
         if (Status fits = check_rule(channel, request.rule, request.location); !fits) return fits;
         channel.rule = request.rule;
     }
@@ -205,7 +205,7 @@ Status add_statistics(const std::vector<StatisticRequest>& requests, std::vector
         if (source.rule != FilterRule::filter)
             return error_at(request.location,
                             "channel '" + request.channel + "' has the rule '" + rule_name(source.rule) +
-                                "' and no statistics; expected a channel that the pixel filter makes");
+                                "', which has no statistics; expected a channel that uses the pixel filter");
         const auto taken = std::find_if(channels.begin(), channels.end(),
                                         [&](const ChannelDefinition& each) { return each.name == name; });
         if (taken != channels.end())
@@ -214,7 +214,7 @@ Status add_statistics(const std::vector<StatisticRequest>& requests, std::vector
                                                         "' has the name of another "
                                                         "channel; expected that channel to have another name"
                                                   : "the layer of statistics '" + name +
-                                                        "' is asked for twice; expected "
+                                                        "' is requested twice; expected "
                                                         "each once");
         ChannelDefinition layer;
         layer.name = name;

@@ -6,7 +6,7 @@ namespace {
 
 __extension__ typedef unsigned __int128 Wide;
 
-/// An unevaluated sum, low being at most half a unit of high.
+/// An unevaluated sum; low is at most half a unit in the last place of high.
 struct Pair {
     double high, low;
 };
@@ -28,7 +28,7 @@ Pair product_of(const Pair& a, const Pair& b) {
     return sum_of(p.high, p.low + (a.high * b.low + a.low * b.high));
 }
 
-/// Bits of 2/pi behind the point, after 64 zeros.
+/// The bits of 2/pi after the point, preceded by 64 zeros.
 constexpr std::uint64_t two_over_pi[] = {0,
                                          0xa2f9836e4e441529,
                                          0xfc2757d1f534ddc0,
@@ -56,11 +56,11 @@ constexpr std::uint64_t two_over_pi[] = {0,
 Reduced reduce_large(double argument) {
     const double x = std::abs(argument);
     if (!(x < infinity)) return {0, nan, nan};
-    // x is m 2^e. Bits of 2/pi that m 2^e makes multiples of 4 need not be known; 192 bits from there on leave an error
-    // of 2^-137, and no double comes nearer to a multiple of pi/2 than 2^-62 (Muller, section 11.3).
+    // x is m 2^e. Bits of 2/pi whose product with m 2^e is a multiple of 4 are not needed. 192 bits from there on give
+    // an error of 2^-137, and no double is closer to a multiple of pi/2 than 2^-62 (Muller, section 11.3).
     const std::uint64_t m = (bits_of(x) & 0xfffffffffffff) | std::uint64_t(1) << 52;
     const int e = static_cast<int>(bits_of(x) >> 52) - 1075, first = e - 2 + 64;
-    std::uint64_t factor[3];  // from the highest
+    std::uint64_t factor[3];  // highest first
     for (int i = 0; i < 3; ++i) {
         const std::uint64_t* word = two_over_pi + first / 64 + i;
         const int shift = first % 64;
@@ -69,7 +69,8 @@ Reduced reduce_large(double argument) {
     const Wide low = Wide(m) * factor[2], middle = Wide(m) * factor[1] + static_cast<std::uint64_t>(low >> 64);
     std::uint64_t words[3] = {m * factor[0] + static_cast<std::uint64_t>(middle >> 64),
                               static_cast<std::uint64_t>(middle), static_cast<std::uint64_t>(low)};
-    // The product in quarters of a turn: two bits before the point. Rounded to the nearest, the rest has a sign.
+    // The product in quarters of a turn, with two bits before the point. Rounding to nearest gives the remainder a
+    // sign.
     const std::uint64_t quadrant = ((words[0] >> 61) + 1) >> 1;
     words[0] = (words[0] << 2 | words[1] >> 62), words[1] = words[1] << 2 | words[2] >> 62, words[2] <<= 2;
     const bool above = words[0] >> 63 != 0;
@@ -98,7 +99,7 @@ SinCos<float> sin_cos_far(float x) {
 
 namespace {
 
-/// log(x) of a normal number above 0 to some 2^-64: as log_of_parts(), with what its largest terms round away.
+/// log(x) of a normal number above 0, to about 2^-64: log_of_parts() plus the rounding errors of its largest terms.
 Pair log_pair(double x, double exponent) {
     const Mantissa a = split_mantissa(x);
     const double f = a.m - 1, k = a.k + exponent;
@@ -118,13 +119,13 @@ Pair log_pair(double x, double exponent) {
     return sum_of(sum.high, sum.low + (whole.low + (k * 0x1.ef35793c7673p-45 + (2 * s.low + rest.low))));
 }
 
-/// y being an integer: 0 is none, 1 even, 2 odd.
+/// The kind of y as an integer: 0 is none, 1 even, 2 odd.
 int integer_kind(double y) {
     if (!(std::abs(y) < detail::infinity) || y != std::floor(y)) return std::abs(y) == infinity ? 1 : 0;
     return std::fmod(y, 2) == 0 ? 1 : 2;
 }
 
-/// What C says of powers: the sign, and where the power of |x| is not what counts. `power` of |x| > 0.
+/// The sign of a power and its special cases, as C defines them; `power` computes |x|^y for |x| > 0.
 template <class Power>
 double signed_power(double x, double y, Power power) {
     if (y == 0 || x == 1) return 1;
@@ -146,10 +147,10 @@ double pow(double x, double y) {
     return detail::signed_power(x, y, [y](double a) {
         const bool denormal = a < std::numeric_limits<double>::min();
         const detail::Pair l = detail::log_pair(denormal ? a * 0x1p54 : a, denormal ? -54 : 0);
-        // Beyond these any power over- or underflows; within, the product's halves stay in range.
+        // Beyond these limits any power overflows or underflows; within them the halves of the product stay in range.
         const double limited = std::abs(y) > 0x1p65 ? std::copysign(0x1p65, y) : y;
         const detail::Pair p = detail::product_of(l.high, limited);
-        const bool beyond = std::abs(p.high) > 800;  // where its low part may be anything
+        const bool beyond = std::abs(p.high) > 800;  // then its low part can be anything
         return detail::exp_of_sum(p.high, beyond ? 0 : p.low + l.low * limited);
     });
 }

@@ -1,26 +1,26 @@
 // Elementary functions whose bits do not depend on the processor.
 //
-// The C library picks its sin, exp, pow ... by what the processor can do, and those that fuse multiplication and
-// addition differ in the last bit from those that do not; so do versions of the library. Here every operation is one of
-// IEEE 754, in the order in which it is written (the project compiles without contraction), hence the same bits
-// wherever it runs, and wherever a compiler makes vectors of it. What can reach an image uses these; a test reads the
-// sources for the others (tests/services/elementary_lint_test.cpp). sqrt, fma, floor, rint, fmod, remainder, frexp and
-// ldexp are exact in any library and stay.
+// The C library selects its sin, exp, pow ... by the features of the processor. Versions with fused multiply-add differ
+// from the others in the last bit, and so do versions of the library. Here every operation is one of IEEE 754 in the
+// written order (the project compiles without contraction), so the bits are the same on every machine, also if a
+// compiler vectorises the code. Everything that can affect an image uses these functions; a test searches the sources
+// for others (tests/services/elementary_lint_test.cpp). sqrt, fma, floor, rint, fmod, remainder, frexp and ldexp are
+// exact in any library and can be used.
 //
-// Largest errors in units of the last place, measured (tests/services/elementary_test.cpp):
+// Largest errors in units in the last place, measured (tests/services/elementary_test.cpp):
 //
 //     float    all below 0.51: they are computed in double and rounded once
 //     double   sin, cos 0.8; tan 2.1; exp, exp2 1.0; expm1 1.5; log 0.9; log2, log1p 2.1; atan, atan2 2.2; asin 1.7;
 //              acos, pow 1.1; hypot 1.3; cbrt 1.0
 //
-// Arguments may be anything: results for zeros, infinities, NaN and outside of a domain are those of C (annex F), but
-// for the sign of a NaN; so are denormal ones. sin and cos reduce by pi/2 in four parts below 2^20 and by as many bits
-// of 2/pi as it takes above (Payne and Hanek 1983, "Radian Reduction for Trigonometric Functions").
+// Arguments can be anything: results for zeros, infinities, NaN, denormals and arguments outside the domain are those
+// of C (annex F), except for the sign of a NaN. sin and cos reduce by pi/2 in four parts below 2^20, and by as many
+// bits of 2/pi as necessary above (Payne and Hanek 1983, "Radian Reduction for Trigonometric Functions").
 //
 // Methods: Cody and Waite 1980, "Software Manual for the Elementary Functions" (reductions by constants in parts);
 // Muller 2016, "Elementary Functions", chapters 3 and 11; Ng's arrangement of log and of the sine of a sum in FDLIBM.
 // The polynomials are minimax for the relative error of the function, by the Remez exchange in 60 digits on the reduced
-// interval widened by 1e-4, coefficients rounded to double; the exponent beside each is that error's.
+// interval widened by 1e-4, with coefficients rounded to double; the power of two beside each is its error.
 #pragma once
 
 #include <bit>
@@ -39,7 +39,8 @@ namespace detail {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double to_integer = 0x1.8p52;  ///< added and taken away: rounds to the nearest integer below 2^51
+constexpr double to_integer = 0x1.8p52;  ///< adding and subtracting it rounds to the nearest integer, for numbers below
+                                         ///< 2^51
 constexpr double largest_reduced = 0x1p20;
 
 constexpr double polynomial(double, double c) {
@@ -55,20 +56,20 @@ constexpr std::uint64_t bits_of(double x) {
 constexpr double with_sign_bit(double x, std::uint64_t negative) {
     return std::bit_cast<double>(bits_of(x) ^ negative << 63);
 }
-/// 2^k for k + to_integer, -1022 <= k <= 1023.
+/// 2^k for the argument k + to_integer, -1022 <= k <= 1023.
 constexpr double power_of_two(double shifted) {
     return std::bit_cast<double>((bits_of(shifted) + 1023) << 52);
 }
 
-/// x - quadrant pi/2, in [-pi/4, pi/4] but for rounding, as the sum of two numbers.
+/// x - quadrant pi/2 as the sum of two numbers, in [-pi/4, pi/4] up to rounding.
 struct Reduced {
-    std::uint64_t quadrant;  ///< its two lowest bits count
+    std::uint64_t quadrant;  ///< only its two lowest bits matter
     double high, low;
 };
 Reduced reduce_large(double x);  // any |x|
 
-/// |x| <= largest_reduced. pi/2 in parts of 33 bits, so that products are exact; the two largest differences keep what
-/// they round away, for arguments next to a multiple of pi/2.
+/// The reduction for |x| <= largest_reduced. pi/2 is in parts of 33 bits, so that products are exact. The two largest
+/// differences keep their rounding errors, for arguments next to a multiple of pi/2.
 inline Reduced reduce(double x) {
     const double shifted = x * 0x1.45f306dc9c883p-1 + to_integer, k = shifted - to_integer;
     const double a = x - k * 0x1.921fb544p+0, b = k * 0x1.0b4611a6p-34, c = a - b, c_low = (a - c) - b;
@@ -83,7 +84,7 @@ inline SinCos<double> place(std::uint64_t quadrant, double sine, double cosine) 
             with_sign_bit(swapped ? sine : cosine, (quadrant + 1) >> 1 & 1)};
 }
 
-/// On [-pi/4, pi/4]: sin (2^-68.8), cos (2^-64.2).
+/// sin and cos on [-pi/4, pi/4], with errors 2^-68.8 and 2^-64.2.
 inline SinCos<double> sin_cos_of(const Reduced& r) {
     const double x = r.high, z = x * x;
     const double s =
@@ -95,7 +96,7 @@ inline SinCos<double> sin_cos_of(const Reduced& r) {
     return place(r.quadrant, x + (x * z * s + r.low * most), most + (((1 - most) - half) + (z * z * c - x * r.low)));
 }
 
-/// The same for float (2^-37.6, 2^-43.2), |x| <= largest_reduced. Without branches, for loops.
+/// sin and cos for float, |x| <= largest_reduced, with errors 2^-37.6 and 2^-43.2. Without branches, for loops.
 inline SinCos<float> sin_cos_near(float argument) {
     const double x = argument, shifted = x * 0x1.45f306dc9c883p-1 + to_integer, k = shifted - to_integer;
     const double r = (x - k * 0x1.921fb544p+0) - k * 0x1.0b4611a626331p-34, z = r * r;
@@ -124,31 +125,31 @@ inline double exp_tail(double r) {
                       0x1.a01a01afe533ap-13, 0x1.a01a01b0bfca2p-16, 0x1.71ddf8537bf2cp-19, 0x1.27e4c592141cap-22,
                       0x1.af5ebf4685daep-26, 0x1.1f9575ff46854p-29);
 }
-/// The same for float: 2^-32.0.
+/// (e^r - 1 - r) / r^2 for float; 2^-32.0 of e^r - 1.
 inline double exp_tail_short(double r) {
     return polynomial(r, 0x1.00000027d2772p-1, 0x1.55555588e9487p-3, 0x1.5554add691f46p-5, 0x1.11108ffb73f2ap-7,
                       0x1.6d748b4a29adfp-10, 0x1.a1a0b89fae415p-13);
 }
-/// y 2^k, rounded once: -2044 <= k <= 2046.
+/// y 2^k, rounded once, for -2044 <= k <= 2046.
 inline double scaled(double y, double k) {
     const double half = k * 0.5 + to_integer;
     return y * power_of_two(half) * power_of_two(k - (half - to_integer) + to_integer);
 }
-/// e^x as a double for float's sake: |error| 2^-32, x in any range.
+/// e^x as a double with float accuracy: |error| 2^-32, for any x.
 inline double exp_short(double x) {
-    x = x < -150 ? -150 : x > 130 ? 130 : x;  // both are beyond float; NaN stays
+    x = x < -150 ? -150 : x > 130 ? 130 : x;  // both limits are beyond float; NaN is kept
     const double shifted = x * 0x1.71547652b82fep+0 + to_integer, r = x - (shifted - to_integer) * 0x1.62e42fefa39efp-1;
     return (1 + r * (1 + r * exp_tail_short(r))) * power_of_two(shifted);
 }
-/// e^(x + low), |low| far below |x|.
+/// e^(x + low) for |low| much smaller than |x|.
 inline double exp_of_sum(double x, double low) {
-    x = x < -746 ? -746 : x > 710 ? 710 : x;  // both are beyond double; NaN stays
+    x = x < -746 ? -746 : x > 710 ? 710 : x;  // both limits are beyond double; NaN is kept
     const PowerOfTwo p = split_exponent(x);
     const double rest = p.r + p.r * p.r * exp_tail(p.r), lower = p.r_low + low;
     return scaled(1 + (rest + lower * (1 + rest)), p.k);
 }
 
-/// x = 2^k m, sqrt(1/2) <= m < sqrt(2), of a normal number above 0.
+/// The parts of a normal number x > 0: x = 2^k m, sqrt(1/2) <= m < sqrt(2).
 struct Mantissa {
     double k, m;
 };
@@ -157,24 +158,24 @@ inline Mantissa split_mantissa(double x) {
     return {std::bit_cast<double>(exponent | bits_of(0x1p52)) - (0x1p52 + 1023),
             std::bit_cast<double>(bits - ((exponent - 1023) << 52))};
 }
-/// (2 atanh(s) - 2 s) / s^3 in z = s^2, for s = (m - 1) / (m + 1): 2^-65.7 of the logarithm.
+/// (2 atanh(s) - 2 s) / s^3 as a polynomial in z = s^2, for s = (m - 1) / (m + 1): 2^-65.7 of the logarithm.
 inline double log_tail(double z) {
     return polynomial(z, 0x1.5555555555555p-1, 0x1.9999999999ep-2, 0x1.249249242b31cp-2, 0x1.c71c72591067ep-3,
                       0x1.745cde2fa45a8p-3, 0x1.3b20ac996b2a4p-3, 0x1.0f5cb1459a54p-3, 0x1.0f63ec717f86bp-3);
 }
-/// log(1 + f) + k log(2) + c for 1 + f in a Mantissa's range.
+/// log(1 + f) + k log(2) + c for 1 + f in the range of a Mantissa.
 inline double log_of_parts(double k, double f, double c) {
     const double s = f / (2 + f), z = s * s, half = 0.5 * f * f;
     return k * 0x1.62e42fee00000p-1 - ((half - (s * (half + z * log_tail(z)) + (k * 0x1.a39ef35793c76p-33 + c))) - f);
 }
-/// The same for float: 2^-43.9.
+/// log(1 + f) + k log(2) for float: 2^-43.9.
 inline double log_short(double k, double f) {
     const double s = f / (2 + f), z = s * s;
     return k * 0x1.62e42fefa39efp-1 +
            s * (2 + z * polynomial(z, 0x1.555555561e27ep-1, 0x1.999996a966cbep-2, 0x1.249411f050936p-2,
                                    0x1.c62b0ff772542p-3, 0x1.9116043b32251p-3));
 }
-/// What a logarithm is where its argument is no number above 0.
+/// The logarithm of an argument that is not a positive number.
 inline double log_at_limits(double x, double result) {
     return x > 0 ? (x == infinity ? x : result) : x == 0 ? -infinity : nan;
 }
@@ -183,7 +184,7 @@ inline double log_short(double x) {
     return log_at_limits(x, log_short(a.k, a.m - 1));
 }
 
-/// (atan(t) / t - 1) / t^2 in t^2, |t| <= tan(pi/8): 2^-59.5 of atan, and for float 2^-35.4.
+/// (atan(t) / t - 1) / t^2 as a polynomial in t^2, |t| <= tan(pi/8): 2^-59.5 of atan; for float 2^-35.4.
 inline double atan_tail(double z) {
     return polynomial(z, -0x1.555555555553dp-2, 0x1.99999999958dep-3, -0x1.24924922b0c7cp-3, 0x1.c71c70e77d9c4p-4,
                       -0x1.745cf906c73d6p-4, 0x1.3b111c142e3c8p-4, -0x1.10ebd9e8bc642p-4, 0x1.df112f973dee5p-5,
@@ -193,7 +194,7 @@ inline double atan_tail_short(double z) {
     return polynomial(z, -0x1.555554c8ec105p-2, 0x1.99991a70a016dp-3, -0x1.247f0933ca9bbp-3, 0x1.c4681f89fd044p-4,
                       -0x1.5b45670e160f8p-4, 0x1.84f38f09b7d5dp-5);
 }
-/// atan2(y, x) where |y| + |x| neither overflows nor has lost digits: the angle from the nearest multiple of pi/4.
+/// atan2(y, x) if |y| + |x| neither overflows nor loses digits, as the angle from the nearest multiple of pi/4.
 template <class Tail>
 double angle(double y, double x, Tail tail) {
     const double ay = std::abs(y), ax = std::abs(x);
@@ -204,7 +205,7 @@ double angle(double y, double x, Tail tail) {
     const bool diagonal = least > 0x1.a827999fcef32p-2 * most;  // tan(pi/8)
     const double t = (diagonal ? least - most : least) / (diagonal ? least + most : most), z = t * t;
     const double small = t + t * (z * tail(z));
-    // In eighths of a turn: 0 or 1 from the x axis, from its negative end 4 or 3; 2 or 1 from the y axis.
+    // In eighths of a turn: 0 or 1 from the x axis, 4 or 3 from its negative end, 2 or 1 from the y axis.
     const bool behind = bits_of(x) >> 63 != 0;
     const double eighths = steep ? (diagonal ? 1 : 2) : (diagonal ? 1 : 0);
     const double turned = behind ? 4 - eighths : eighths;
@@ -213,7 +214,7 @@ double angle(double y, double x, Tail tail) {
     return std::copysign(x != x || y != y ? nan : result, y);
 }
 
-/// (asin(s) / s - 1) / s^2 in s^2, |s| <= 1/2: 2^-59.8 of asin, and for float 2^-35.8.
+/// (asin(s) / s - 1) / s^2 as a polynomial in s^2, |s| <= 1/2: 2^-59.8 of asin; for float 2^-35.8.
 inline double asin_tail(double z) {
     return polynomial(z, 0x1.5555555555578p-3, 0x1.333333332df0bp-4, 0x1.6db6db722bcb9p-5, 0x1.f1c71a8b7c6f2p-6,
                       0x1.6e8bdfe9b029fp-6, 0x1.1c49ddcfe9ec6p-6, 0x1.ca21487f7e83cp-7, 0x1.75776dccee19p-7,
@@ -224,11 +225,11 @@ inline double asin_tail_short(double z) {
     return polynomial(z, 0x1.5555560942192p-3, 0x1.3332a7e3dd489p-4, 0x1.6ddb302b9c6bap-5, 0x1.ed52779dfc85p-6,
                       0x1.9360ce3b2f0d3p-6, 0x1.e9103e175bae8p-8, 0x1.1c470fb411554p-5);
 }
-/// asin of x <= 1/2 or of sqrt((1 - x) / 2) beyond, from which both functions follow.
+/// asin of x for x <= 1/2, and otherwise of sqrt((1 - x) / 2); asin and acos follow from it.
 struct Arc {
     bool far;
     double angle;
-    double low;  ///< of the square root
+    double low;  ///< low part of the square root
 };
 template <class Tail>
 Arc arc_of(double x, Tail tail) {
@@ -304,7 +305,7 @@ inline double expm1(double x) {
     const double limited = x < -45 ? -45 : x > 710 ? 710 : x;
     const detail::PowerOfTwo p = detail::split_exponent(limited);
     const double near = p.r + (p.r * p.r * detail::exp_tail(p.r) + (1 + p.r) * p.r_low);
-    const double half = detail::power_of_two(p.shifted - 1);  // k may be 1024
+    const double half = detail::power_of_two(p.shifted - 1);  // k can be 1024
     return x == 0 ? x : p.k == 0 ? near : 2 * (half * near + (half - 0.5));
 }
 inline float expm1(float argument) {
@@ -334,7 +335,7 @@ inline float log2(float x) {
 inline double log1p(double x) {
     const double u = 1 + x;
     const detail::Mantissa a = detail::split_mantissa(u);
-    const bool near = a.k == 0;  // x itself is within the range of one logarithm
+    const bool near = a.k == 0;  // x itself is in the range of one logarithm
     const double lost = near ? 0 : (a.k > 0 ? 1 - (u - x) : x - (u - 1)) / u;
     return x == 0 ? x : detail::log_at_limits(u, detail::log_of_parts(a.k, near ? x : a.m - 1, lost));
 }
@@ -345,7 +346,7 @@ inline float log1p(float argument) {
 }
 
 inline double atan2(double y, double x) {
-    // Powers of two make room at both ends of the range and change no angle.
+    // A power of two scales arguments at the ends of the range, which does not change the angle.
     const bool large = std::abs(y) > 0x1p1000 || std::abs(x) > 0x1p1000;
     return detail::angle(large ? y * 0x1p-60 : y, large ? x * 0x1p-60 : x, detail::atan_tail);
 }

@@ -12,7 +12,7 @@ constexpr std::uint64_t prime_1 = 0x9e3779b185ebca87ull, prime_2 = 0xc2b2ae3d27d
                         prime_3 = 0x165667b19e3779f9ull, prime_4 = 0x85ebca77c2b2ae63ull,
                         prime_5 = 0x27d4eb2f165667c5ull;
 
-/// The specification reads little-endian words; so does every machine that Embree runs on.
+/// The specification reads little-endian words, like every machine that Embree supports.
 static_assert(std::endian::native == std::endian::little);
 template <class Word>
 std::uint64_t read(const char* at) {

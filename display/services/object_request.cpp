@@ -10,7 +10,7 @@ bool read_number(const std::string& text, double& number) {
     return failed == std::errc() && end == text.data() + text.size();
 }
 
-/// Cut at `separator` outside '...'; the quotes go.
+/// Splits at `separator` outside '...', and removes the quotes.
 std::vector<std::string> split_list(const std::string& text, char separator) {
     std::vector<std::string> items(1);
     bool quoted = false;
@@ -68,11 +68,10 @@ Result<ParameterSet> parse_parameters(const std::string& text, const std::vector
     for (const std::string& item : split_list(text, ',')) {
         const std::size_t equals = item.find('=');
         if (equals == std::string::npos || equals == 0)
-            return error_at(where, "'" + item + "' is no parameter of a " + kind + "; expected KEY=VALUE",
-                            set.parameters.empty()
-                                ? std::string()
-                                : "several numbers of one parameter stand with blanks between them: " +
-                                      set.parameters.back().name + "='1 0 0'");
+            return error_at(where, "'" + item + "' is not a parameter of a " + kind + "; expected KEY=VALUE",
+                            set.parameters.empty() ? std::string()
+                                                   : "separate several numbers of one parameter by blanks: " +
+                                                         set.parameters.back().name + "='1 0 0'");
         ParameterDescription description{item.substr(0, equals), ParameterType::string, {}, {}};
         for (const ParameterDescription& each : descriptions)
             if (each.name == description.name) description = each;
@@ -95,7 +94,7 @@ Status check_all_used(const ParameterSet& parameters, const std::vector<Paramete
     }
     return error_at(unused.front()->location,
                     kind + " '" + name + "' has no parameter '" + unused.front()->name +
-                        (list.empty() ? "'; it takes none" : "'; expected one of: " + list),
+                        (list.empty() ? "'; it has none" : "'; expected one of: " + list),
                     near_miss(unused.front()->name, known));
 }
 

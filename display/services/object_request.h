@@ -1,4 +1,4 @@
-// An object from a registry as a command line names it: NAME:KEY=VALUE,...
+// Objects of a registry in command-line notation: NAME:KEY=VALUE,...
 #pragma once
 
 #include <string>
@@ -13,19 +13,20 @@ struct ObjectRequest {
     ParameterSet parameters;
 };
 
-/// "key=value,..." typed by the descriptions. A value may be quoted with '...' to hold commas; three numbers for a
-/// colour stand with blanks between them. A key that is not described goes in as a string: whoever makes the object
-/// refuses it. Errors at `where`: an item that is no KEY=VALUE, a value of the wrong type. `kind` is how errors call
-/// the object.
+/// Parses "key=value,..." with the types of the descriptions. '...' around a value permits commas in it; the three
+/// numbers of a colour are separated by blanks. A key without a description becomes a string, which the factory of the
+/// object refuses. Errors, at `where`: an item that is not KEY=VALUE, a value of the wrong type. `kind` is the name of
+/// the object's kind in errors.
 Result<ParameterSet> parse_parameters(const std::string& text, const std::vector<ParameterDescription>& descriptions,
                                       const std::string& kind, const SourceLocation& where);
 
-/// An Error for the first parameter that nobody looked up, with the near miss among `descriptions`; success without
-/// one.
+/// An Error for the first parameter that was never looked up, with a similar name from `descriptions`; success if there
+/// is none.
 Status check_all_used(const ParameterSet& parameters, const std::vector<ParameterDescription>& descriptions,
                       const std::string& kind, const std::string& name);
 
-/// "NAME" or "NAME:key=value,...". Errors at `where`: no such object (with near misses), and those of parse_parameters.
+/// Parses "NAME" or "NAME:key=value,...". Errors, at `where`: no such object (with similar names), and the errors of
+/// parse_parameters().
 template <class Factory>
 Result<ObjectRequest> parse_object_request(const std::string& text, const Registry<Factory>& registry,
                                            const std::string& kind, const SourceLocation& where) {
@@ -40,7 +41,7 @@ Result<ObjectRequest> parse_object_request(const std::string& text, const Regist
     return request;
 }
 
-/// For --help: every object of a registry and what it takes.
+/// Lists every object of a registry and its parameters for --help.
 template <class Factory>
 std::string registry_summary(const Registry<Factory>& registry) {
     std::string list;

@@ -43,12 +43,12 @@ const char* type_name(ParameterType type) {
 
 namespace {
 
-/// Nobody types longer names, and comparing costs the product of the lengths.
+/// Nobody types longer names, and a comparison costs the product of the lengths.
 constexpr std::size_t longest_compared = 256;
-/// Longer messages quote what no reader reads to its end; lists of what was expected stay below.
+/// Nobody reads longer quotations to their end; lists of expected names are shorter.
 constexpr std::size_t longest_message = 4000;
 
-/// The beginning and the end of a text that is too long, cut between characters of UTF-8.
+/// Keeps the beginning and the end of a text that is too long; cuts between UTF-8 characters.
 void shorten(std::string& text) {
     if (text.size() <= longest_message) return;
     const auto within = [&](std::size_t i) { return (static_cast<unsigned char>(text[i]) & 0xc0) == 0x80; };
@@ -63,7 +63,7 @@ std::size_t value_count(const Parameter& parameter) {
     return parameter.numbers.size() + parameter.strings.size();
 }
 
-/// An Error unless `parameter` holds exactly one value of a type that `accepted` allows.
+/// An Error unless `parameter` has exactly one value, of a type that the caller accepts (`type_fits`).
 Status require_single(const Parameter& parameter, const SourceLocation& set_location, ParameterType expected,
                       bool type_fits) {
     const SourceLocation& where = parameter.location.line != 0 ? parameter.location : set_location;
@@ -82,7 +82,7 @@ char lower(char c) {
 
 }  // namespace
 
-/// Longer names are the same or differ in all of their letters.
+/// Longer names are equal, or differ in all of their letters.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
     if (std::max(a.size(), b.size()) > longest_compared)
         return lower_case(a) == lower_case(b) ? 0 : std::max(a.size(), b.size());
@@ -131,14 +131,14 @@ const Parameter* ParameterSet::find(std::string_view name) const {
     return nullptr;
 }
 
-// An integer is taken where a real is wanted: "radius = 2" in TOML means 2.0.
+// An integer is accepted as a real: "radius = 2" in TOML means 2.0.
 Result<double> ParameterSet::real_or(std::string_view name, double fallback) const {
     const Parameter* parameter = find(name);
     if (parameter == nullptr) return fallback;
     const bool fits = parameter->type == ParameterType::real || parameter->type == ParameterType::integer;
     if (Status status = require_single(*parameter, location, ParameterType::real, fits); !status) return status.error();
     const double value = parameter->numbers.front();
-    // What takes numbers keeps them as float, where this would be infinite without a word.
+    // Most users of numbers store them as float, where this one would silently become infinite.
     if (std::isfinite(value) && std::abs(value) > static_cast<double>(std::numeric_limits<float>::max()))
         return error_at(parameter->location.line != 0 ? parameter->location : location,
                         "parameter '" + parameter->name + "' is beyond the range of float; expected less than 3.4e38");
@@ -205,13 +205,13 @@ std::string lower_case(std::string_view text) {
     return result;
 }
 
-// A likely slip costs at most a third of the word's letters, and always at least one is allowed, but never all of them.
-// Ties go to the candidate listed first.
+// A typo changes at most a third of the word's letters, at least one is always allowed, but never all of them. Ties go
+// to the candidate listed first.
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates) {
     std::string best;
     std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
     for (const std::string& candidate : candidates) {
-        // At least as many letters are added or left out.
+        // The number of inserted or deleted letters is a lower bound of the distance.
         const std::size_t longer = std::max(word.size(), candidate.size()),
                           shorter = std::min(word.size(), candidate.size());
         if (longer - shorter >= best_distance) continue;

@@ -1,5 +1,5 @@
-// The one door through which every material, texture, light, pixel filter, sample filter and integrator comes in,
-// in-tree ones and plugins alike.
+// The registry of materials, textures, lights, pixel filters, sample filters and integrators, for built-in objects and
+// plugins.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,8 @@
 
 namespace raylex {
 
-/// Names to factories. `Factory` is a std::function or a function pointer that builds the object from its parameters.
+/// Maps names to factories. `Factory` is a std::function or a function pointer that makes the object from its
+/// parameters.
 template <class Factory>
 class Registry {
   public:
@@ -25,7 +26,7 @@ class Registry {
 
     explicit Registry(std::string kind) : kind_(std::move(kind)) {}
 
-    /// Registers `entry`; a name registered before is replaced (a plugin may shadow an in-tree object).
+    /// Registers `entry`; an earlier entry of that name is replaced, so plugins can override built-in objects.
     void add(Entry entry) {
         for (Entry& known : entries_)
             if (known.name == entry.name) {
@@ -39,7 +40,7 @@ class Registry {
             if (entry.name == name) return &entry;
         return nullptr;
     }
-    /// The entry, or an error at `where` that lists what there is and the near miss.
+    /// The entry; or an error at `where` that lists the known names and suggests a similar one.
     [[nodiscard]] Result<const Entry*> require(std::string_view name, const SourceLocation& where) const {
         if (const Entry* entry = find(name)) return entry;
         std::string known;

@@ -54,8 +54,8 @@ struct BasicRgb {
     [[nodiscard]] constexpr Real average() const { return (r + g + b) / Real(3); }
 };
 
-using Rgb = BasicRgb<float>;    ///< radiance, throughput, albedo: what transport computes in
-using RgbD = BasicRgb<double>;  ///< what the sample table and the frame buffer add up in
+using Rgb = BasicRgb<float>;    ///< radiance, throughput, albedo in transport
+using RgbD = BasicRgb<double>;  ///< sums in the sample table and the frame buffer
 
 template <class Real>
 [[nodiscard]] inline bool is_finite(const BasicRgb<Real>& c) {

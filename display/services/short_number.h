@@ -1,4 +1,4 @@
-// Numbers of any size in messages.
+// Formats numbers of any size for messages.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace raylex {
 
-/// The first digits of it.
+/// The leading `digits` digits of the number.
 inline std::string short_number(double value, int digits = 3) {
     std::array<char, 32> text{};
     std::snprintf(text.data(), text.size(), "%.*g", digits, value);

@@ -1,4 +1,4 @@
-// Threads where the system may start no more: a container's limit, or memory for stacks that is not there.
+// Starts threads on systems that may refuse more: a container's limit, or no memory for stacks.
 #pragma once
 
 #include <system_error>
@@ -7,7 +7,7 @@
 
 namespace raylex::display {
 
-/// A thread that does `work`; not joinable when the system starts none, and then the caller does the work.
+/// A thread that runs `work`. If the system cannot start one, the result is not joinable, and the caller does the work.
 template <class Work>
 std::thread thread_or_none(Work&& work) {
     try {

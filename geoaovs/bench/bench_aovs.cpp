@@ -1,4 +1,4 @@
-// What geometric AOVs cost between first hits and the frame buffer's record. Part of bench_lpe.
+// Measures the cost of geometric AOVs between first hits and the frame buffer's record. Part of bench_lpe.
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
@@ -12,8 +12,8 @@ namespace {
 
 using namespace raylex;
 
-/// Batches of 256 camera samples, 64 of each of four pixels, into an image that does not fit into the caches.
-/// Arguments: how many of ten AOVs, and whether the beauty keeps statistics.
+/// Batches of 256 camera samples, 64 for each of four pixels, into an image that does not fit in the caches. Arguments:
+/// number of AOVs (up to ten), and whether the beauty keeps statistics.
 void aovs(benchmark::State& state) {
     constexpr int width = 200, height = 200, rows = 256, samples = 64, pixels = rows / samples;
     std::vector<display::ChannelDefinition> channels(1);

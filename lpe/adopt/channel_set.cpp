@@ -17,12 +17,12 @@ namespace raylex::lpe {
 struct ChannelSet::Content {
     CompileOptions options;
     std::vector<ChannelSource> channels;
-    std::vector<EventSet> sets;  // of all channels, each once
+    std::vector<EventSet> sets;  // the distinct event sets of all channels
     std::unordered_set<std::string> set_keys;
     std::shared_ptr<const EventClasses> classes;
     std::vector<Dfa> leaves;  // [channel] over `classes`
     Grouping grouping;
-    std::size_t grouped_states = 0;  // of all tables when they were last grouped from the start
+    std::size_t grouped_states = 0;  // states of all tables after the last full grouping
     std::size_t regroupings = 0;
 
     bool add_set(const EventSet& set) {
@@ -51,7 +51,7 @@ struct ChannelSet::Content {
 
 namespace {
 
-/// For each class of `finer` the class of `coarser` that its events are in.
+/// Maps each class of `finer` to the class of `coarser` that contains its events.
 std::vector<EventClass> class_map(const EventClasses& finer, const EventClasses& coarser) {
     std::vector<EventClass> map;
     for (std::size_t k = 0; k < finer.count(); ++k) {
@@ -101,7 +101,7 @@ Result<Program> ChannelSet::add(std::span<const ChannelSource> added) {
         for (const ChannelSource& channel : added) {
             if (!channel.rest_of.empty()) {
                 fail("channel '" + channel.name +
-                     "' is the rest of others; a channel set takes only channels with an expression");
+                     "' uses rest_of; a channel set takes only channels with an expression");
             }
             expressions.push_back(parse(channel));
             fresh = next.add_tree(*expressions.back().root) || fresh;

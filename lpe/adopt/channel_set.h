@@ -1,7 +1,8 @@
-// Channels that come one after the other: adding one to a compiled set compiles that one and keeps the automata of the
-// others (an interactive session in which an artist types one more expression, say).
+// A set of compiled channels that grows: adding a channel compiles only that channel and reuses the automata of the
+// others. An interactive session, in which an artist types one more expression, uses this.
 //
-// New labels need nothing of this: Program::classify puts a label that no expression names where all such labels are.
+// New labels need no recompilation: Program::classify gives a label that no expression names the class of all unnamed
+// labels.
 #pragma once
 
 #include <cstddef>
@@ -21,14 +22,14 @@ class ChannelSet {
     ChannelSet(ChannelSet&&) noexcept;
     ChannelSet& operator=(ChannelSet&&) noexcept;
 
-    /// Adds channels and returns the program of all, numbered in the order in which they came. It accepts what
-    /// Program::compile of the whole list would, from tables that may be up to twice as large. Event classes are new:
-    /// events are to be classified again. Errors, after which the set is what it was: those of Program::compile;
-    /// channels with `rest_of`, which depend on all others.
+    /// Adds channels and returns the program of all channels, numbered in the order in which they were added. It
+    /// accepts the same paths as Program::compile of the whole list; its tables can be up to twice as large. The event
+    /// classes are new: callers classify their events again. Errors leave the set unchanged: the errors of
+    /// Program::compile, and channels with `rest_of`, which depend on all other channels.
     Result<Program> add(std::span<const ChannelSource> channels);
 
     [[nodiscard]] std::span<const ChannelSource> channels() const;
-    /// How often the channels were grouped from the start because one more did not fit what was there.
+    /// How often all channels were grouped from the start because a new channel did not fit into the existing groups.
     [[nodiscard]] std::size_t regroupings() const;
 
   private:

@@ -23,14 +23,14 @@ constexpr std::string_view magic = "RAYLEXPG";
 constexpr std::uint32_t version = 1;
 constexpr std::size_t hash_bytes = 8;
 
-/// FNV-1a, 64 bits (Fowler, Noll, Vo).
+/// The 64-bit FNV-1a hash (Fowler, Noll, Vo).
 std::uint64_t hash_of(std::string_view bytes) {
     std::uint64_t hash = 0xCBF29CE484222325ULL;
     for (const char byte : bytes) { hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3ULL; }
     return hash;
 }
 
-/// Visits every part of the tables in the order of the file; reader and writer agree because both use this.
+/// Visits every part of the tables in the order of the file. Reader and writer share this order because both use it.
 template <class Tables, class Visitor>
 void visit_tables(Tables& tables, Visitor& visitor) {
     visitor.texts(tables.channel_names);
@@ -71,7 +71,7 @@ class Writer {
         number(std::uint64_t{values.size()});
         for (const Integer value : values) { number(value); }
     }
-    /// Structures of 32-bit numbers.
+    /// Structures whose fields are all 32-bit numbers.
     template <class Record>
     void records(const std::vector<Record>& values) {
         number(std::uint64_t{values.size()});
@@ -131,7 +131,7 @@ class Reader {
     [[nodiscard]] bool at_end() const { return at_ == bytes_.size(); }
 
   private:
-    /// Refuses counts that the rest of the bytes cannot hold before anything is allocated for them.
+    /// Reads a count. It fails, before any memory is allocated, if the remaining bytes cannot hold that many elements.
     std::size_t count(std::size_t element_bytes) {
         std::uint64_t value = 0;
         number(value);
@@ -140,8 +140,8 @@ class Reader {
     }
     void need(std::uint64_t elements, std::size_t element_bytes) const {
         if (elements > (bytes_.size() - at_) / element_bytes) {
-            fail("the compiled program ends early: byte " + std::to_string(at_) + " asks for " +
-                 std::to_string(elements) + " elements of " + std::to_string(element_bytes) + " bytes, and " +
+            fail("the compiled program ends early: byte " + std::to_string(at_) + ": expected " +
+                 std::to_string(elements) + " elements of " + std::to_string(element_bytes) + " bytes, but only " +
                  std::to_string(bytes_.size() - at_) + " bytes are left");
         }
     }
@@ -159,7 +159,7 @@ void require_below(const std::vector<Integer>& values, std::uint64_t bound, cons
     require(std::all_of(values.begin(), values.end(), [bound](Integer value) { return value < bound; }), what);
 }
 
-/// Offsets of consecutive ranges of an array.
+/// Checks the offsets of consecutive ranges of an array: ascending and at most `size`.
 void require_offsets(const std::vector<std::uint32_t>& offsets, std::uint64_t size, const char* what) {
     require(!offsets.empty() && std::is_sorted(offsets.begin(), offsets.end()) && offsets.back() <= size, what);
 }
@@ -233,7 +233,7 @@ void check_tables(const ProgramTables& tables) {
     }
     check_lanes(tables, states);
     if (tables.column_of_class.empty()) {
-        return;  // the program of no channels
+        return;  // a program without channels
     }
     require_below(tables.column_of_class, tables.class_count, "columns of event classes");
     check_classes(tables.classes, tables.column_of_class.size());
@@ -241,7 +241,7 @@ void check_tables(const ProgramTables& tables) {
 
 Program read(std::string_view bytes) {
     if (bytes.substr(0, magic.size()) != magic) {
-        fail("this is no compiled program: it does not begin with '" + std::string(magic) + "'",
+        fail("not a compiled program: expected '" + std::string(magic) + "' at its beginning",
              "compiled programs are written by raylex::lpe::save");
     }
     Reader reader(bytes.substr(magic.size()));
@@ -258,7 +258,7 @@ Program read(std::string_view bytes) {
     ending.number(hash);
     const std::string_view content = bytes.substr(0, bytes.size() - hash_bytes);
     if (hash != hash_of(content)) {
-        fail("the compiled program is damaged or cut short: its hash does not fit its content");
+        fail("the compiled program is damaged or cut short: its hash does not match its content");
     }
     Reader body(content.substr(magic.size() + sizeof found));
     ProgramTables tables;
@@ -312,7 +312,7 @@ Status save(const Program& program, const std::string& path) {
     std::filesystem::rename(temporary, path, code);
     if (code) {
         std::remove(temporary.c_str());
-        return file_error(path, "the compiled program cannot be given its name: " + code.message());
+        return file_error(path, "the compiled program cannot be renamed to its final name: " + code.message());
     }
     return success();
 }

@@ -1,13 +1,12 @@
-// A compiled program as a file, so that a renderer need not compile, or need not even link the compiler: load() and
+// Compiled programs as files. A renderer that loads one does not compile, and does not link the compiler: load() and
 // program_view.h are enough to follow paths.
 //
-// Format, version 1. All integers are little-endian whatever the machine. 8 bytes "RAYLEXPG", then u32 version, then
-// the arrays of ProgramTables in the order of program_file.cpp, each as u64 count and its elements; text as bytes. The
-// last 8 bytes are the FNV-1a hash (64 bits) of all before them. A reader refuses other versions.
+// Format, version 1. All integers are little-endian on every machine. 8 bytes "RAYLEXPG", then u32 version, then the
+// arrays of ProgramTables in the order of program_file.cpp, each as a u64 count and its elements; text is stored as
+// bytes. The last 8 bytes are the 64-bit FNV-1a hash of all bytes before them. A reader refuses other versions.
 //
-// A file is checked when it is read: its hash tells damage, and every index in it is compared with the array it goes
-// into, so that no file, however made, leads to a read outside the arrays. What the file says is not proved to be what
-// any compiler would write.
+// Reading checks the file: the hash detects damage, and every index is compared with the size of its array, so no file
+// causes a read outside the arrays. Reading does not prove that a compiler wrote the content.
 #pragma once
 
 #include <string>
@@ -18,13 +17,13 @@
 
 namespace raylex::lpe {
 
-/// The bytes of a file.
+/// The program as the bytes of a file.
 [[nodiscard]] std::string to_bytes(const Program& program);
-/// The inverse. `origin` names the bytes in errors. Errors: not a program, another version, cut short, damaged, or an
-/// index that leads nowhere.
+/// Reads a program from the bytes that to_bytes() returns. `origin` names the bytes in errors. Errors: the bytes are
+/// not a program, have another version, are cut short or damaged, or contain an index that is out of range.
 Result<Program> program_from_bytes(std::string_view bytes, const std::string& origin);
 
-/// Writes to a temporary name beside `path` and renames. Errors: the file cannot be written.
+/// Writes the program to a temporary file in the folder of `path`, then renames it. Errors: the file cannot be written.
 Status save(const Program& program, const std::string& path);
 Result<Program> load(const std::string& path);
 

@@ -24,7 +24,7 @@ Status Vocabulary::check_name(const std::string& name) const {
         return error_of("'" + name +
                         "' cannot be the name of an event or lobe; expected text without quotes, '\\', '*' and '?'");
     }
-    if (entries_.count(name) != 0) { return error_of("the name '" + name + "' is registered already"); }
+    if (entries_.count(name) != 0) { return error_of("the name '" + name + "' is already registered"); }
     return success();
 }
 
@@ -39,14 +39,14 @@ Result<int> Vocabulary::add_event(const std::string& name) {
             return status ? Result<int>(number) : Result<int>(status.error());
         }
     }
-    return error_of("there is no user event left for '" + name + "': " + std::to_string(user_events) +
-                    " are registered");
+    return error_of("no user event is left for '" + name + "': " + std::to_string(user_events) + " are registered");
 }
 
 Status Vocabulary::add_event(const std::string& name, int number) {
     if (Status status = check_name(name); !status) { return status; }
     if (number < 1 || number > user_events) {
-        return error_of("there is no user event U" + std::to_string(number) + " for '" + name + "'; expected 1 to 12");
+        return error_of("user event U" + std::to_string(number) + ", for '" + name +
+                        "', does not exist; expected U1 to U12");
     }
     entries_.emplace(name, Entry{Scatter::none, number});
     return success();
@@ -55,12 +55,12 @@ Status Vocabulary::add_event(const std::string& name, int number) {
 Status Vocabulary::add_lobe(const std::string& name, Scatter scatter, int number) {
     if (Status status = check_name(name); !status) { return status; }
     if (scatter == Scatter::none || scatter == Scatter::straight) {
-        return error_of("the lobe '" + name + "' is neither diffuse, glossy nor singular");
+        return error_of("the lobe '" + name + "' must be diffuse, glossy or singular");
     }
     const int most = scatter == Scatter::diffuse ? diffuse_lobes : specular_lobes;
     if (number < 1 || number > most) {
         const std::string letter = scatter == Scatter::diffuse ? "D" : "S";
-        return error_of("there is no lobe " + letter + std::to_string(number) + " for '" + name + "'; expected " +
+        return error_of("lobe " + letter + std::to_string(number) + ", for '" + name + "', does not exist; expected " +
                         letter + "1 to " + letter + std::to_string(most));
     }
     entries_.emplace(name, Entry{scatter, number});

@@ -1,12 +1,12 @@
-// Names that a renderer has for its own events and lobes, so that expressions and events can use them.
+// A renderer's own names for events and lobes, for use in expressions and in events.
 //
-// Own events become user events (U1 to U12), which no wildcard matches; own lobes become numbered lobes, so that `D`
-// and `S` still match them. In an expression a registered name, quoted, stands where the letter would stand:
+// A renderer's events become user events (U1 to U12), which no wildcard matches. Its lobes become numbered lobes, so
+// `D` and `S` match them too. In an expression a registered name in quotes replaces the letter:
 //
 //     renderman   C'hair_entry'L    C<.'hair_entry''wig'>L    C<R'coat''car'>L     (as U1, <.U1'wig'>, <RS4'car'>)
 //     osl         C'hair_entry'L    C<'hair_entry'.'wig'>L    C<R'coat''car'>L     (as OSL's registered types do)
 //
-// In a label slot a quoted text is a label, registered or not.
+// In a label slot a quoted text is always a label, even if the name is registered.
 #pragma once
 
 #include <map>
@@ -23,24 +23,24 @@ namespace raylex::lpe {
 
 class Vocabulary {
   public:
-    /// Registers an event of its own; the next free user event is taken, and returned. Errors: a name that is taken,
-    /// empty or holds quotes, backslashes or the marks of globs; no user event left.
+    /// Registers an event and returns the number of its user event, the lowest that is free. Errors: the name is taken,
+    /// is empty, or contains quotes, backslashes or the wildcards of globs; no user event is left.
     Result<int> add_event(const std::string& name);
-    /// The same as U`number`, for expressions that are kept.
+    /// Registers an event as user event U`number`, for expressions that are stored and must keep their meaning.
     Status add_event(const std::string& name, int number);
-    /// Registers a lobe: Scatter::diffuse with D1 to D4; Scatter::glossy or Scatter::singular with S1 to S8, which
-    /// stand for both. Errors as above, and numbers that do not exist.
+    /// Registers a lobe: Scatter::diffuse has D1 to D4; Scatter::glossy and Scatter::singular share S1 to S8. Errors:
+    /// the name is taken, empty or contains a forbidden character; the number does not exist.
     Status add_lobe(const std::string& name, Scatter scatter, int number);
 
-    /// The events that a name stands for, labels aside; nothing for names that are not registered.
+    /// The events that a name denotes, whatever their labels; nothing if the name is not registered.
     [[nodiscard]] std::optional<CoreSet> cores(std::string_view name) const;
     [[nodiscard]] bool is_event(std::string_view name) const;
 
-    /// An event of a registered kind, with its labels. Errors: the name is not registered as such (near misses are
-    /// named).
+    /// Makes an event of a registered kind, with its labels. Errors: no event has that name; the error suggests similar
+    /// names.
     Result<Event> event(std::string_view name, std::vector<std::string> labels = {}) const;
-    /// A scattering at a registered lobe: `type` is reflection or transmission; a lobe of S is glossy or singular as
-    /// it was registered.
+    /// Makes a scattering at a registered lobe. `type` is reflection or transmission. A lobe of S is glossy or
+    /// singular, as it was registered. Errors: no lobe has that name; the error suggests similar names.
     Result<Event> scattering(EventType type, std::string_view lobe, std::vector<std::string> labels = {}) const;
 
   private:

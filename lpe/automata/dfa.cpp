@@ -9,10 +9,11 @@ namespace raylex::lpe {
 
 namespace {
 
-/// Open addressing from pairs of states to states. The key (0, 0) stands for an empty slot: that pair is dead.
+/// A hash map with open addressing from pairs of states to states. The key (0, 0) marks an empty slot: that pair is
+/// dead.
 class PairMap {
   public:
-    /// The value of the key, `fresh` when it was not there before.
+    /// Returns the value of the key and whether it is new; a new key gets the value `fresh`.
     std::pair<std::uint32_t, bool> insert(std::uint64_t key, std::uint32_t fresh) {
         if (2 * (size_ + 1) > slots_.size()) { grow(); }
         Slot& slot = find(key);
@@ -28,7 +29,7 @@ class PairMap {
         std::uint32_t value = 0;
     };
     Slot& find(std::uint64_t key) {
-        // Bits 32 and above of the product depend on both states.
+        // Bits from 32 up of the product depend on both states.
         std::size_t at = static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 32) & (slots_.size() - 1);
         while (slots_[at].key != 0 && slots_[at].key != key) { at = (at + 1) & (slots_.size() - 1); }
         return slots_[at];
@@ -44,7 +45,7 @@ class PairMap {
     std::size_t size_ = 0;
 };
 
-/// The columns of a product: pairs of columns that some class falls in.
+/// The columns of a product: the pairs of columns that at least one class uses.
 struct JointColumns {
     std::vector<std::uint16_t> of_class;
     std::vector<std::pair<std::uint16_t, std::uint16_t>> pairs;
@@ -150,7 +151,8 @@ std::optional<Dfa> product(const Dfa& a, const Dfa& b, const Combination& combin
 }
 
 std::optional<std::vector<EventClass>> shortest_word(const Dfa& dfa, bool (*wanted)(std::uint32_t output)) {
-    // The lowest class of each column, columns in that order: classes are numbered plainest first.
+    // The lowest class of each column. Columns are visited in that order because the simplest classes have the lowest
+    // numbers.
     std::vector<EventClass> class_of_column(dfa.columns);
     std::vector<std::size_t> order;
     std::vector<bool> taken(dfa.columns, false);

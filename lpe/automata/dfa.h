@@ -1,8 +1,8 @@
-// Complete deterministic automata with outputs (Moore machines) over event classes. State 0 is dead: no output, and
-// every event stays there. Output 0 means "nothing"; what other numbers mean is the caller's business (1 for
-// acceptance, a count, an index of a list of channels).
+// Complete deterministic automata with outputs (Moore machines) over event classes. State 0 is dead: it has output 0,
+// and every event leads back to it. Output 0 means "nothing"; the caller defines other outputs (1 for acceptance, a
+// count, an index of a list of channels).
 //
-// Classes that an automaton treats alike share a column, so tables stay small whatever other channels tell apart.
+// Classes that an automaton treats alike share a column, so tables stay small when other channels need more classes.
 #pragma once
 
 #include <cstddef>
@@ -34,30 +34,30 @@ struct Dfa {
 /// The automaton of the empty language.
 [[nodiscard]] Dfa empty_dfa(std::size_t class_count);
 
-/// The smallest automaton with the same outputs (Hopcroft), numbered in breadth-first order from the start, so that
-/// equal languages give equal tables.
+/// The smallest automaton with the same outputs (Hopcroft). States are numbered in breadth-first order from the start,
+/// so equal languages give equal tables.
 [[nodiscard]] Dfa minimized(const Dfa& dfa);
 
-/// How a product combines two outputs. `combine` must give 0 for (0, 0).
+/// How a product combines two outputs. `combine` must return 0 for (0, 0).
 struct Combination {
     std::uint32_t (*combine)(void* context, std::uint32_t a, std::uint32_t b) = nullptr;
     void* context = nullptr;
-    bool needs_both = false;   ///< dead as soon as one side is dead (intersection)
-    bool needs_first = false;  ///< dead as soon as the first side is dead (difference)
+    bool needs_both = false;   ///< the pair is dead as soon as one side is dead (intersection)
+    bool needs_first = false;  ///< the pair is dead as soon as the first side is dead (difference)
 };
 
 [[nodiscard]] Combination union_of();
 [[nodiscard]] Combination intersection_of();
 [[nodiscard]] Combination difference_of();
-/// 0, 1 or "2 or more" accepting sides.
+/// Counts accepting sides: 0, 1, or 2 for "2 or more".
 [[nodiscard]] Combination count_of();
 
-/// Both automata side by side, reachable pairs only; nothing when that takes more than `state_cap` states or too large
-/// a table. The product of minimal automata under outputs that tell both sides apart is minimal.
+/// The product automaton of all reachable pairs; nothing if it needs more than `state_cap` states or too large a table.
+/// The product of minimal automata is minimal if the output determines both operands' outputs.
 [[nodiscard]] std::optional<Dfa> product(const Dfa& a, const Dfa& b, const Combination& combination,
                                          std::size_t state_cap);
 
-/// The shortest word, as classes, after which the output satisfies `wanted`; among equals the one of lowest classes.
+/// The shortest word of classes whose output satisfies `wanted`; ties go to the lowest classes.
 [[nodiscard]] std::optional<std::vector<EventClass>> shortest_word(const Dfa& dfa,
                                                                    bool (*wanted)(std::uint32_t output));
 

@@ -13,7 +13,7 @@ namespace raylex::lpe {
 
 namespace {
 
-/// The event sets of all channels, each once.
+/// The distinct event sets of all channels.
 class SetTable {
   public:
     std::size_t add(EventSet set) {
@@ -44,7 +44,8 @@ NodePtr any_number_of(EventSet events) {
     return repeat;
 }
 
-/// C scatter* (L | O | B), or with at most n scatterings C s* (scatter s*){0,n} (L | O | B), s straight through.
+/// C scatter* (L | O | B); with at most n scatterings C s* (scatter s*){0,n} (L | O | B), where s is a pass-through
+/// event.
 NodePtr words_tree(WordSets sets) {
     NodePtr tree = make_node(NodeKind::sequence);
     tree->children.push_back(make_event(std::move(sets.camera)));
@@ -64,7 +65,7 @@ NodePtr words_tree(WordSets sets) {
     return tree;
 }
 
-/// Straight-through events leave no event in renderman words: every state stays where it is.
+/// In renderman words pass-through events leave no event, so every state loops on them.
 void ignore_straight_events(Dfa& dfa, const ClassSet& straight) {
     const auto loop = static_cast<std::uint16_t>(dfa.columns);
     for (std::size_t k = 0; k < straight.size(); ++k) {
@@ -79,7 +80,7 @@ void ignore_straight_events(Dfa& dfa, const ClassSet& straight) {
     }
     dfa.next = std::move(next);
     ++dfa.columns;
-    // Columns may be unused now; a product would still carry them, minimisation does not.
+    // Columns can now be unused. A product would keep them; minimisation removes them.
 }
 
 Dfa build_rest(const ChannelSource& rest, std::span<const ChannelSource> channels, const Languages& languages,
@@ -118,11 +119,11 @@ Dfa joined(std::span<const Dfa* const> dfas, const Combination& combination, std
 
 namespace {
 
-/// What channels are built with, the same for all of them.
+/// Common inputs for building each channel.
 struct ChannelBuild {
     const EventClasses& classes;
     const ClassSet &straight, &renderman, &osl;  ///< members of the classes' sets
-    const Dfa* renderer_words;                   ///< nullptr: not cut to these
+    const Dfa* renderer_words;                   ///< restrict channels to these words; nullptr: no restriction
     std::size_t state_cap;
 };
 

@@ -1,4 +1,4 @@
-// Several channels as automata over common event classes: the meeting point of the compiler and the algebra.
+// Several channels as automata over common event classes. The compiler and the algebra both start from them.
 #pragma once
 
 #include <cstddef>
@@ -19,42 +19,42 @@ namespace raylex::lpe {
 struct Languages {
     std::unique_ptr<EventClasses> classes;
     std::vector<Dfa> channels;  ///< minimal, output 1 where the channel accepts
-    std::optional<Dfa> words;   ///< W, when asked for
+    std::optional<Dfa> words;   ///< W, when requested
 };
 
 struct LanguageOptions {
     std::size_t state_cap = 50'000;
-    const Words* words = nullptr;  ///< build W too, cut to this
-    /// Leave labels that OSL's wildcards refuse (named "D", "x", ...) out of W. Proofs about osl channels do: no
-    /// channel could ever be a beauty otherwise.
+    const Words* words = nullptr;  ///< restrict W to these, and build it too
+    /// Leaves labels that OSL's wildcards refuse (named "D", "x", ...) out of W. Proofs about osl channels need this;
+    /// otherwise no channel could equal the beauty.
     bool skip_reserved_labels = false;
     BarReading bar = BarReading::tight;
-    bool renderer_words = false;  ///< cut every channel to CompileOptions' words of a renderer
+    bool renderer_words = false;  ///< restrict every channel to the words that a renderer can report
 };
 
-/// Parses and determinises every channel. Channels with `rest_of` get W minus the union of those channels. Throws
-/// Failure that names the channel.
+/// Parses every channel and builds its automaton. A channel with `rest_of` gets W minus the union of those channels.
+/// Throws Failure that names the channel.
 [[nodiscard]] Languages build_languages(std::span<const ChannelSource> channels, const LanguageOptions& options);
-/// The same for channels that were parsed already; one tree per channel, null for those with `rest_of`.
+/// Builds the automata of parsed channels: one tree per channel, null for channels with `rest_of`.
 [[nodiscard]] Languages build_languages(std::span<const ChannelSource> channels, std::span<Expression> expressions,
                                         const LanguageOptions& options);
 
-/// One automaton for all of them: outputs joined by `combination` in a balanced tree, minimised on the way. Throws
-/// Failure with `what` in its message when it would take more than `state_cap` states.
+/// Joins the automata pairwise in a balanced tree with `combination`, and minimises after each step. Throws Failure
+/// with `what` in its message if the result needs more than `state_cap` states.
 [[nodiscard]] Dfa joined(std::span<const Dfa* const> dfas, const Combination& combination, std::size_t state_cap,
                          std::size_t class_count, const std::string& what);
 
 /// The event sets of W: camera, scattering, terminals.
 struct WordSets {
     EventSet camera, scattering, terminal;
-    EventSet straight;             ///< with max_depth: the events that do not count, then none of `scattering`
-    std::optional<int> max_depth;  ///< repetitions of `scattering`
+    EventSet straight;             ///< with max_depth: events that do not count; `scattering` has none of them
+    std::optional<int> max_depth;  ///< limit on repetitions of `scattering`
 };
-/// Of an alphabet's events that all of `told_apart` answer alike, the first alone is listed: nothing else could tell
-/// them apart in a proof.
+/// The event sets of W. If W has an alphabet, only one of several events is listed that all sets in `told_apart` treat
+/// alike, because a proof cannot distinguish them.
 [[nodiscard]] WordSets word_sets(const Words& words, bool skip_reserved_labels,
                                  std::span<const EventSet> told_apart = {});
-/// Words that a renderer can report, user events included, labels and lobe numbers at will.
+/// All words that a renderer can report, with user events and with any labels and lobe numbers.
 [[nodiscard]] WordSets renderer_word_sets();
 
 }  // namespace raylex::lpe

@@ -1,4 +1,4 @@
-// The last step of compilation, for all who have automata: groups, lanes, arrays.
+// The last step of compilation: arranges automata as groups, bit-parallel automata and arrays.
 #pragma once
 
 #include <span>
@@ -9,13 +9,12 @@
 
 namespace raylex::lpe {
 
-/// Lays out groups that were made of the channels. Throws Failure when they take more words than
-/// CompileOptions::word_cap.
+/// Arranges groups that are already formed. Throws Failure when they need more words than CompileOptions::word_cap.
 [[nodiscard]] ProgramTables lay_out(const EventClasses& classes, const Grouping& grouping,
                                     std::span<const ChannelSource> channels, const CompileOptions& options);
 
-/// Groups the channels first. Channel k accepts by dfas[k], minimal over `classes` and, unless
-/// CompileOptions::any_word, cut to words of a renderer. Throws Failure when they fit in no way that the options allow.
+/// Groups the channels, then arranges them. Channel k accepts by dfas[k], minimal over `classes` and, unless
+/// CompileOptions::any_word, restricted to words of a renderer. Throws Failure when the options permit no arrangement.
 [[nodiscard]] ProgramTables lay_out(const EventClasses& classes, std::vector<Dfa> dfas,
                                     std::span<const ChannelSource> channels, const CompileOptions& options);
 

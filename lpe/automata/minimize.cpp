@@ -47,7 +47,7 @@ class Partition {
         std::swap(place_[state], place_[other]);
     }
 
-    /// Splits every touched block into its marked and its other states; calls split(old block, new block).
+    /// Splits every touched block into its marked and its other states, and calls split(old block, new block) for each.
     template <class Split>
     void split_marked(Split&& split) {
         for (const std::uint32_t block : touched_) {
@@ -70,9 +70,9 @@ class Partition {
     std::vector<std::uint32_t> begin_, end_, marked_, touched_;
 };
 
-/// For each column the predecessors of every state, as ranges of one array.
+/// The predecessors of every state for each column, as ranges of one array.
 struct Predecessors {
-    std::vector<std::uint32_t> first;  // [column][state], and one past the end
+    std::vector<std::uint32_t> first;  // [column][state], plus one entry past the end
     std::vector<std::uint32_t> sources;
 };
 
@@ -119,7 +119,7 @@ Partition refine(const Dfa& dfa) {
             }
             partition.split_marked([&](std::uint32_t block, std::uint32_t fresh) {
                 is_waiting.push_back(false);
-                // The splitter in hand is a copy, so its parts may be queued like any other block's.
+                // The current splitter is a copy, so its parts can be queued like any other block.
                 const bool queue_block =
                     !is_waiting[block] && partition.block_size(block) < partition.block_size(fresh);
                 const std::uint32_t chosen = queue_block ? block : fresh;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t none = 0xFFFFFFFFU;
 
-/// A state has one symbol edge, or up to two edges that read nothing.
+/// A state has one symbol edge, or up to two silent edges.
 struct NfaState {
     std::uint32_t symbol = none;  // index into Nfa::symbols
     std::uint32_t target = none;
@@ -25,10 +25,10 @@ struct Fragment {
     std::uint32_t first = 0, last = 0;
 };
 
-/// An automaton under construction. Fan-out beyond two goes through chains of silent states.
+/// An automaton under construction. A state with more than two silent edges is a chain of silent states.
 class Nfa {
   public:
-    /// Automata of '&', '-' and '!' nodes already built; a repetition meets the same node many times.
+    /// The automata of '&', '-' and '!' nodes; a repetition meets the same node many times.
     using Cache = std::unordered_map<const Node*, Dfa>;
 
     Nfa(const ClassLookup& lookup, std::size_t state_cap, Cache& cache)
@@ -52,7 +52,7 @@ class Nfa {
         return {};
     }
 
-    /// The automaton of an operator on languages.
+    /// The automaton of an operator on whole languages.
     const Dfa& build_boolean(const Node& node);
 
     [[nodiscard]] const std::vector<NfaState>& states() const { return states_; }
@@ -115,7 +115,7 @@ class Nfa {
             const Fragment part = build(*child);
             connect(fan, part.first);
             fan = states_[fan].silent[1] == none ? fan : states_[fan].silent[1];
-            const std::uint32_t exit = add_state();  // `part.last` may already have its silent edges
+            const std::uint32_t exit = add_state();  // `part.last` may already have both silent edges
             connect(part.last, exit);
             connect(exit, whole.last);
         }
@@ -205,7 +205,7 @@ struct SubsetHash {
     }
 };
 
-/// Subset construction. Only states with a symbol edge, and the last state, matter in a subset.
+/// Subset construction. A subset needs only its states with a symbol edge, and the last state.
 class Determinizer {
   public:
     Determinizer(const Nfa& nfa, const Fragment& whole, const ClassLookup& lookup, std::size_t state_cap)
@@ -312,7 +312,7 @@ Dfa required(std::optional<Dfa> dfa, WorkMeter& work) {
     return minimized(*dfa);
 }
 
-/// Every word over the universe's classes.
+/// The automaton of every word over the universe's classes.
 Dfa all_words(const ClassLookup& lookup) {
     Dfa dfa;
     for (std::size_t k = 0; k < lookup.classes->count(); ++k) {

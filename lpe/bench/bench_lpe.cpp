@@ -1,6 +1,6 @@
-// Cost of compiling sets of channels, of following a path through them and of adding up what it finds. Event classes
-// are asked for beforehand, as an integrator does once per kind of event. bench_services.cpp (display/bench) adds what
-// a renderer pays for the state vector of Law 5.
+// Measures compiling sets of channels, following a path through them, and adding up the results. Event classes are
+// looked up beforehand, as an integrator does once per kind of event. display/bench/bench_services.cpp adds the cost of
+// the state vector of Law 5.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -65,7 +65,7 @@ void follow(benchmark::State& state, const std::string& set) {
     report(state, program, events.size());
 }
 
-/// Adds a colour to the layers of every channel that accepts a path that has ended; about 4.5 of 32 channels do.
+/// Adds a colour to the layers of every channel that accepts a finished path; about 4.5 of 32 channels accept.
 void accumulate(benchmark::State& state, const std::string& set) {
     const auto channels = named_set(set, static_cast<std::size_t>(state.range(0)));
     const Program program = compile_or_exit(channels);
@@ -113,7 +113,7 @@ void compile_generated(benchmark::State& state) {
     }
 }
 
-/// One more channel, with a label of its own, to a set that is compiled.
+/// Adds one channel with a new label to a compiled set.
 void add_one(benchmark::State& state, const std::string& set) {
     const auto channels = named_set(set, static_cast<std::size_t>(state.range(0)));
     ChannelSource one;
@@ -133,7 +133,7 @@ void add_one(benchmark::State& state, const std::string& set) {
     }
 }
 
-/// The class of an event with a label, as a renderer asks once per material.
+/// Looks up the class of a labelled event, as a renderer does once per material.
 void classify(benchmark::State& state, const std::string& set) {
     const Program program = compile_or_exit(named_set(set, static_cast<std::size_t>(state.range(0))));
     std::vector<Event> events;
@@ -158,8 +158,8 @@ void reverse_build(benchmark::State& state, const std::string& set) {
     }
 }
 
-/// Grows a light subpath of `range(1)` scatterings and joins each of its ends once with a camera subpath. The time is
-/// that of one vertex and its join.
+/// Grows a light subpath of `range(1)` scatterings and connects each of its ends once to a camera subpath. The time is
+/// that of one vertex and its connection.
 void join(benchmark::State& state, const std::string& set) {
     const Program program = compile_or_exit(named_set(set, static_cast<std::size_t>(state.range(0))));
     const auto depth = static_cast<std::size_t>(state.range(1));

@@ -11,23 +11,25 @@ namespace raylex::lpe::bench {
 
 /// The first `count` expressions of data/lpe_bench_<name>.txt (osl dialect). Exits with a message when there are fewer.
 [[nodiscard]] std::vector<ChannelSource> file_set(const std::string& name, std::size_t count);
-/// C.*<RD'x'>.* with `count` distinct labels x.
+/// The expressions C.*<RD'x'>.* for `count` distinct labels x.
 [[nodiscard]] std::vector<ChannelSource> anywhere_labels(std::size_t count);
-/// `name` as above: a file's set, "labels" for anywhere_labels, or "mixture": half of firsthit and half of labels.
+/// A set by name: the name of a file for file_set(), "labels" for anywhere_labels(), or "mixture" for half firsthit and
+/// half labels.
 [[nodiscard]] std::vector<ChannelSource> named_set(const std::string& name, std::size_t count);
-/// 8 light groups x 16 first lobes x 4 numbers of bounces, and what the camera sees directly: a partition of W.
+/// A partition of W: 8 light groups x 16 first lobes x 4 numbers of bounces, and the light that the camera sees
+/// directly.
 [[nodiscard]] std::vector<ChannelSource> generated_split();
 
-/// Compiles, or exits with the error.
+/// Compiles the channels; prints the error and exits on failure.
 [[nodiscard]] Program compile_or_exit(const std::vector<ChannelSource>& channels);
 
 struct RandomPath {
     std::vector<Event> events;  ///< camera, one to six scatterings, terminal
 };
-/// Fixed paths over the labels that the sets use.
+/// A fixed sequence of paths that use the labels of the sets.
 [[nodiscard]] std::vector<RandomPath> random_paths(std::size_t count);
 
-/// A linear congruence (Knuth, MMIX).
+/// A linear congruential generator (Knuth, MMIX).
 class Random {
   public:
     std::size_t below(std::size_t bound) {

@@ -1,4 +1,4 @@
-// What is wrong with single channels of a file: readers go on behind it, so that every such error is known at once.
+// Errors about single channels of a file. Readers continue after such an error, so that one run reports all of them.
 #pragma once
 
 #include <span>
@@ -11,14 +11,14 @@
 
 namespace raylex::lpe {
 
-/// What a reader throws at the file's end. Whoever catches a Failure has the first error.
+/// A reader throws this at the end of the file. A handler of Failure gets the first error.
 struct ChannelErrors : Failure {
     std::vector<Error> errors;
-    ChannelFile file;  ///< the channels without one
+    ChannelFile file;  ///< the channels without errors
 };
 
-/// As parse_channel_file, which ends at the first error; here those of single channels are added to `errors`, and the
-/// others are returned.
+/// Parses a channel file. Unlike parse_channel_file(), it does not stop at the first error: errors about single
+/// channels go to `errors`, and the other channels are returned.
 Result<ChannelFile> parse_channels(std::string_view text, const std::string& origin, ChannelFormat format,
                                    std::vector<Error>& errors);
 

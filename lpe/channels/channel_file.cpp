@@ -27,10 +27,10 @@ bool ends_with_any(std::string_view path, std::initializer_list<std::string_view
 ChannelFormat find_format(std::string_view path, std::string_view text) {
     const std::string origin(path);
     if (text.starts_with("PXR-USDC") || ends_with_any(path, {".usdc", ".usdz"})) {
-        fail_in(origin, "this is USD in its binary form; expected a .usda text", "'usdcat IN -o OUT.usda' makes one");
+        fail_in(origin, "this file is binary USD; expected .usda text", "convert it: 'usdcat IN -o OUT.usda'");
     }
     if (text.starts_with("\x1f\x8b")) {
-        fail_in(origin, "this file is compressed; expected plain text", "'gunzip' or 'catrib -ascii' makes one");
+        fail_in(origin, "this file is compressed; expected plain text", "convert it with 'gunzip' or 'catrib -ascii'");
     }
     if (text.starts_with("#usda") || ends_with_any(path, {".usda", ".usd"})) { return ChannelFormat::usda; }
     if (ends_with_any(path, {".rib"})) { return ChannelFormat::rib; }
@@ -39,8 +39,7 @@ ChannelFormat find_format(std::string_view path, std::string_view text) {
         return ChannelFormat::rib;
     }
     if (text.find("/prman/lpe/") != std::string_view::npos) { return ChannelFormat::ini; }
-    fail_in(origin, "cannot tell what kind of channel file this is; expected .toml, .rib, .usda or .ini",
-            "name the kind with --format");
+    fail_in(origin, "unknown kind of channel file; expected .toml, .rib, .usda or .ini", "name the kind with --format");
 }
 
 ChannelFile parse_any(std::string_view text, const std::string& origin, ChannelFormat format) {
@@ -93,7 +92,7 @@ std::string statistics_of(const FileChannel& channel) {
 }
 
 void leave_out(const FileChannel& channel, const std::string& parameter, LeftOut& left) {
-    // "string filter" "gaussian" of RIB, token driver:parameters:filter = "gaussian" of USD.
+    // RIB: "string filter" "gaussian". USD: token driver:parameters:filter = "gaussian".
     const bool rib = parameter.starts_with('"');
     std::string name = parameter.substr(rib ? 1 : 0, parameter.find(rib ? '"' : '=', 1) - (rib ? 1 : 0));
     while (name.ends_with(' ')) { name.pop_back(); }

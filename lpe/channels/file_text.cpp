@@ -112,7 +112,7 @@ ChannelSource FileText::source(std::string name, const MappedText& text, std::si
 std::size_t expression_offset(std::string_view source) {
     const std::size_t mark = source.find("lpe:");
     if (mark == std::string_view::npos) { return mark; }
-    // Before the mark: nothing, or words of a type declaration ("varying color").
+    // The text before the mark must be empty or consist of the words of a type declaration ("varying color").
     const bool declared = std::all_of(source.begin(), source.begin() + static_cast<std::ptrdiff_t>(mark), [](char c) {
         return c == ' ' || c == '\t' || c == '_' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') ||
                (c >= 'A' && c <= 'Z');

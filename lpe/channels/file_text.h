@@ -1,5 +1,5 @@
-// What the readers of channel files share: positions that become lines and columns, strings that know where each of
-// their bytes stood.
+// Helpers of the readers of channel files: conversion of positions to lines and columns, and strings that keep the file
+// position of each byte.
 #pragma once
 
 #include <array>
@@ -18,13 +18,13 @@ namespace raylex::lpe {
 
 inline constexpr std::array<std::string_view, 4> statistics_names{"variance", "mse", "even", "odd"};
 
-/// A string of a file after its escapes are resolved.
+/// A string of a file with its escapes resolved.
 class MappedText {
   public:
-    /// Appends a byte that stands at `position` of the file.
+    /// Appends a byte whose position in the file is `position`.
     void append(char c, std::size_t position);
     [[nodiscard]] const std::string& text() const { return text_; }
-    /// Where byte `offset` stands in the file; the end of the text counts.
+    /// The position in the file of byte `offset`; `offset` can be the length of the text.
     [[nodiscard]] std::size_t position(std::size_t offset) const;
     void start(std::size_t position) { start_ = position; }
 
@@ -34,11 +34,11 @@ class MappedText {
         std::size_t offset, position;
     };
     std::string text_;
-    std::vector<Run> runs_;  // bytes that stand side by side in the file
-    std::size_t start_ = 0;  // where the first byte would stand
+    std::vector<Run> runs_;  // runs of bytes that are adjacent in the file
+    std::size_t start_ = 0;  // position of the first byte
 };
 
-/// A file's text under a cursor.
+/// The text of a file with a cursor.
 class FileText {
   public:
     FileText(std::string_view text, const std::string& origin);
@@ -52,20 +52,20 @@ class FileText {
         return position_ + ahead < file_->text.size() ? file_->text[position_ + ahead] : '\0';
     }
     [[nodiscard]] bool starts_with(std::string_view mark) const { return text().substr(position_).starts_with(mark); }
-    /// The rest of the line, without its end; the cursor moves behind the line's end.
+    /// Returns the rest of the line without its line end, and moves the cursor after the line end.
     std::string_view take_line();
 
     [[nodiscard]] int line_of(std::size_t position) const;
     [[nodiscard]] int column_of(std::size_t position) const;
     [[noreturn]] void fail_at(std::size_t position, std::string message, std::string hint = {}) const;
-    /// An error of a single channel: the reader goes on, and return_or_throw() has it.
+    /// Records an error of a single channel. The reader continues; return_or_throw() throws the recorded errors.
     void note(std::size_t position, std::string message, std::string hint = {});
-    /// Notes a word that is none of the known ones; `what` is what it stands for.
+    /// Records an error if the word is none of the known ones; `what` names the kind of word.
     void note_unless_known(std::size_t position, const std::string& what, std::string_view word,
                            std::span<const std::string_view> known);
-    /// The file where no error was noted. Throws ChannelErrors.
+    /// Returns the file if no error was recorded. Throws ChannelErrors otherwise.
     ChannelFile return_or_throw(ChannelFile file);
-    /// What stands at `position`, for a message.
+    /// A description of the byte at `position` for a message.
     [[nodiscard]] std::string describe(std::size_t position) const;
 
     /// The channel or macro whose expression is `text` from byte `offset` on.
@@ -80,12 +80,12 @@ class FileText {
     std::vector<std::size_t> line_begins_;
 };
 
-/// "color lpe:CD<L.>" and "lpe:CD<L.>": the offset of what follows "lpe:", or npos when it is not there.
+/// The offset of the expression after "lpe:" in "color lpe:CD<L.>" or "lpe:CD<L.>"; npos when there is no "lpe:".
 [[nodiscard]] std::size_t expression_offset(std::string_view source);
 
-/// In double quotes with escapes, as RIB, USD and TOML write strings.
+/// The text in double quotes with escapes, in the notation of RIB, USD and TOML.
 [[nodiscard]] std::string quoted(std::string_view text);
-/// Lines of comment behind their mark, each with its end.
+/// Comment lines, each with the comment mark before it and a line end after it.
 [[nodiscard]] std::string commented(const std::string& comment, const std::string& mark);
 
 }  // namespace raylex::lpe

@@ -1,4 +1,4 @@
-// rendermn.ini: lines "/path value". Those below /prman/lpe are read, the others are somebody else's. Source: RenderMan
+// rendermn.ini: lines "/path value". The reader uses lines below /prman/lpe and ignores all others. Source: RenderMan
 // documentation, "Light Path Expressions", sections LPE Macro and Per-Lobe LPEs.
 //
 //     /prman/lpe/macro/myDiffuse    CD<L.>
@@ -67,7 +67,7 @@ class IniReader {
 
     void add_macro(std::size_t begin, std::string_view name, const MappedText& value) {
         if (value.text().empty()) {
-            in_.note(begin, "the macro '" + std::string(name) + "' has no expression; expected one behind its name");
+            in_.note(begin, "the macro '" + std::string(name) + "' has no expression; expected one after its name");
             return;
         }
         const std::size_t offset = expression_offset(value.text());
@@ -75,13 +75,13 @@ class IniReader {
         file_.macros.push_back(std::move(source));
     }
 
-    /// The rest of the line without blanks around it; a backslash at a line's end continues it. '#' begins a comment
-    /// only after a blank and outside quotes.
+    /// Returns the rest of the line without surrounding blanks; a backslash at the end of a line continues it. '#'
+    /// begins a comment only after a blank and outside quotes.
     MappedText take_value() {
         skip_blank();
         MappedText value;
         value.start(in_.position());
-        std::size_t kept = 0;  // without trailing blanks
+        std::size_t kept = 0;  // length without trailing blanks
         MappedText whole = value;
         const std::string_view all = in_.text();
         bool quoted = false;

@@ -9,11 +9,10 @@ namespace raylex::lpe {
 
 namespace {
 
-// Sources of the names with capitals: RenderMan documentation, "Light Path Expressions", section Per-Lobe LPEs (REN26);
-// of the small ones (translucent, hair1, ...), which serve Lama's materials: RenderMan for Blender's and Gaffer's
-// published defaults of the same options. "specular" stands in slots 2 and 8 there; the lower slot wins. The last names
-// of a line are those of raylex's materials: conductor, mirror, sheet, R, measured, TRT, TRRT, coat, TT, glass, albedo,
-// normal.
+// Sources: capitalised names are from RenderMan documentation, "Light Path Expressions", section Per-Lobe LPEs (REN26).
+// Lower-case names (translucent, hair1, ...) are for Lama's materials, from the published defaults of these options in
+// RenderMan for Blender and Gaffer; there "specular" is in slots 2 and 8, and the lower slot wins. The last names of a
+// line are raylex's lobes: conductor, mirror, sheet, R, measured, TRT, TRRT, coat, TT, glass, albedo, normal.
 constexpr std::array<LobeSlot, 13> default_table{{
     {"diffuse2", "Diffuse,HairDiffuse,diffuse,translucent,hair4,irradiance"},
     {"diffuse3", "Subsurface,subsurface"},
@@ -35,7 +34,7 @@ constexpr std::array<LobeSlot, 13> default_table{{
 constexpr std::array<std::string_view, 3> kind_names{"diffuse", "specular", "user"};
 constexpr std::array<int, 3> highest{4, 8, 12};
 
-/// Names between commas, blanks around them dropped.
+/// Splits names at commas and removes surrounding blanks.
 std::vector<std::string> split_names(std::string_view text) {
     std::vector<std::string> names;
     while (!text.empty()) {
@@ -53,7 +52,7 @@ std::vector<std::string> split_names(std::string_view text) {
 
 struct SlotPlace {
     std::size_t kind = 0;
-    int number = 0;  // 0: there is no such slot
+    int number = 0;  // 0: no such slot
 };
 
 SlotPlace place_of_slot(std::string_view name) {
@@ -104,7 +103,7 @@ Status LobeSlots::set(const LobeOption& option) {
         const std::vector<std::string_view> candidates(all.begin(), all.end());
         const std::string near = nearest(name, candidates.data(), candidates.size());
         return error_about(option,
-                           "there is no lobe slot '" + std::string(name) +
+                           "no lobe slot '" + std::string(name) +
                                "'; expected diffuse1 to diffuse4, specular1 to specular8 or user1 to user12",
                            near.empty() ? "" : "did you mean '" + near + "'?");
     }

@@ -1,5 +1,5 @@
-// RenderMan's numbered lobes are slots that options fill by name: `lpe:diffuse2 = "Diffuse,HairDiffuse"` makes D2 of
-// every lobe of one of these names. A name that no slot holds gets the unnumbered lobe, 0.
+// RenderMan's numbered lobes are slots that options fill by name: with `lpe:diffuse2 = "Diffuse,HairDiffuse"`, every
+// diffuse lobe of these names is D2. A lobe whose name is in no slot has no number (0).
 #pragma once
 
 #include <array>
@@ -16,30 +16,28 @@
 
 namespace raylex::lpe {
 
-/// One slot and the lobe names it holds.
+/// One slot and the lobe names in it.
 struct LobeSlot {
     std::string_view name;   ///< "diffuse2"
     std::string_view names;  ///< "Diffuse,HairDiffuse"
 };
 
-/// The defaults: RenderMan's published ones, and the names that raylex's own materials use (lpe/README.md, event
-/// table).
+/// The defaults: RenderMan's published ones, plus the names of raylex's own materials (lpe/README.md, event table).
 [[nodiscard]] std::span<const LobeSlot> default_lobe_slots();
 
 class LobeSlots {
   public:
-    LobeSlots();  ///< the defaults
+    LobeSlots();  ///< starts with the default slots
 
-    /// Fills a slot ("diffuse2" or "lpe:diffuse2": diffuse1-4, specular1-8, user1-12) with these names instead of its
-    /// defaults. An empty list empties it. Errors, at the option's place: no such slot, a lobe name in two slots of a
-    /// kind.
+    /// Replaces the names in a slot ("diffuse2" or "lpe:diffuse2": diffuse1-4, specular1-8, user1-12). An empty list
+    /// empties the slot. Errors, with the position of the option: no such slot, a lobe name in two slots of a kind.
     Status set(const LobeOption& option);
 
-    /// D, S or U number of a lobe; 0 when no slot holds it. Slots that were set win over defaults.
+    /// The D, S or U number of a lobe; 0 when no slot contains it. Slots that were set take precedence over defaults.
     [[nodiscard]] std::uint8_t number(Scatter scatter, std::string_view lobe) const;
     [[nodiscard]] std::uint8_t user_number(std::string_view lobe) const;
 
-    /// Slot and names of every slot that was set, in their order: what makes this from the defaults.
+    /// Slot and names of every slot that was set, in order: the difference from the defaults.
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> settings() const;
 
   private:

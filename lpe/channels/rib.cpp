@@ -1,6 +1,6 @@
-// RIB: requests, each a word followed by numbers, strings and arrays up to the next word. Source: "The RenderMan
-// Interface", version 3.2, appendix C (syntax of RIB requests): '#' comments, strings with C escapes, a backslash at
-// the end of a line of a string continues it.
+// RIB: a sequence of requests, each a word followed by numbers, strings and arrays. Source: "The RenderMan Interface",
+// version 3.2, appendix C (syntax of RIB requests): '#' comments, strings with C escapes; a backslash at the end of a
+// line continues a string.
 //
 //     DisplayChannel "color directDiffuse" "string source" ["color lpe:C<RD>[<L.>O]"] "string filter" "gaussian"
 //     DisplayChannel "color lpe:diffuse"
@@ -28,13 +28,13 @@ bool is_letter(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
 }
 
-// The words that are read here. There are many more: only what is nearly one of these is a slip.
+// The words that this reader uses. RIB has many more, so only a near miss of one of these is reported as a typo.
 constexpr std::array<std::string_view, 2> requests{"DisplayChannel", "Option"};
 constexpr std::array<std::string_view, 3> display_channel_parameters{"source", "statistics", "filter"};
 constexpr std::array<std::string_view, 10> display_channel_types{"color",  "float",  "integer", "point",  "vector",
                                                                  "normal", "string", "matrix",  "hpoint", "mpoint"};
 
-/// "varying color name" as its type and its name.
+/// Splits "varying color name" into type and name.
 std::pair<std::string, std::string> split_declaration(std::string_view text) {
     while (!text.empty() && is_white(text.back())) { text.remove_suffix(1); }
     const std::size_t blank = text.find_last_of(" \t");
@@ -46,7 +46,7 @@ std::pair<std::string, std::string> split_declaration(std::string_view text) {
 
 struct Value {
     std::size_t begin = 0, end = 0;  // in the file
-    bool is_string = false;          // one string, alone or in brackets
+    bool is_string = false;          // a single string, alone or in brackets
     MappedText string;
 };
 
@@ -59,7 +59,7 @@ class RibReader {
             if (!is_letter(in_.peek())) {
                 in_.fail_at(in_.position(),
                             "found " + in_.describe(in_.position()) + "; expected a request such as DisplayChannel",
-                            in_.position() == 0 ? "binary or compressed RIB is read after 'catrib -ascii'" : "");
+                            in_.position() == 0 ? "convert binary or compressed RIB with 'catrib -ascii'" : "");
             }
             const std::size_t begin = in_.position();
             const std::string comment = std::exchange(comment_, {});
@@ -84,7 +84,7 @@ class RibReader {
         in_.note(begin, "unknown " + what + " '" + std::string(word) + "'", "did you mean '" + near + "'?");
     }
 
-    /// Blanks and comments; lines of comment gather for the request that follows them directly.
+    /// Skips blanks and comments; collects comment lines for the request that directly follows them.
     void skip_blank() {
         int newlines = 0;
         while (!in_.at_end()) {
@@ -100,7 +100,7 @@ class RibReader {
             } else if (is_white(in_.peek())) {
                 newlines += in_.peek() == '\n' ? 1 : 0;
                 if (newlines > 1) {
-                    comment_.clear();  // a blank line between: it is not about what follows
+                    comment_.clear();  // a blank line separates the comment from what follows
                 }
                 in_.move_to(in_.position() + 1);
             } else {
@@ -137,7 +137,7 @@ class RibReader {
         in_.fail_at(opening, "the string is not closed; expected a second '\"'");
     }
 
-    /// The escape at `at`; returns its end.
+    /// Decodes the escape at `at` and returns the position after it.
     std::size_t take_escape(MappedText& text, std::size_t at) {
         const std::string_view all = in_.text();
         if (at + 1 >= all.size()) { return at + 1; }
@@ -159,7 +159,7 @@ class RibReader {
         return at + 2;
     }
 
-    /// A number, a string or an array of them.
+    /// Reads a number, a string or an array of them.
     Value take_value() {
         Value value;
         value.begin = in_.position();
@@ -213,7 +213,7 @@ class RibReader {
         while (at_argument()) { take_value(); }
     }
 
-    /// A comma-free list: "declaration" value "declaration" value ...
+    /// Reads a list without commas: "declaration" value "declaration" value ...
     template <class Take>
     void take_parameters(Take&& take) {
         while (at_argument()) {
@@ -224,13 +224,13 @@ class RibReader {
             const std::size_t begin = in_.position();
             const MappedText declaration = take_string();
             if (!at_argument()) {
-                in_.fail_at(begin, "the parameter '" + declaration.text() + "' has no value; expected one behind it");
+                in_.fail_at(begin, "the parameter '" + declaration.text() + "' has no value; expected one after it");
             }
             take(begin, declaration, take_value());
         }
     }
 
-    /// What stands beside the source.
+    /// Keeps a parameter other than the source.
     void keep_parameter(std::size_t begin, const MappedText& declaration, const Value& value, FileChannel& channel) {
         const std::string parameter = split_declaration(declaration.text()).second;
         if (parameter == "statistics" && value.is_string && !value.string.text().empty()) {
@@ -240,7 +240,7 @@ class RibReader {
         channel.parameters.emplace_back(in_.text().substr(begin, value.end - begin));
     }
 
-    /// "color lpe:CD<L.>" declares a channel named by its expression. Returns where that begins, or npos.
+    /// For a channel named by its expression, such as "color lpe:CD<L.>", returns where the expression begins, or npos.
     static std::size_t name_by_expression(const std::string& declared, FileChannel& channel, std::string& name) {
         const std::size_t offset = expression_offset(declared);
         if (offset == std::string::npos) { return offset; }
@@ -254,7 +254,7 @@ class RibReader {
 
     void read_display_channel(std::size_t request, const std::string& comment) {
         if (!at_argument() || in_.peek() != '"') {
-            in_.fail_at(request, "DisplayChannel has no name; expected \"color name\" behind it");
+            in_.fail_at(request, "DisplayChannel has no name; expected \"color name\" after it");
         }
         const std::size_t name_begin = in_.position();
         const MappedText declared = take_string();
@@ -277,7 +277,7 @@ class RibReader {
             }
             if (!value.is_string) {
                 in_.note(value.begin,
-                         "the source of channel '" + name + "' is no string; expected [\"color lpe:...\"]");
+                         "the source of channel '" + name + "' is not a string; expected [\"color lpe:...\"]");
                 return;
             }
             offset = expression_offset(value.string.text());
@@ -301,7 +301,7 @@ class RibReader {
         }
         if (offset >= expression.text().size()) {
             in_.note(expression.position(offset),
-                     "channel '" + name + "' has an empty expression; expected one behind 'lpe:'");
+                     "channel '" + name + "' has an empty expression; expected one after 'lpe:'");
             return;
         }
         if (name.empty()) {
@@ -313,14 +313,14 @@ class RibReader {
         file_.channels.push_back(std::move(channel));
     }
 
-    /// Option "lpe" "string diffuse2" ["Diffuse,HairDiffuse"]
+    /// Reads Option "lpe" "string diffuse2" ["Diffuse,HairDiffuse"].
     void read_option() {
         if (!at_argument() || in_.peek() != '"' || take_string().text() != "lpe") { return; }
         take_parameters([&](std::size_t begin, const MappedText& declaration, const Value& value) {
             const std::string slot = split_declaration(declaration.text()).second;
             if (!value.is_string) {
                 file_.warnings.push_back(in_.origin() + ":" + std::to_string(in_.line_of(begin)) +
-                                         ": the option lpe:" + slot + " is no string; it is left out");
+                                         ": the option lpe:" + slot + " is not a string; it is ignored");
                 return;
             }
             count(begin);

@@ -26,10 +26,10 @@ T required(Result<T> result) {
     return *std::move(result);
 }
 
-/// `count` scattering events of any kind, or at least so many, after which the terminal follows.
+/// An expression for exactly `count` scattering events of any kind, or at least `count`, before the terminal.
 std::string any_events(int count, bool open_ended, Dialect dialect) {
     if (dialect == Dialect::osl) {
-        // Straight-through events may stand anywhere and decide nothing.
+        // Pass-through events can occur anywhere and do not affect the bin.
         std::string text;
         if (count > 0) { text = "([DGSV]<Ts>*)" + (count > 1 ? "{" + std::to_string(count) + "}" : std::string()); }
         return text + (open_ended ? "[DGSsV]*" : "");
@@ -88,15 +88,15 @@ class Generator {
         }
     }
 
-    /// `of` when it is less than the beauty: every channel is then cut to it.
+    /// Finds what is split. If it is less than the beauty, every channel is intersected with it.
     void find_whole() {
         if (!request_.of) { return; }
         const ChannelSource of = required(expand_names(*request_.of)).source;
         const std::vector<std::string> prefixes = required(expression_prefixes(of));
         if (!prefixes.empty()) {
             Error error;
-            error.message = "what is split carries the prefix '" + prefixes.front() +
-                            "', which changes what is splatted; expected a "
+            error.message = "the expression to split carries the prefix '" + prefixes.front() +
+                            "', which changes the splatted value; expected a "
                             "plain expression";
             throw Failure{SourceText::whole_error(of, std::move(error))};
         }
@@ -105,13 +105,13 @@ class Generator {
         beauty.dialect = request_.dialect;
         if (!required(find_difference(of, beauty, request_.words))) { return; }
         if (request_.dialect == Dialect::osl || of.dialect == Dialect::osl) {
-            fail("osl has no operator that cuts a split to '" + of.expression +
+            fail("osl has no operator that restricts a split to '" + of.expression +
                  "'; expected --dialect renderman, or the whole beauty");
         }
         const std::size_t mark = of.expression.find("lpe:");
         whole_ = of.expression.substr(mark == std::string::npos ? 0 : mark + 4);
         if (whole_.find('#') != std::string::npos) {
-            whole_ += '\n';  // a comment at its end must not reach the parenthesis
+            whole_ += '\n';  // otherwise a comment at the end would include the parenthesis
         }
         split_.of = of;
         split_.of->expression = whole_;
@@ -163,7 +163,7 @@ class Generator {
         split_.channels.push_back(std::move(channel));
     }
 
-    /// Begins with a letter or _, is none of the beauty's own names, is nobody else's.
+    /// A valid layer name: it begins with a letter or _, is not a name of the beauty, and is unique.
     std::string layer_name(std::string name) {
         if (name.empty() || (name.front() >= '0' && name.front() <= '9') || name.front() == '-') {
             name.insert(0, "_");
@@ -184,13 +184,13 @@ class Generator {
     void prove() {
         PartitionReport report = required(check_partition(split_.channels, split_.of, request_.words));
         if (report.verdict != Verdict::partition) {
-            fail("this split is none: " + report.summary,
-                 "labels that fall together with letters of the dialect do that");
+            fail("this split is not a partition: " + report.summary,
+                 "a label that equals a letter of the dialect causes this");
         }
         split_.summary = std::move(report.summary);
         if (empty_ > 0) {
-            split_.notes.push_back(std::to_string(empty_) + (empty_ == 1 ? " bin holds" : " bins hold") +
-                                   " no path of what is split; left out");
+            split_.notes.push_back(std::to_string(empty_) + (empty_ == 1 ? " bin contains" : " bins contain") +
+                                   " no path of the expression to split; left out");
         }
     }
 

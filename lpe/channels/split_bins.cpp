@@ -42,7 +42,7 @@ std::string bin_name(const std::string& label, std::vector<std::string>& taken) 
 std::string label_text(const std::string& label, Dialect dialect) {
     if (dialect == Dialect::renderman) { return quoted_label(label); }
     if (label.find('\'') != std::string::npos) {
-        fail("the label \"" + label + "\" has a quote in it, which osl cannot write; expected --dialect renderman");
+        fail("the label \"" + label + "\" contains a quote, which osl cannot write; expected --dialect renderman");
     }
     return "'" + label + "'";
 }
@@ -79,13 +79,13 @@ std::vector<BounceBin> bounce_bins(const SplitRequest& request) {
 
 namespace {
 
-/// A kind of terminal that carries light groups: what stands between < and the label, what stands alone.
+/// A kind of terminal with light groups: its letter before a label, and its expression without a label.
 struct LightKind {
     std::string name, letter, plain;
 };
 
-/// L and B apart, or together as `lights`. In renderman L is B too; lights alone are what is neither B nor O, among
-/// terminals.
+/// L and B separately, or together as `lights`. In renderman L includes B; lights alone are the terminals other than B
+/// and O.
 std::vector<LightKind> light_kinds(const SplitRequest& request) {
     const bool osl = request.dialect == Dialect::osl;
     const bool apart = request.words.background && (osl || has_axis(request, SplitAxis::terminal));
@@ -107,7 +107,7 @@ std::string one_of(const std::vector<std::string>& items) {
     return items.size() == 1 ? text : "[" + text + "]";
 }
 
-/// The bins of one group: one a kind where the split tells kinds apart, else one in all. An empty label: every light.
+/// Adds the bins of one group: one per kind if the split separates kinds, otherwise one. An empty label: every light.
 void add_group(std::vector<TerminalBin>& bins, const SplitRequest& request, const std::string& name,
                const std::string& label, bool with_emission) {
     std::vector<std::string> together;
@@ -139,10 +139,10 @@ std::vector<TerminalBin> terminal_bins(const SplitRequest& request) {
         return bins;
     }
     std::vector<std::string> groups = unique_names(request.groups, "light-group", "--groups key,fill");
-    std::erase(groups, "default");  // lights of that label are in the bin of that name anyway
+    std::erase(groups, "default");  // the bin of that name contains lights with that label anyway
     if (request.dialect == Dialect::osl && request.words.unlabelled_lights) {
-        fail("osl cannot tell lights without a label from others, so no channel can hold them alone",
-             "where every light has a label, say so with --all-labelled; else take --dialect renderman");
+        fail("osl cannot distinguish lights without a label, so no channel can contain them alone",
+             "if every light has a label, add --all-labelled; otherwise use --dialect renderman");
     }
     std::vector<std::string> taken{"default"};
     for (const std::string& group : groups) {

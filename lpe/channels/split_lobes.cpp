@@ -11,7 +11,7 @@ namespace raylex::lpe {
 
 namespace {
 
-/// A lobe as it was asked for: events, or a lobe's name.
+/// A requested lobe: a set of events, or a lobe name.
 struct LobeItem {
     std::string name, text;
     bool is_event = false;
@@ -37,7 +37,7 @@ CoreSet volume_cores() {
     return cores;
 }
 
-/// The events an item such as RD, S4, <TS8>, T, V or R[GS] means; nothing when it is none.
+/// The events of an item such as RD, S4, <TS8>, T, V or R[GS]; nothing when the item is not of this form.
 std::optional<CoreSet> read_event(std::string_view text, Dialect dialect) {
     if (text.size() > 2 && text.front() == '<' && text.back() == '>') { text = text.substr(1, text.size() - 2); }
     if (text == "V") { return volume_cores(); }
@@ -107,32 +107,32 @@ std::vector<LobeItem> read_lobes(const SplitRequest& request) {
         if (!items.empty() && items.front().is_event != item.is_event) {
             const std::string& event = item.is_event ? item.text : items.front().text;
             fail("the lobes '" + items.front().text + "' and '" + item.text +
-                     "' are of two kinds; expected events only (RD, S4, V) or lobe names only (coat, glass)",
-                 "a lobe whose name is '" + event + "' is asked for in quotes: \"'" + event + "'\"");
+                     "' are of different kinds; expected events only (RD, S4, V) or lobe names only (coat, glass)",
+                 "a lobe whose name is '" + event + "' must be in quotes: \"'" + event + "'\"");
         }
         items.push_back(std::move(item));
     }
     return items;
 }
 
-/// Each event in the first item that has it; what is left over in `other`.
+/// Assigns each event to the first item that contains it, and all remaining events to `other`.
 void part(std::vector<LobeItem>& items, const CoreSet& all) {
     CoreSet left = all;
     for (LobeItem& item : items) {
         const CoreSet asked = item.cores & all;
         item.cores = asked & left;
         if (asked.none()) {
-            fail("the lobe '" + item.text + "' stands for events that do not occur in these words", "leave it out");
+            fail("the lobe '" + item.text + "' contains only events that cannot occur", "leave it out");
         }
         if (item.cores.none()) {
-            fail("the lobe '" + item.text + "' is covered by the lobes before it; expected it further in front");
+            fail("the lobe '" + item.text + "' is covered by the lobes before it; expected it before them");
         }
         left &= ~asked;
     }
     if (left.any()) { items.push_back({"other", "other", true, left}); }
 }
 
-/// Event items crossed with objects, as texts of the renderman dialect.
+/// Combines event items with objects, as texts of the renderman dialect.
 class RendermanFirst {
   public:
     explicit RendermanFirst(const std::vector<LobeItem>& lobes)
@@ -160,7 +160,8 @@ class RendermanFirst {
     }
 
   private:
-    /// Twice each lobe: on surfaces and in media. Media are no objects: what they scatter is in `other`.
+    /// Two sets per lobe: on surfaces and in media. Media are not objects: their scattering goes to the object bin
+    /// `other`.
     static std::vector<EventSet> sets_of(const std::vector<LobeItem>& lobes) {
         std::vector<EventSet> sets;
         for (const LobeItem& item : lobes) {
@@ -179,7 +180,7 @@ class RendermanFirst {
         return set;
     }
 
-    /// Every event of the split but those of this lobe; with `media`, its own in media too.
+    /// Every event of the split except those of this lobe; with `media`, also the lobe's own events in media.
     [[nodiscard]] ClassSet others(std::size_t lobe, bool media = false) const {
         ClassSet set(classes_.count(), false);
         for (std::size_t k = 0; k < 2 * lobes_.size(); ++k) {
@@ -201,7 +202,9 @@ class RendermanFirst {
     }
 
     [[nodiscard]] std::string written(const std::optional<std::string>& text, std::size_t lobe) const {
-        if (!text) { fail("the lobe '" + lobes_[lobe].text + "' has no short expression beside the other lobes"); }
+        if (!text) {
+            fail("the lobe '" + lobes_[lobe].text + "' has no short expression that excludes the other lobes");
+        }
         return *text;
     }
 
@@ -210,7 +213,7 @@ class RendermanFirst {
     EventWriter writer_;
 };
 
-/// <RD>, <R[GS]>, V, [...] of several.
+/// The cores in osl: <RD>, <R[GS]>, V, or [...] for several.
 std::string osl_text(const CoreSet& cores) {
     std::vector<std::string> items;
     for (const EventType type : {EventType::reflection, EventType::transmission}) {
@@ -233,12 +236,12 @@ std::string osl_text(const CoreSet& cores) {
 std::vector<FirstBin> osl_first(const SplitRequest& request, std::vector<LobeItem> lobes) {
     if (has_axis(request, SplitAxis::object)) {
         fail(
-            "osl cannot tell objects without a label from others, so it has no bin for them; expected --dialect "
+            "osl cannot distinguish objects without a label, so it has no bin for them; expected --dialect "
             "renderman");
     }
     for (const LobeItem& item : lobes) {
         if (!item.is_event) {
-            fail("osl cannot tell lobes without a name from others; expected events such as RD or R[GS]");
+            fail("osl cannot distinguish lobes without a name; expected events such as RD or R[GS]");
         }
         if (item.text.find_first_of("12345678") != std::string::npos) {
             fail("osl has no lobe numbers, as in '" + item.text + "'; expected events such as RD or R[GS]");
@@ -250,7 +253,7 @@ std::vector<FirstBin> osl_first(const SplitRequest& request, std::vector<LobeIte
     return bins;
 }
 
-/// Lobe names, read off the second label, crossed with objects, read off the first.
+/// Combines lobe names, tested in the second label, with objects, tested in the first.
 std::vector<FirstBin> named_first(const std::vector<LobeItem>& lobes, const std::vector<std::string>& objects,
                                   bool by_object) {
     std::vector<std::string> lobe_labels, taken{"other"};

@@ -1,6 +1,6 @@
 // USD ASCII: the RenderVar prims of a layer. Source: OpenUSD documentation, "UsdRender" (RenderVar: dataType,
-// sourceName, sourceType) and the layout of .usda files; no USD library is needed. Prims may be nested in any others
-// and in variants; layers are not composed, so only what this file says is seen.
+// sourceName, sourceType) and the layout of .usda files; no USD library is needed. Prims can be nested in any others
+// and in variants. Layers are not composed, so the reader uses only the content of this file.
 //
 //     def RenderVar "directDiffuse"
 //     {
@@ -41,9 +41,9 @@ struct StringAttribute {
     std::size_t begin = 0;
 };
 
-/// A prim whose braces are open.
+/// A prim whose closing brace has not been read.
 struct Prim {
-    bool prims_inside = true;  ///< false between variantSet's braces, where variants stand
+    bool prims_inside = true;  ///< false inside a variantSet, which contains variants
     bool render_var = false, untyped = false;
     std::string name;
     std::size_t begin = 0;
@@ -60,9 +60,7 @@ class UsdaReader {
             in_.take_line();
         } else {
             in_.fail_at(0, "the file does not begin with '#usda 1.0'",
-                        in_.starts_with("PXR-USDC")
-                            ? "this is USD's binary form; 'usdcat -o file.usda' makes a text of it"
-                            : "");
+                        in_.starts_with("PXR-USDC") ? "this is binary USD; convert it with 'usdcat -o file.usda'" : "");
         }
         skip_blank();
         if (in_.peek() == '(') { skip_balanced(); }
@@ -76,7 +74,7 @@ class UsdaReader {
   private:
     // ---- characters -----------------------------------------------------------------------------------------------
 
-    /// Without `lines`, to the end of the statement: a line's end or ';'.
+    /// Skips blanks and comments; without `lines`, only to the end of the statement: a line end or ';'.
     void skip_blank(bool lines = true) {
         while (!in_.at_end()) {
             const char c = in_.peek();
@@ -98,7 +96,7 @@ class UsdaReader {
         }
     }
 
-    /// Leaves the line's end in place, so that a statement ends there too.
+    /// Keeps the line end, so that it also ends a statement.
     void take_comment() {
         const std::size_t begin = in_.position() + (in_.peek() == '#' ? 1 : 2);
         const std::size_t end = std::min(in_.text().find('\n', begin), in_.text().size());
@@ -146,7 +144,7 @@ class UsdaReader {
         in_.fail_at(opening, "the string is not closed; expected " + closing);
     }
 
-    /// \n \t \xHH \ooo; any other byte stands for itself.
+    /// Decodes \n \t \xHH \ooo; any other escaped byte stands for itself.
     std::size_t take_escape(MappedText& text, std::size_t at) {
         const std::string_view all = in_.text();
         const char c = all[at + 1];
@@ -170,7 +168,7 @@ class UsdaReader {
         return at + 2;
     }
 
-    /// Past one value or one pair of brackets with all that is inside.
+    /// Skips one value, or one pair of brackets with its content.
     void skip_balanced() {
         const std::size_t begin = in_.position();
         std::string open;
@@ -199,7 +197,7 @@ class UsdaReader {
         newlines_ = 0;
     }
 
-    /// A string, an asset path @...@, a prim path <...>, a word, a number or a single byte.
+    /// Skips a string, an asset path @...@, a prim path <...>, a word, a number or a single byte.
     void skip_token() {
         const char c = in_.peek();
         const std::size_t begin = in_.position();
@@ -281,7 +279,7 @@ class UsdaReader {
         return prim;
     }
 
-    /// def Type "name" ( metadata ) {
+    /// Reads: def Type "name" ( metadata ) {
     void open_prim(std::size_t begin, const std::string& comment) {
         Prim prim = make_prim(begin);
         skip_blank();
@@ -307,7 +305,7 @@ class UsdaReader {
         open_.push_back(std::move(prim));
     }
 
-    /// "name" ( metadata ) { inside a variantSet
+    /// Reads, inside a variantSet: "name" ( metadata ) {
     void open_variant(std::size_t begin) {
         if (in_.peek() != '"' && in_.peek() != '\'') {
             in_.fail_at(begin, "found " + in_.describe(begin) + "; expected the variant's name in quotes or '}'");
@@ -320,7 +318,7 @@ class UsdaReader {
         open_.push_back(std::move(variant));
     }
 
-    /// [custom] [uniform] type name [= value] [( metadata )], to the end of the line.
+    /// Reads, to the end of the line: [custom] [uniform] type name [= value] [( metadata )]
     void read_attribute(std::size_t begin) {
         std::string_view name;
         for (skip_blank(false); is_name_letter(in_.peek()) || in_.peek() == '['; skip_blank(false)) {
@@ -376,7 +374,7 @@ class UsdaReader {
     }
 
     void close_prim() {
-        if (open_.empty()) { in_.fail_at(in_.position(), "found '}' without a prim that it closes"); }
+        if (open_.empty()) { in_.fail_at(in_.position(), "found '}' without an open prim"); }
         in_.move_to(in_.position() + 1);
         newlines_ = 0;
         Prim prim = std::move(open_.back());
@@ -386,7 +384,7 @@ class UsdaReader {
     }
 
     void add_channel(Prim prim, bool says_lpe) {
-        // RenderMan's delegate also takes sourceName = "lpe:..." without a sourceType.
+        // RenderMan's delegate also accepts sourceName = "lpe:..." without a sourceType.
         const bool named_so = prim.source_name && prim.source_name->is_string &&
                               expression_offset(prim.source_name->text.text()) != std::string_view::npos;
         if (!says_lpe && !named_so) {
@@ -402,8 +400,8 @@ class UsdaReader {
             return;
         }
         if (!prim.source_name->is_string) {
-            in_.note(prim.source_name->begin,
-                     "the sourceName of RenderVar '" + prim.name + "' is no string; expected an expression in quotes");
+            in_.note(prim.source_name->begin, "the sourceName of RenderVar '" + prim.name +
+                                                  "' is not a string; expected an expression in quotes");
             return;
         }
         if (++found_ > limits::file_channels) {

@@ -20,8 +20,8 @@ namespace {
     throw Failure{SourceText::whole_error(source, std::move(error))};
 }
 
-/// A line break inside an expression is a blank, and its comments end at it: formats of one line drop both.
-/// RenderMan's own language has no blanks either.
+/// Replaces a line break inside an expression by a blank, and drops comments: formats of one line support neither.
+/// RenderMan's language does not support blanks either.
 std::string one_line(const ChannelSource& source, Reader reader) {
     std::string result;
     bool quote = false;
@@ -38,13 +38,13 @@ std::string one_line(const ChannelSource& source, Reader reader) {
     }
     while (!result.empty() && result.back() == ' ') { result.pop_back(); }
     if (result.find_first_not_of(" \t") == std::string::npos) {
-        refuse(source, "channel '" + source.name + "' has nothing but blanks and comments; expected an expression",
+        refuse(source, "channel '" + source.name + "' contains only blanks and comments; expected an expression",
                "write a .toml or .usda file");
     }
     return result;
 }
 
-/// With a mark of its own where the text has one that reading would take off it.
+/// Adds the prefix "lpe:" to a text that already begins with one, because readers remove one.
 std::string marked(const std::string& text) {
     return expression_offset(text) == std::string_view::npos ? text : "lpe:" + text;
 }
@@ -52,7 +52,7 @@ std::string marked(const std::string& text) {
 void require_renderman(const ChannelSource& source, const char* format) {
     if (source.dialect != Dialect::renderman) {
         refuse(source,
-               "channel '" + source.name + "' is in the osl dialect; " + format + " holds renderman expressions",
+               "channel '" + source.name + "' is in the osl dialect; " + format + " stores renderman expressions",
                "write a .toml or .usda file");
     }
 }
@@ -79,7 +79,7 @@ class Writer {
         for (const FileChannel& channel : file_.other_channels) {
             std::vector<std::string> parameters = kept(channel, true);
             const bool has_source = std::any_of(parameters.begin(), parameters.end(), [](const std::string& each) {
-                // As the reader: the declaration's last word is the parameter's name, whatever its type.
+                // As in the reader, the last word of the declaration is the parameter's name, whatever its type.
                 const std::string_view declared = std::string_view(each).substr(0, each.find('"', 1));
                 return declared == "\"source" || declared.ends_with(" source") || declared.ends_with("\tsource");
             });
@@ -99,14 +99,15 @@ class Writer {
         std::string text;
         for (const LobeOption& option : file_.lobe_options) {
             if ((option.slot + option.names).find_first_of("\r\n") != std::string::npos || option.names.ends_with('\\'))
-                throw Failure{Error{"the option lpe:" + option.slot +
-                                        " holds a line end, or a backslash before one; expected none: rendermn.ini has "
-                                        "one option a line",
-                                    option.origin,
-                                    option.line,
-                                    option.column,
-                                    {},
-                                    {}}};
+                throw Failure{
+                    Error{"the option lpe:" + option.slot +
+                              " contains a line end, or a backslash before one; expected neither: rendermn.ini has "
+                              "one option a line",
+                          option.origin,
+                          option.line,
+                          option.column,
+                          {},
+                          {}}};
             text += "/prman/lpe/" + option.slot + "  " + option.names + "\n";
         }
         const auto add = [&](const ChannelSource& source) {
@@ -124,7 +125,7 @@ class Writer {
         for (const ChannelSource& macro : file_.macros) { add(macro); }
         for (const FileChannel& channel : file_.channels) {
             for (const std::string& parameter : channel.parameters) { leave_out(channel, parameter, lost_); }
-            if (!statistics_of(channel).empty()) {  // a macro with its expression would be light
+            if (!statistics_of(channel).empty()) {  // as a macro its expression would count as light
                 spreads_ += (spreads_.empty() ? "'" : ", '") + channel.source.name + "'";
                 continue;
             }
@@ -164,22 +165,23 @@ class Writer {
         text += "    }\n}\n";
         for (const LobeOption& option : file_.lobe_options) {
             warnings_.push_back(option.origin + ":" + std::to_string(option.line) +
-                                ": USD has no place for the lobe slot '" + option.slot + "'; it is left out");
+                                ": USD has no place for the lobe slot '" + option.slot + "'; it is omitted");
         }
         finish("USD");
         return text;
     }
 
   private:
-    /// Throws where it is for RenderMan, which does not read it.
+    /// The expression as text. Throws Failure if the file is for RenderMan and RenderMan does not support the
+    /// expression.
     [[nodiscard]] std::string expression_of(const ChannelSource& source, bool of_one_line = true) const {
         const bool own = reader_ == Reader::renderman && source.dialect == Dialect::renderman;
         if (Status readable = renderman_reads(source, true); own && !readable) { throw Failure{readable.error()}; }
         const std::string text = own || of_one_line ? one_line(source, reader_) : source.expression;
-        return text.starts_with("lpe:") ? text.substr(4) : text;  // the format's own mark stands before it
+        return text.starts_with("lpe:") ? text.substr(4) : text;  // the caller writes the format's own prefix
     }
 
-    /// The parameters in this format's own words: RIB's begin with a quote, USD's do not. Statistics have both.
+    /// The parameters in this format's notation: RIB's begin with a quote, USD's do not. Both formats have statistics.
     std::vector<std::string> kept(const FileChannel& channel, bool rib) {
         std::vector<std::string> result;
         const std::string statistics = statistics_of(channel);
@@ -196,7 +198,7 @@ class Writer {
         return result;
     }
 
-    /// Letters, digits and _; no other channel's.
+    /// A prim name: letters, digits and _, unique among the channels.
     std::string prim_name(const std::string& name) {
         std::string prim;
         for (const char c : name) {
@@ -232,7 +234,7 @@ class Writer {
     Reader reader_;
     std::set<std::string> prims_;
     LeftOut lost_;
-    std::string spreads_;  // channels of statistics that have no place
+    std::string spreads_;  // channels of statistics that the format cannot store
 };
 
 }  // namespace

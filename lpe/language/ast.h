@@ -1,4 +1,4 @@
-// The tree a parser makes of an expression, the same for every dialect.
+// The tree that a parser builds from an expression; all dialects share it.
 #pragma once
 
 #include <cstddef>
@@ -27,10 +27,10 @@ struct Node {
 
     NodeKind kind = NodeKind::sequence;
     EventSet events;
-    std::size_t event_set = 0;  ///< index of `events` among all sets of a compilation; given by build_languages
+    std::size_t event_set = 0;  ///< index of `events` among all sets of a compilation, assigned by build_languages
     int min = 0, max = 0;
     std::vector<std::unique_ptr<Node>> children;
-    std::size_t begin = 0, end = 0;  ///< the bytes of the text that were read as this node; equal when there are none
+    std::size_t begin = 0, end = 0;  ///< the node's bytes in the text; equal when it has none
 };
 using NodePtr = std::unique_ptr<Node>;
 
@@ -45,22 +45,22 @@ using NodePtr = std::unique_ptr<Node>;
     return node;
 }
 
-/// An expression as read.
+/// A parsed expression.
 struct Expression {
     Dialect dialect = Dialect::renderman;
     NodePtr root;
     std::vector<std::string> prefixes;
     std::vector<std::string> warnings;
-    bool has_bar = false;  ///< some '|' occurs, so the two readings may differ
+    bool has_bar = false;  ///< contains '|', so the two readings can differ
 };
 
-/// Sets the bytes of a node that was read from `begin` to `end`.
+/// Sets the byte range of a node that was parsed from `begin` to `end`.
 [[nodiscard]] inline NodePtr placed(NodePtr node, std::size_t begin, std::size_t end) {
     node->begin = begin;
     node->end = end;
     return node;
 }
-/// The bytes of a node's children, for a node that has none of its own.
+/// Gives a node without bytes of its own the byte range of its children.
 [[nodiscard]] inline NodePtr placed_around_children(NodePtr node) {
     if (!node->children.empty()) {
         node->begin = node->children.front()->begin;
@@ -69,8 +69,8 @@ struct Expression {
     return node;
 }
 
-/// Which operator of `|` and concatenation binds tighter. Both dialects say `|`; people used to other regular
-/// expressions expect the contrary, so both readings can be compared.
+/// The precedence of `|` against concatenation. Both dialects bind `|` tighter (`tight`). Other regular expressions
+/// bind it looser, which people often expect, so both readings can be compared.
 enum class BarReading : std::uint8_t { tight, loose };
 
 }  // namespace raylex::lpe

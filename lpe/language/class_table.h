@@ -1,8 +1,8 @@
-// From an event to its class, as plain arrays: what a compiled program carries, and what its file holds.
+// Maps an event to its class with plain arrays. Compiled programs and their files contain them.
 //
-// A small automaton over (core, label, label, ...): the core (pattern.h) picks a node; each label leads to the next
-// node, by name where some expression names it, else by which of the node's globs match it; the node where the labels
-// end has the class. Empty trailing labels are absent ones.
+// The table is a small automaton over (core, label, label, ...). The core (pattern.h) selects a node. Each label leads
+// to the next node: by name if an expression names it, otherwise by the globs of the node that match it. The node after
+// the last label holds the class. Trailing empty labels count as absent.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,11 @@ namespace raylex::lpe {
 
 struct ClassTable {
     struct Node {
-        std::uint32_t end_class = 0;              ///< of an event whose labels end here
+        std::uint32_t end_class = 0;              ///< class of an event whose labels end here
         std::uint32_t leaf = 1;                   ///< 1: further labels change nothing
         std::uint32_t first_name = 0, names = 0;  ///< into `names`, sorted by text
         std::uint32_t first_glob = 0, globs = 0;  ///< into `globs`
-        std::uint32_t first_kind = 0, kinds = 0;  ///< into `kinds`, for labels that have no name here
+        std::uint32_t first_kind = 0, kinds = 0;  ///< into `kinds`, for labels without a name here
     };
     struct Name {
         std::uint32_t text = 0, node = 0;  ///< label -> node
@@ -47,8 +47,8 @@ struct ClassTable {
         text_begin.push_back(static_cast<std::uint32_t>(characters.size()));
         return static_cast<std::uint32_t>(text_begin.size() - 2);
     }
-    /// The class of the event; 0, the class that nothing matches, for labels that are not valid UTF-8 where a glob is
-    /// asked.
+    /// The class of the event. Labels that are not valid UTF-8, where globs are compared, give class 0, which nothing
+    /// matches.
     [[nodiscard]] std::uint32_t classify(const Event& event) const;
 };
 

@@ -58,7 +58,7 @@ class EventClasses::Builder {
         bool excludes;
     };
 
-    /// The node of these live patterns; made on first sight. An event cannot end just after an empty label.
+    /// The node for a set of live patterns; creates it if it is new. An event cannot end directly after an empty label.
     std::uint32_t reach(Reached reached, bool after_empty) {
         auto key = std::make_pair(std::make_pair(std::min(reached.position, deepest_), after_empty), reached.alive);
         const auto [place, fresh] = node_of_.emplace(std::move(key), static_cast<std::uint32_t>(reached_.size()));
@@ -82,7 +82,7 @@ class EventClasses::Builder {
         std::vector<std::uint32_t> sets;
         std::set_difference(admitted.begin(), admitted.end(), excluded.begin(), excluded.end(),
                             std::back_inserter(sets));
-        // set_difference counts repetitions; a set admitted twice and excluded once is excluded.
+        // set_difference counts repetitions, but a set that is admitted twice and excluded once must be excluded.
         sets.erase(std::unique(sets.begin(), sets.end()), sets.end());
         std::erase_if(sets,
                       [&](std::uint32_t set) { return std::binary_search(excluded.begin(), excluded.end(), set); });
@@ -90,8 +90,8 @@ class EventClasses::Builder {
             class_of_sets_.emplace(std::move(sets), static_cast<std::uint32_t>(classes_.count()));
         if (fresh) {
             if (classes_.count() >= limits::event_classes) {
-                fail("the expressions tell more than " + std::to_string(limits::event_classes) +
-                         " kinds of events apart",
+                fail("the expressions distinguish more than " + std::to_string(limits::event_classes) +
+                         " kinds of events",
                      "name fewer labels, or compile the channels in several sets");
             }
             classes_.examples_.push_back(reached.example);
@@ -136,7 +136,7 @@ class EventClasses::Builder {
         }
         if (leaf) {
             if (!here.example.labels.empty() && here.example.labels.back().empty()) {
-                // No event ends here, but classify() does: whatever labels follow the empty one change nothing.
+                // No event ends here, but classify() does: the labels after the empty one change nothing.
                 Reached ended = here;
                 ended.example.labels.emplace_back("other");
                 const std::uint32_t end = end_class(ended);
@@ -144,7 +144,7 @@ class EventClasses::Builder {
             }
             return;
         }
-        // Steps may add nodes, so the table's arrays are filled when all of this node's are known.
+        // step() can add nodes, so the arrays of the table are filled after all steps from this node.
         std::vector<std::pair<std::string, std::uint32_t>> named;
         for (const std::string& name : names) { named.emplace_back(name, step(here, name)); }
         std::vector<std::pair<std::vector<bool>, std::uint32_t>> kinds;
@@ -186,7 +186,7 @@ class EventClasses::Builder {
     std::uint32_t step(const Reached& here, const std::string& label) {
         work_ += here.alive.size() + 1;
         if (work_ > limits::label_tests) {
-            fail("the expressions name too many labels to tell apart", "compile the channels in several sets");
+            fail("the expressions name too many labels", "compile the channels in several sets");
         }
         Reached next{{}, here.position + 1, here.example};
         for (const std::uint32_t k : here.alive) {

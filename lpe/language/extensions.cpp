@@ -17,7 +17,7 @@ struct Extension {
     std::size_t offset;
 };
 
-/// The end of the label that is opened at `at`; whether it is more than plain text is said in `plain`.
+/// Returns the end of the label that opens at `at`; clears `plain` if the label contains wildcards or escapes.
 std::size_t label_end(std::string_view text, std::size_t at, bool& plain) {
     std::size_t i = at + 1;
     for (; i < text.size() && text[i] != '\''; ++i) {
@@ -54,7 +54,7 @@ std::string extension_at(std::string_view text, std::size_t at) {
     }
 }
 
-/// The prefix that ends before `at`, if it is ours.
+/// The prefix that ends before `at`, if it is one of raylex's extensions.
 std::string prefix_before(std::string_view text, std::size_t at) {
     const std::size_t before = text.substr(0, at).find_last_of(":; \t\r\n");
     const std::string_view word = text.substr(before + 1, at - before - 1);
@@ -67,7 +67,7 @@ std::vector<Extension> find_extensions(std::string_view expression) {
         const auto same = [&what](const Extension& each) { return each.what == what; };
         if (!what.empty() && std::none_of(found.begin(), found.end(), same)) { found.push_back({what, offset}); }
     };
-    const std::size_t end = expression.size() - name_alone(expression).size();  // letters of a name are no events
+    const std::size_t end = expression.size() - name_alone(expression).size();  // letters of a name are not events
     for (std::size_t i = 0; i < end; ++i) {
         const std::size_t begin = i;
         if (expression[i] == '\'') {
@@ -111,10 +111,10 @@ Status renderman_reads(const ChannelSource& source, bool without_blanks) {
         const std::string who = source.name.empty() ? "the expression" : "'" + source.name + "'";
         std::string hint = found.front().what == "G" ? "S is every specular lobe there, glossy or not; " : "";
         hint += found.front().what == "V" ? "--no-volume leaves scattering in media out; " : "";
-        SourceText(source).fail_at(found.front().offset,
-                                   who + " has " + list + ", which raylex reads and RenderMan does not; expected " +
-                                       "RenderMan's own language",
-                                   hint + "--for raylex takes the channels as raylex's own");
+        SourceText(source).fail_at(
+            found.front().offset,
+            who + " has " + list + ", which RenderMan does not support; expected " + "RenderMan's own language",
+            hint + "--for raylex allows raylex's extensions");
     });
 }
 

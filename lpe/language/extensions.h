@@ -1,5 +1,4 @@
-// What of an expression of the `renderman` dialect is ours and not RenderMan's: texts offered to RenderMan have none of
-// it.
+// Finds raylex's extensions in an expression of the `renderman` dialect. Texts for RenderMan must not contain any.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +11,18 @@
 
 namespace raylex::lpe {
 
-/// Whose parser a text is for: ours, or RenderMan's own, which has no V, B, G, '?', '-', '&', '!' and no globs.
+/// The parser that a text is for: raylex's, or RenderMan's own, which lacks V, B, G, '?', '-', '&', '!' and globs.
 enum class Reader : std::uint8_t { raylex, renderman };
 
-/// Each once, in the order of their first places: "V", "?", "&", "{n,m}", "a blank", "a glob in a label". `expression`
-/// is one that parses, or a name.
+/// The extensions in the expression, each once, in the order of their first occurrence: "V", "?", "&", "{n,m}", "a
+/// blank", "a glob in a label". `expression` is a name or an expression that parses.
 [[nodiscard]] std::vector<std::string> extensions_in(std::string_view expression);
 
-/// Whether volume scattering is named, so that its author counts on it.
+/// Returns whether the expression names volume scattering, so that its author expects it.
 [[nodiscard]] bool names_volume(std::string_view expression);
 
-/// Errors, at the first place: what the expression has of ours, all of it named. Blanks and comments count unless
-/// `without_blanks`. An expression of another dialect is not for RenderMan.
+/// Checks that RenderMan supports the expression. The error is at the first extension and names all of them. Blanks and
+/// comments count unless `without_blanks`. An expression of another dialect is an error.
 Status renderman_reads(const ChannelSource& source, bool without_blanks = false);
 
 }  // namespace raylex::lpe

@@ -44,7 +44,7 @@ bool is_continuation(char byte) {
     return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
 }
 
-// Positions in `steps`, ascending, '*' skipped where it matches nothing.
+// Positions in `steps`, ascending; positions after a '*' that matches nothing are included.
 using Positions = std::vector<std::size_t>;
 
 void add_position(Positions& positions, const std::vector<GlobStep>& steps, std::size_t position) {
@@ -56,8 +56,8 @@ void add_position(Positions& positions, const std::vector<GlobStep>& steps, std:
     }
 }
 
-/// Whatever can follow an earlier position can follow the last '*' that is reached, which takes anything in between:
-/// the earlier ones are left out, so that a glob of many '*' stays at few positions.
+/// Keeps the last '*' that is reached, and later positions. Anything that can follow an earlier position can also
+/// follow that '*', so a glob with many '*' keeps few positions.
 void keep_from_last_star(Positions& positions, const std::vector<GlobStep>& steps) {
     std::sort(positions.begin(), positions.end());
     for (std::size_t i = positions.size(); i-- > 0;) {
@@ -72,7 +72,7 @@ Positions advance(const std::vector<GlobStep>& steps, const Positions& positions
     Positions next;
     for (const std::size_t position : positions) {
         if (position > 0 && steps[position - 1].piece == Piece::one && is_continuation(byte)) {
-            add_position(next, steps, position);  // the rest of the character that '?' took
+            add_position(next, steps, position);  // the remaining bytes of the character that '?' matches
         }
         if (position >= steps.size()) { continue; }
         const GlobStep& step = steps[position];
@@ -97,7 +97,7 @@ bool accepts(const std::vector<GlobStep>& steps, const Positions& positions) {
     return std::find(positions.begin(), positions.end(), steps.size()) != positions.end();
 }
 
-/// The bytes that the steps tell apart, and one ordinary character for all others.
+/// The bytes that the steps name, and one ordinary character that represents all others.
 std::vector<char> distinguished_bytes(const std::vector<std::vector<GlobStep>>& all) {
     std::set<char> bytes;
     for (const auto& steps : all) {
@@ -160,7 +160,7 @@ std::vector<LabelKind> label_kinds(const std::vector<std::string>& globs, const 
         queue.emplace_back(&place->first, label);
         for (std::size_t i = globs.size(); i < all.size(); ++i) {
             if (accepts(all[i], place->first[i])) {
-                return;  // the label is one of the names
+                return;  // a label in `names`
             }
         }
         std::vector<bool> matched(globs.size());

@@ -17,8 +17,8 @@ namespace raylex::lpe {
 namespace {
 
 // Sources: RenderMan documentation, "Light Path Expressions" (rmanwiki.pixar.com, REN21 to REN26): the table of
-// built-in names, then the basic channels. `subsurface` stands in both with different expressions; the built-in name
-// wins.
+// built-in names, then the basic channels. `subsurface` is in both with different expressions; the built-in name takes
+// precedence.
 constexpr std::array<NamedExpression, 16> builtin_table{{
     {"diffuse", "CD<L.>"},
     {"specular", "CS<L.>"},
@@ -48,7 +48,7 @@ bool is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
-/// The end of the name that begins at `begin`; `begin` itself when none does.
+/// The end of the name that begins at `begin`, or `begin` when there is no name.
 std::size_t name_end(std::string_view text, std::size_t begin) {
     std::size_t end = begin;
     while (end < text.size() && (is_letter(text[end]) || (end > begin && is_digit(text[end])))) { ++end; }
@@ -59,12 +59,12 @@ bool is_name(std::string_view text) {
     return !text.empty() && name_end(text, 0) == text.size();
 }
 
-/// Letters and lobe numbers only: CDL, CS2O.
+/// Returns whether the name consists of event letters and numbers only: CDL, CS2O.
 bool reads_as_expression(std::string_view name) {
     return name.find_first_not_of("CLOBVRTDSGU0123456789") == std::string_view::npos;
 }
 
-/// Two small letters side by side: no slip in an expression looks so, a mistyped name does.
+/// Two adjacent lower-case letters: a typo in an expression does not look so, a mistyped name does.
 bool looks_like_word(std::string_view name) {
     const auto small = [](char c) { return c >= 'a' && c <= 'z'; };
     return std::adjacent_find(name.begin(), name.end(), [&](char a, char b) { return small(a) && small(b); }) !=
@@ -96,7 +96,7 @@ std::size_t quote_end(std::string_view text, std::size_t begin) {
     return text.size();
 }
 
-/// The text without 'lpe:' and prefixes.
+/// The positions after 'lpe:' and after the prefixes.
 struct Head {
     std::size_t mark_end = 0;    // after 'lpe:'
     std::size_t body_begin = 0;  // after the last ';'
@@ -111,7 +111,7 @@ Head read_head(std::string_view text) {
         if (end == at || end >= text.size() || (text[end] != ';' && text[end] != ':')) { break; }
         const std::string_view word = text.substr(at, end - at);
         if (text[end] == ':' && (word != "lpe" || head.body_begin != 0)) {
-            break;  // the parser says what is wrong with it
+            break;  // the parser reports the error
         }
         if (text[end] == ':') {
             head.mark_end = end + 1;
@@ -124,14 +124,14 @@ Head read_head(std::string_view text) {
     return head;
 }
 
-/// The name that is all there is behind 'lpe:' and prefixes; empty when something else stands there.
+/// The name if the text after 'lpe:' and prefixes is only a name; otherwise empty.
 std::string_view lone_name(std::string_view text) {
     const std::size_t begin = skip_blank(text, read_head(text).body_begin);
     const std::size_t end = name_end(text, begin);
     return end > begin && skip_blank(text, end) == text.size() ? text.substr(begin, end - begin) : std::string_view();
 }
 
-/// A name with its light group: "beauty_key" is the name "beauty" for the group "key".
+/// A name with its light group: "beauty_key" is the name "beauty" with the group "key".
 struct Resolved {
     ChannelSource definition;
     std::string group;
@@ -155,7 +155,8 @@ class Expander {
 
   private:
     [[nodiscard]] static std::shared_ptr<const TextFile> file_of(const ChannelSource& source) {
-        // Without a map the text is in one piece, perhaps in a file we do not hold: blank lines and columns lead there.
+        // Without a map the text is contiguous, perhaps in a file that is not loaded. Padding with blank lines and
+        // columns gives errors the right position.
         std::string padding(static_cast<std::size_t>(std::max(source.origin_line - 1, 0)), '\n');
         padding.append(static_cast<std::size_t>(std::max(source.origin_column - 1, 0)), ' ');
         const std::string name =
@@ -172,14 +173,14 @@ class Expander {
         return map;
     }
 
-    /// Where the expansion is right now: one text, its map, and what it is done for.
+    /// The current input of the expansion: a text, its map, its light group and the macro that it is part of.
     struct Reading {
         std::string_view text;
         std::shared_ptr<const SourceMap> map;
         std::string group, via;
     };
 
-    /// Appends bytes [begin, end) of the text with their places.
+    /// Appends bytes [begin, end) of the text with their positions.
     void copy(const Reading& from, std::size_t begin, std::size_t end) {
         if (begin >= end) { return; }
         std::string& out = expansion_.source.expression;
@@ -201,7 +202,7 @@ class Expander {
         out.append(from.text.substr(begin, end - begin));
     }
 
-    /// What is appended next stands at byte `at` of the text.
+    /// Sets the position of the next appended byte to byte `at` of the text.
     void mark(const Reading& from, std::size_t at) {
         SourceMap::Span span = from.map->span_at(at);
         span.position += at - span.offset;
@@ -226,7 +227,7 @@ class Expander {
         SourceText(source).fail_at(at, std::move(message), std::move(hint));
     }
 
-    /// A whole channel: 'lpe:', prefixes, then a name or an expression.
+    /// Appends a whole channel: 'lpe:', prefixes, then a name or an expression.
     void append_whole(const ChannelSource& source, const std::string& group, const std::string& via) {
         const std::string_view text = source.expression;
         const Reading reading{text, map_of(source), group, via};
@@ -247,7 +248,7 @@ class Expander {
         append_body(reading, head.body_begin);
     }
 
-    /// An expression without prefixes, `$name` in it.
+    /// Appends an expression without prefixes, and replaces each `$name`.
     void append_body(const Reading& from, std::size_t begin) {
         const std::string_view text = from.text;
         std::size_t copied = begin;
@@ -270,7 +271,7 @@ class Expander {
         copy(from, copied, text.size());
     }
 
-    /// `$name` or `${name}` at byte `at`; returns its end.
+    /// Appends the definition of `$name` or `${name}` at byte `at`; returns the end of the name.
     std::size_t append_name(const Reading& from, std::size_t at) {
         const bool braces = at + 1 < from.text.size() && from.text[at + 1] == '{';
         const std::size_t begin = at + (braces ? 2 : 1);
@@ -285,8 +286,8 @@ class Expander {
         const Head head = read_head(known->definition.expression);
         if (!head.first_prefix.empty()) {
             fail_at(from, begin,
-                    "'" + std::string(name) + "' carries the prefix '" + std::string(head.first_prefix) +
-                        "', so it can only stand for a whole channel; expected a name without prefixes here");
+                    "'" + std::string(name) + "' has the prefix '" + std::string(head.first_prefix) +
+                        "', so it must be the whole channel; expected a name without prefixes here");
         }
         note_group(*known, name, from.group);
         enter(from, begin, name);
@@ -346,19 +347,18 @@ class Expander {
                 near.empty() ? "labels are quoted, as in <RD'floor'>" : "did you mean '" + near + "'?");
     }
 
-    /// Remembers to warn where a light group changes nothing.
+    /// Records a warning if a light group has no effect.
     void note_group(const Resolved& known, std::string_view name, const std::string& group) {
         if (!known.group.empty() && !has_lights(known.definition.expression)) {
-            expansion_.warnings.push_back("'" + std::string(name) + "': there is no <L.> in '" +
-                                          known.definition.expression + "', so the light group '" + known.group +
-                                          "' changes nothing");
+            expansion_.warnings.push_back("'" + std::string(name) + "': no <L.> in '" + known.definition.expression +
+                                          "', so the light group '" + known.group + "' changes nothing");
         } else if (!known.group.empty() && !group.empty() && known.group != group) {
             expansion_.warnings.push_back("'" + std::string(name) + "' keeps its own light group '" + known.group +
                                           "'");
         }
     }
 
-    /// The end of `<L.>` at byte `at`, blanks allowed; `at` when something else stands there.
+    /// The end of `<L.>` at byte `at`, with optional blanks; `at` when the text differs.
     static std::size_t light_end(std::string_view text, std::size_t at) {
         std::size_t end = at;
         for (const char wanted : {'<', 'L', '.', '>'}) {
@@ -385,10 +385,10 @@ class Expander {
     const MacroTable& macros_;
     Expansion expansion_;
     SourceMap* map_ = nullptr;
-    std::vector<std::string> open_;  // names being replaced, outermost first
+    std::vector<std::string> open_;  // names under expansion, outermost first
 };
 
-/// Whether the text may hold a name at all; nearly none does.
+/// Returns whether the text can contain a name; most expressions contain none.
 bool may_have_names(std::string_view text) {
     if (text.find('$') != std::string_view::npos) { return true; }
     return !lone_name(text).empty();

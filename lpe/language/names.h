@@ -1,8 +1,8 @@
-// Names for expressions in the `renderman` dialect: the built-in ones, and macros that users define.
+// Names of expressions in the `renderman` dialect: the built-in names, and user-defined macros.
 //
-// A name stands for a whole channel (`lpe:diffuse`, `diffuse`, `unoccluded;myDiffuse`), as in RenderMan, or inside an
-// expression as `$name` or `${name}` (ours), where it reads as if it stood in parentheses. `NAME_GROUP` is the channel
-// of that name for one light group: every `<L.>` of its expression becomes `<L.'GROUP'>`.
+// A name can be a whole channel (`lpe:diffuse`, `diffuse`, `unoccluded;myDiffuse`), as in RenderMan. As an extension,
+// `$name` or `${name}` inside an expression inserts the definition in parentheses. `NAME_GROUP` is the channel NAME for
+// one light group: every `<L.>` of its expression becomes `<L.'GROUP'>`.
 #pragma once
 
 #include <cstddef>
@@ -18,17 +18,17 @@
 
 namespace raylex::lpe {
 
-/// The names that need no definition, each with its published expression.
+/// The built-in names, each with its published expression.
 [[nodiscard]] std::span<const NamedExpression> builtin_names();
 
-/// The end of the text from the name on that is all there is behind 'lpe:' and prefixes; empty where an expression
-/// stands there.
+/// If the text after 'lpe:' and prefixes is only a name, returns the text from that name on; otherwise empty.
 [[nodiscard]] std::string_view name_alone(std::string_view text);
 
-/// What users define.
+/// User-defined macros.
 class MacroTable {
   public:
-    /// Errors: a name that cannot be one, reads as an expression (`CDL`), or is defined already; an empty expression.
+    /// Adds a macro. Errors: an invalid name, a name that reads as an expression (`CDL`) or is already defined; an
+    /// empty expression.
     Status add(ChannelSource definition);
     [[nodiscard]] const ChannelSource* find(std::string_view name) const;
     [[nodiscard]] const std::vector<ChannelSource>& list() const { return list_; }
@@ -40,13 +40,13 @@ class MacroTable {
 };
 
 struct Expansion {
-    ChannelSource source;  ///< without names; its map leads back to the definitions
+    ChannelSource source;  ///< without names; its map leads to the definitions
     std::vector<std::string> warnings;
 };
 
-/// Replaces names by what they stand for: the user's macros first, then the built-in ones. Other dialects have no
-/// names: their channels come back as they are. Errors: an unknown name, names that use one another in a circle (the
-/// circle is shown), a macro with prefixes inside an expression.
+/// Replaces names by their definitions: user macros take precedence over built-in names. Channels of other dialects,
+/// which have no names, are returned unchanged. Errors: an unknown name; names that use one another in a circle, which
+/// the error shows; a macro with prefixes inside an expression.
 Result<Expansion> expand_names(const ChannelSource& source, const MacroTable& macros = {});
 
 }  // namespace raylex::lpe

@@ -28,7 +28,7 @@ CoreSet build_wildcard_cores(Dialect dialect) {
     return dialect == Dialect::renderman ? cores & ~build_straight_cores() : cores;
 }
 
-/// Labels without trailing empty ones.
+/// The number of labels without trailing empty ones.
 std::size_t label_count(const Event& event) {
     std::size_t count = event.labels.size();
     while (count > 0 && event.labels[count - 1].empty()) { --count; }
@@ -146,8 +146,7 @@ bool matches(const EventSet& set, const Event& event) {
 }
 
 const std::vector<std::string>& reserved_names() {
-    // OSL's basic symbols with a text. Its NONE, the unquoted x, is equal to no text, so a label named x is as any
-    // other.
+    // The texts of OSL's basic symbols. NONE, the unquoted x, equals no text, so a label named x is an ordinary label.
     static const std::vector<std::string> names = [] {
         std::vector<std::string> list{"B", "C", "D", "G", "L", "O", "R", "S", "T", "V", "s"};
         std::sort(list.begin(), list.end());

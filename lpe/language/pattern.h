@@ -1,8 +1,8 @@
-// Predicates on single events: what a letter, a '.', a quoted label or a <...> of an expression stands for.
+// Predicates on single events: the meaning of a letter, a '.', a quoted label or a <...> in an expression.
 //
-// An event is read as its core (type, scatter, lobe number: 328 combinations) followed by its labels, trailing empty
-// labels left out. A pattern is a set of cores and one test per label slot; what happens to slots that the event lacks,
-// and to labels beyond the tests, is where the dialects differ.
+// An event is its core (type, scatter, lobe number: 328 combinations) followed by its labels without trailing empty
+// ones. A pattern is a set of cores and one test per label slot. The dialects differ in the treatment of missing slots,
+// and of labels beyond the tests.
 #pragma once
 
 #include <bitset>
@@ -23,33 +23,33 @@ inline constexpr int user_numbers = 13;  ///< 0 (never matched) and 1..12
 inline constexpr std::size_t core_count = scene_types * scatter_kinds * lobe_numbers + user_numbers;
 using CoreSet = std::bitset<core_count>;
 
-/// Index of an event's core. Numbers out of range count as unnumbered.
+/// The index of an event's core. Numbers out of range count as unnumbered.
 [[nodiscard]] std::size_t core_index(const Event& event);
-/// The event of that core, without labels.
+/// The event with that core, without labels.
 [[nodiscard]] Event core_event(std::size_t core);
 
-/// The letters of the symbol alphabet: C R T V L B O and '-' for user events; x D G S s.
+/// The letter of an event type: C R T V L B O, and '-' for user events. scatter_letter(): x D G S s.
 [[nodiscard]] char type_letter(EventType type);
 [[nodiscard]] char scatter_letter(Scatter scatter);
 
-/// A set of label strings: those named or matched by a glob, or all others when negated.
+/// A set of labels: those that are named or match a glob, or all others when negated.
 struct LabelTest {
     bool negated = false;
     std::vector<std::string> names;  // sorted, no duplicates
-    std::vector<std::string> globs;  // '*': any text, '?': one character, '\': the next byte as it is
+    std::vector<std::string> globs;  // '*': any text, '?': one character, '\': the next byte literally
 
     [[nodiscard]] static LabelTest any() { return {true, {}, {}}; }
     [[nodiscard]] bool is_any() const { return negated && names.empty() && globs.empty(); }
     [[nodiscard]] bool matches(std::string_view label) const;
     void add_name(std::string name);
-    /// Makes this the union of both sets. Neither may have globs.
+    /// Makes this test the union of both sets. Neither can contain globs.
     void unite(const LabelTest& other);
     bool operator==(const LabelTest&) const = default;
 };
 
-/// What a missing label slot is: the empty label (renderman) or no match (osl).
+/// Treatment of a missing label slot: as the empty label (renderman), or as a mismatch (osl).
 enum class Missing : std::uint8_t { is_empty, refuses };
-/// What labels beyond the tests do: nothing (renderman), refuse when they are named like an OSL symbol (osl), refuse.
+/// Treatment of labels beyond the tests: ignored (renderman), refused if equal to an OSL symbol (osl), or refused.
 enum class Extra : std::uint8_t { ignored, unreserved, refused };
 
 struct EventPattern {
@@ -60,23 +60,23 @@ struct EventPattern {
     bool operator==(const EventPattern&) const = default;
 };
 
-/// The events that some pattern of `any_of` matches and none of `none_of` does.
+/// The events that match a pattern of `any_of` and no pattern of `none_of`.
 struct EventSet {
     std::vector<EventPattern> any_of;
     std::vector<EventPattern> none_of;
-    /// A text that is equal exactly when the sets are written alike.
+    /// A text that is equal for two sets exactly when their patterns are equal.
     [[nodiscard]] std::string key() const;
 };
 
 [[nodiscard]] bool matches(const EventPattern& pattern, const Event& event);
 [[nodiscard]] bool matches(const EventSet& set, const Event& event);
 
-/// The names that OSL's trailing wildcard does not eat: its basic symbols.
+/// Labels that OSL's trailing wildcard does not match: the texts of its basic symbols.
 [[nodiscard]] const std::vector<std::string>& reserved_names();
 
-/// Straight-through transmission, Ts: the event that leaves no trace in `renderman` words.
+/// Pass-through transmission, Ts: the event that `renderman` words do not contain.
 [[nodiscard]] const CoreSet& straight_cores();
-/// What '.' matches: every event but user events (and, in renderman, but Ts).
+/// The events that '.' matches: all except user events and, in renderman, Ts.
 [[nodiscard]] const CoreSet& wildcard_cores(Dialect dialect);
 
 }  // namespace raylex::lpe

@@ -1,4 +1,4 @@
-// The prefixes of a renderman expression: what they are called. What they do is the display services' business.
+// The names of the prefixes of a renderman expression. The display services implement them.
 #pragma once
 
 #include <array>
@@ -12,16 +12,16 @@ namespace raylex::lpe {
 inline constexpr std::array<std::string_view, 8> prefix_names{
     "unoccluded", "noclamp", "nothruput", "shadows", "holdouts", "overwrite", "noinfinitecheck", "unweighted"};
 
-/// The sampling techniques that a prefix names: `s2t3` those with 2 vertices from the light and 3 from the camera,
+/// The sampling techniques that a prefix selects: `s2t3` those with 2 vertices from the light and 3 from the camera,
 /// `beyond7` all with more than 7 vertices.
 struct TechniquePrefix {
-    std::uint32_t s = 0, t = 0;  ///< t of 0: `beyond` counts
+    std::uint32_t s = 0, t = 0;  ///< t == 0: `beyond` applies
     std::uint32_t beyond = 0;
     bool operator==(const TechniquePrefix&) const = default;
 };
 inline constexpr std::uint32_t most_technique_vertices = 9999;
 
-/// Nothing when the word is none. t is at least 1, and so is s + t of a `beyond`.
+/// Parses a technique prefix; nothing when the word is none. t is at least 1 for `s2t3`.
 inline std::optional<TechniquePrefix> technique_prefix(std::string_view word) {
     const auto number = [&word](std::string_view mark, std::uint32_t& value) {
         if (!word.starts_with(mark)) return false;

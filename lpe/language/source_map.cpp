@@ -6,7 +6,7 @@ namespace raylex::lpe {
 
 namespace {
 
-constexpr std::size_t longest_excerpt = 4'096;  // bytes; nobody reads a longer line in a terminal
+constexpr std::size_t longest_excerpt = 4'096;  // bytes; a longer line is of no use in a terminal
 
 }  // namespace
 

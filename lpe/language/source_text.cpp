@@ -20,7 +20,7 @@ struct LookAlike {
     std::string_view script;
 };
 
-// Letters of other scripts that fonts draw like the event letters, and marks that word processors put in.
+// Letters of other scripts that look like event letters, and marks that word processors insert.
 // Source: Unicode confusables (UTS #39), the rows for the letters of this language.
 constexpr std::array look_alikes{
     LookAlike{0x0421, 'C', "Cyrillic"}, LookAlike{0x0412, 'B', "Cyrillic"}, LookAlike{0x041E, 'O', "Cyrillic"},
@@ -100,7 +100,7 @@ void SourceText::fail_at(std::size_t offset, std::string message, std::string hi
         error.line = lines_down + 1;
     }
     if (lines_down == 0 && source_->origin_column > 1) {
-        // The column counts in the file's line; what stands before the expression there is not known here.
+        // Columns count from the start of the file's line; the text before the expression is not available here.
         error.column += source_->origin_column - 1;
         error.excerpt.insert(0, static_cast<std::size_t>(source_->origin_column - 1), ' ');
     }
@@ -152,7 +152,7 @@ std::string nearest(std::string_view word, const std::string_view* candidates, s
     std::size_t best_distance = word.size() < 4 ? 2 : 3;
     for (std::size_t k = 0; k < count; ++k) {
         const std::string_view candidate = candidates[k];
-        // Levenshtein distance, one row at a time.
+        // Levenshtein distance, computed row by row.
         std::vector<std::size_t> row(candidate.size() + 1);
         for (std::size_t j = 0; j < row.size(); ++j) { row[j] = j; }
         for (std::size_t i = 0; i < word.size(); ++i) {

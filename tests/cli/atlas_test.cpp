@@ -475,7 +475,7 @@ TEST_CASE("atlases of shards are merged with their image, or by themselves, and 
 TEST_CASE("questions to no atlas end in a message", "[atlas][law7]") {
     const AtlasFolder folder;
     folder.render_atlas("a");
-    check_refused(folder, "ask a.exr --lpe d=CDL -o d.exr", {"a.exr", "no path atlas"});
+    check_refused(folder, "ask a.exr --lpe d=CDL -o d.exr", {"a.exr", "not a path atlas"});
     check_refused(folder, "ask job.toml --lpe d=CDL -o d.exr", {"job.toml"});
     check_refused(folder, "ask absent.exr --lpe d=CDL -o d.exr", {"absent.exr"});
     check_refused(folder, "ask a.atlas.exr --lpe d=CDL -o a.atlas.exr", {"would be replaced"});

@@ -173,8 +173,8 @@ TEST_CASE("an atlas that is cut answers nothing, whatever the question reads", "
     const auto digits = static_cast<std::size_t>(static_cast<unsigned char>(negative[value - 4]));
     negative.replace(value, digits, "-" + std::string(digits - 1, '1'));
     folder.write("a.atlas.exr", digits > 1 ? negative : bytes.substr(0, value) + "x" + bytes.substr(value + 1));
-    CHECK(
-        contains(run_raylex(folder, "ask a.atlas.exr --lpe 'd=C<RD>L' -o d.exr").err, "in atlas/length is no length"));
+    CHECK(contains(run_raylex(folder, "ask a.atlas.exr --lpe 'd=C<RD>L' -o d.exr").err,
+                   "in atlas/length is not a length"));
 }
 
 TEST_CASE("scenes and questions that take memory beyond all measure are refused in no time", "[cli][law7]") {

@@ -1,4 +1,4 @@
-// Atlases as files: what was written comes back, and what damaged ones give depends on nothing but the file.
+// Path atlases as files: they read back as written, and the result of a damaged file depends only on the file.
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -34,7 +34,7 @@ bool same(const AtlasRow& a, const AtlasRow& b) {
            std::equal(a.counts.begin(), a.counts.end(), b.counts.begin(), b.counts.end(), same_pixel);
 }
 
-/// A row in which other light stood before.
+/// A row that already contains other light.
 AtlasRow used_row() {
     AtlasRow row;
     WordSample sample;
@@ -48,7 +48,7 @@ AtlasRow used_row() {
 
 }  // namespace
 
-TEST_CASE("an atlas comes back from its file as it was written, whatever its rows have", "[exr][atlas]") {
+TEST_CASE("an atlas reads back from its file as it was written, with every kind of row", "[exr][atlas]") {
     const Folder folder;
     MadeAtlas made(GENERATE(SignedLight::none, SignedLight::light));
     const std::string path = folder.path("a.exr");
@@ -62,7 +62,7 @@ TEST_CASE("an atlas comes back from its file as it was written, whatever its row
         AtlasRow read = used_row();
         REQUIRE((*file)->row(y, read));
         REQUIRE(made.row(y, written));
-        // Signed light is kept as a float and what that leaves: 48 bits of a double's 53.
+        // Signed light is stored as a float and its rounding error: 48 bits of a double's 53.
         for (std::size_t i = 0; i < written.samples.size() && i < read.samples.size(); ++i)
             for (std::size_t c = 0; c < 3; ++c) {
                 const double value = written.samples[i].rgb[c];
@@ -74,14 +74,14 @@ TEST_CASE("an atlas comes back from its file as it was written, whatever its row
     CHECK_FALSE((*file)->row(MadeAtlas::rows, written));
 }
 
-TEST_CASE("what a damaged atlas gives depends on nothing but the file: a message, or rows of words that it has",
+TEST_CASE("a damaged atlas gives an error or valid rows, and the result depends only on the file",
           "[exr][atlas][law7]") {
     const Folder folder;
     MadeAtlas made(SignedLight::none);
     const std::string path = folder.path("a.exr");
     REQUIRE(write_atlas(path, made, {}));
     const std::string bytes = read_bytes(path);
-    // Where rows begin, behind the header and the tables of where they are: those of part 0 stand first.
+    // Find the rows, which follow the header and the tables of their positions; part 0 comes first.
     const std::int32_t first_leader[2] = {0, 0};
     const std::size_t rows_begin =
         bytes.rfind(std::string(reinterpret_cast<const char*>(first_leader), 8), bytes.size() - 400);
@@ -114,18 +114,18 @@ TEST_CASE("what a damaged atlas gives depends on nothing but the file: a message
             damaged[at] = static_cast<char>(damaged[at] ^ change);
             try_bytes(damaged);
         }
-    // Nobody can know of a changed colour; of counts, words and sizes most changes are seen.
+    // A changed colour cannot be detected; most changes of counts, words and sizes are.
     CHECK(refused > bytes.size() - rows_begin);
     CHECK(read > bytes.size() - rows_begin);
 }
 
-TEST_CASE("an atlas of which eighths are missing or left over is refused", "[exr][atlas][law7]") {
+TEST_CASE("an atlas with missing or extra eighths is refused", "[exr][atlas][law7]") {
     const Folder folder;
     MadeAtlas made(SignedLight::none);
     const std::string path = folder.path("a.exr");
     REQUIRE(write_atlas(path, made, {}));
     std::string bytes = read_bytes(path);
-    // Part `parts` of row 2 is empty: its leader and its counts take the place of another row's.
+    // Part `parts` of row 2 becomes empty: its leader and counts replace those of another row.
     const auto leader = [&](std::int32_t y) {
         const std::int32_t place[2] = {2, y};
         const std::size_t at = bytes.rfind(std::string(reinterpret_cast<const char*>(place), 8));
@@ -144,7 +144,7 @@ TEST_CASE("an atlas of which eighths are missing or left over is refused", "[exr
     AtlasRow read = used_row();
     const raylex::Status status = (*file)->row(row, read);
     REQUIRE_FALSE(status);
-    CHECK(status.error().message.find("'words' and 'parts' differ") != std::string::npos);
+    CHECK(status.error().message.find("'words' and 'parts' have different samples") != std::string::npos);
     (*file)->read_parts(false);
-    CHECK((*file)->row(row, read));  // its light is all there
+    CHECK((*file)->row(row, read));  // its light is complete
 }

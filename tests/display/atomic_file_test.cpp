@@ -21,9 +21,9 @@ TEST_CASE("a file appears whole, under its own name only", "[display][files][law
         REQUIRE(file.ok());
         CHECK(file->write("hello", 5));
         CHECK(!std::filesystem::exists(path));
-        CHECK(folder.names().size() == 1);  // the temporary one
+        CHECK(folder.names().size() == 1);  // the temporary file
         REQUIRE(file->commit().ok());
-        CHECK(!file->commit().ok());  // once only
+        CHECK(!file->commit().ok());  // a file can be committed once only
     }
     CHECK(read_bytes(path) == "hello");
     CHECK(folder.names().size() == 1);
@@ -31,7 +31,7 @@ TEST_CASE("a file appears whole, under its own name only", "[display][files][law
     CHECK(read_bytes(path) == "again");
 }
 
-TEST_CASE("what is not committed leaves no trace", "[display][files][law7]") {
+TEST_CASE("an uncommitted file leaves no trace", "[display][files][law7]") {
     const Folder folder;
     REQUIRE(write_text_file(folder.path("a.txt"), "earlier").ok());
     {
@@ -75,7 +75,7 @@ TEST_CASE("a disk that fills up fails with the reason and keeps the earlier file
     auto file = AtomicFile::create(path);
     REQUIRE(file.ok());
     CHECK(!file->write(std::string(3 << 20, 'x').data(), 3 << 20));
-    CHECK(!file->write("x", 1));  // fails from then on
+    CHECK(!file->write("x", 1));  // every later write fails, too
     CHECK(file->failed());
     CHECK(!file->commit().ok());
     CHECK(folder.names().size() == 1);
@@ -117,7 +117,7 @@ TEST_CASE("a folder without write permission is refused", "[display][files][law7
     CHECK(status.error().message.find("Permission denied") != std::string::npos);
 }
 
-TEST_CASE("a symbolic link stays a link and what it points at is replaced", "[display][files]") {
+TEST_CASE("a symbolic link stays a link, and its target is replaced", "[display][files]") {
     const Folder folder;
     REQUIRE(write_text_file(folder.path("real.txt"), "earlier").ok());
     std::filesystem::create_symlink("real.txt", folder.path("link.txt"));
@@ -126,10 +126,10 @@ TEST_CASE("a symbolic link stays a link and what it points at is replaced", "[di
     CHECK(read_bytes(folder.path("real.txt")) == "later");
 }
 
-TEST_CASE("what killed processes left is removed, and nothing else", "[display][files]") {
+TEST_CASE("temporary files of killed processes are removed, and nothing else", "[display][files]") {
     const Folder folder;
     const std::string path = folder.path("a.exr"), mine = path + "." + std::to_string(getpid()) + "-7.partial";
-    // No process has a number beyond the most that Linux gives, 2^22.
+    // No process has a number above the largest that Linux permits, 2^22.
     for (const std::string& name : {path, path + ".99999999-0.partial", path + ".99999999-12.partial", mine,
                                     path + ".99999999-0.partial.bak", folder.path("b.exr.99999999-0.partial")})
         write_bytes(name, "x");

@@ -1,5 +1,5 @@
-// Images in bands of rows, of which one at a time is in memory: written, judged, recorded and added up to the bits that
-// they have as a whole.
+// Images in bands of rows, one of which is in memory at a time: written, checked, recorded and merged to the same bits
+// as whole images.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ std::vector<ChannelDefinition> banded_channels() {
     return channels;
 }
 
-/// Blocks [first, end) of 16 samples of rows [rows.first, rows.end); layers sum to the beauty.
+/// A band with blocks [first, end) of 16 samples for the rows [rows.first, rows.end); its layers sum to the beauty.
 FrameBuffer filled_band(const RowRange& rows, int first, int end) {
     const std::vector<ChannelDefinition> channels = banded_channels();
     FrameBufferLayout layout{band_width, rows.end - rows.first};
@@ -56,7 +56,7 @@ FrameBuffer filled_band(const RowRange& rows, int first, int end) {
                         table.raw_values(2)[3 * row + c] = b;
                         table.raw_values(4)[3 * row + c] = b;
                     }
-                    table.raw_values(3)[row] = y == 50 ? 1e300 : random.uniform();  // which no float holds
+                    table.raw_values(3)[row] = y == 50 ? 1e300 : random.uniform();  // larger than any float
                     table.depth[row] = static_cast<float>(random.below(9));
                     table.opacity[row] = raylex::RgbD(1.0);
                     for (const ChannelId id : {3, 4})
@@ -97,7 +97,7 @@ void check_same_layers(const ExrImage& a, const ExrImage& b) {
         }
 }
 
-/// A record file with these blocks of the image.
+/// Writes a record file with these blocks of the image.
 std::string write_banded(const Folder& folder, const std::string& name, int first, int end) {
     const FrameBuffer buffer = filled_band(all_rows, first, end);
     const auto bands = record_bands(buffer.layout(), buffer.channels(), false);
@@ -119,7 +119,8 @@ BandedRecord opened(const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("an image in bands is written to the pixels and verdicts of the whole", "[display][bands][law3]") {
+TEST_CASE("an image in bands is written with the pixels and split results of the whole image",
+          "[display][bands][law3]") {
     const Folder folder;
     const FrameBuffer whole = filled_band(all_rows, 0, 2);
     for (const bool single : {false, true}) {
@@ -138,7 +139,7 @@ TEST_CASE("an image in bands is written to the pixels and verdicts of the whole"
             auto image = read_exr(folder.path("bands.exr"));
             REQUIRE(image.ok());
             check_same_layers(*image, *expected);
-            CHECK(image->attributes == expected->attributes);  // the verdict among them
+            CHECK(image->attributes == expected->attributes);  // includes the split results
             CHECK(in_bands[0].largest_relative == verdicts[0].largest_relative);
             CHECK(in_bands[0].relative_y == verdicts[0].relative_y);
         }
@@ -150,7 +151,7 @@ TEST_CASE("an image in bands is written to the pixels and verdicts of the whole"
     check_same_layers(*read_exr(folder.path("bands.exr")), *read_exr(folder.path("whole.exr")));
 }
 
-TEST_CASE("a band that cannot be had is an error of its own, and leaves no image", "[display][bands][law7]") {
+TEST_CASE("a band that cannot be loaded is an error and leaves no image", "[display][bands][law7]") {
     const Folder folder;
     const BandedImage image({band_width, band_height}, banded_channels(), bands_of(all_rows, 20),
                             [](const RowRange& rows) -> raylex::Result<FrameBuffer> {
@@ -164,7 +165,7 @@ TEST_CASE("a band that cannot be had is an error of its own, and leaves no image
     CHECK(folder.names().empty());
 }
 
-TEST_CASE("rows that no band has are pixels without samples", "[display][bands]") {
+TEST_CASE("rows outside all bands are pixels without samples", "[display][bands]") {
     const BandedImage image(
         {band_width, band_height}, banded_channels(), {{10, 15}, {20, 30}},
         [](const RowRange& rows) -> raylex::Result<FrameBuffer> { return filled_band(rows, 0, 2); });
@@ -178,7 +179,7 @@ TEST_CASE("rows that no band has are pixels without samples", "[display][bands]"
     }
 }
 
-TEST_CASE("a file read in bands has the rows and verdicts of the whole", "[display][bands][exr]") {
+TEST_CASE("a file read in bands gives the rows and split results of the whole file", "[display][bands][exr]") {
     const Folder folder;
     ImageDescription description = banded_description();
     description.data_window = PixelRegion{3, 10, 20, 40};
@@ -230,7 +231,7 @@ TEST_CASE("a file read in bands has the rows and verdicts of the whole", "[displ
     }
 }
 
-TEST_CASE("verdicts on bands add up to that on the image", "[display][bands]") {
+TEST_CASE("the split results of bands combine to that of the image", "[display][bands]") {
     const Folder folder;
     REQUIRE(write_exr(folder.path("a.exr"), filled_band(all_rows, 0, 1), 0, banded_description()).ok());
     auto file = ExrBands::open(folder.path("a.exr"));
@@ -258,7 +259,7 @@ TEST_CASE("verdicts on bands add up to that on the image", "[display][bands]") {
     }
 }
 
-TEST_CASE("a record in bands is the frame buffer, and sums of records are those of the whole in any order",
+TEST_CASE("a record in bands equals the frame buffer, and records merge to the whole in any order",
           "[display][bands][law3]") {
     const Folder folder;
     const std::string expected = record_of(filled_band(all_rows, 0, 5));
@@ -276,7 +277,7 @@ TEST_CASE("a record in bands is the frame buffer, and sums of records are those 
     } while (std::next_permutation(order.begin(), order.begin() + 3));
 }
 
-TEST_CASE("rows of an image that is there in other bands are its rows", "[display][bands]") {
+TEST_CASE("an image in other bands gives the same rows", "[display][bands]") {
     const FrameBuffer whole = filled_band(all_rows, 0, 2);
     const BandedImage image = banded(7);
     for (const RowRange& rows : {RowRange{0, 53}, RowRange{7, 14}, RowRange{8, 13}, RowRange{5, 31}}) {
@@ -287,7 +288,7 @@ TEST_CASE("rows of an image that is there in other bands are its rows", "[displa
     }
 }
 
-TEST_CASE("records that do not make an image, or are cut or damaged, are refused by name", "[display][bands][law7]") {
+TEST_CASE("incomplete, truncated and damaged records are refused by name", "[display][bands][law7]") {
     const Folder folder;
     const std::string path = write_banded(folder, "a", 0, 1);
     const auto error_of = [](const std::string& file) {
@@ -304,21 +305,21 @@ TEST_CASE("records that do not make an image, or are cut or damaged, are refused
     std::string damaged = bytes;
     damaged[bytes.size() / 2] = static_cast<char>(damaged[bytes.size() / 2] ^ 4);
     write_bytes(folder.path("damaged"), damaged);
-    CHECK(error_of(folder.path("damaged")).message.find("is damaged: its checksum does not agree") !=
+    CHECK(error_of(folder.path("damaged")).message.find("is damaged: its checksum does not match") !=
           std::string::npos);
     auto other = RecordFileWriter::create(folder.path("other"), {}, 1);
     REQUIRE((other.ok() && other->add("something", "else").ok() && other->commit().ok()));
-    CHECK(error_of(folder.path("other")).message == "the record has no sums of an image");
+    CHECK(error_of(folder.path("other")).message == "the record contains no image");
     auto hole = RecordFileWriter::create(folder.path("hole"), {}, 1);
     REQUIRE(hole.ok());
     REQUIRE(add_bands(*hole, {{5, 9}}, banded(7)).ok());
     REQUIRE(hole->commit().ok());
-    CHECK(error_of(folder.path("hole")).message == "the record's bands do not make an image");
+    CHECK(error_of(folder.path("hole")).message == "the record's bands do not form an image");
 }
 
 namespace {
 
-/// One block of a render of 128 x 128 pixels, whose light adds up over all blocks.
+/// One block of a render of 128 x 128 pixels; the light of all blocks is merged.
 FrameBuffer block_of_many(int block) {
     const std::vector<ChannelDefinition> channels{expression_channel("beauty", "C.*L"),
                                                   plain_channel("z", ChannelType::real, FilterRule::zmin)};
@@ -346,7 +347,7 @@ FrameBuffer block_of_many(int block) {
     return buffer;
 }
 
-/// `shards` records of a block each, added up in two orders and one by one.
+/// Merges `shards` records of one block each in two orders, and one by one.
 void check_many(int shards) {
     const Folder folder;
     std::vector<BandedRecord> records;

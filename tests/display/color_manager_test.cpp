@@ -17,7 +17,7 @@ using raylex::test::Folder;
 
 namespace {
 
-// The tests must not depend on the environment they run in.
+// The tests must not depend on their environment.
 struct WithoutOcio {
     WithoutOcio() {
         if (const char* value = std::getenv("OCIO")) {
@@ -67,7 +67,7 @@ TEST_CASE("the shipped config is valid and is found without any environment", "[
 }
 
 TEST_CASE("the shipped config gives the figures of OpenColorIO's ACES transforms", "[display][ocio]") {
-    // Reference: computed once with OpenColorIO 2.1.2 from its builtin transforms. Five digits are given.
+    // Reference values, computed once with OpenColorIO 2.1.2 from its builtin transforms, to five digits.
     namespace ocio = OCIO_NAMESPACE;
     const auto config = ocio::Config::CreateFromFile(shipped_path.c_str());
     const auto grey = [&config](const char* source, const char* view, float value) {
@@ -85,13 +85,13 @@ TEST_CASE("the shipped config gives the figures of OpenColorIO's ACES transforms
     const WithoutOcio environment;
     const auto matrix = shipped().matrix_to("ACEScg", raylex::display::rec709_primaries());
     REQUIRE(matrix.ok());
-    // Six digits are given.
+    // The reference has six digits.
     CHECK((*matrix)[0][0] == Approx(0.613097).margin(1e-6));
     CHECK((*matrix)[1][0] == Approx(0.070194).margin(1e-6));
     CHECK((*matrix)[2][0] == Approx(0.020616).margin(1e-6));
 }
 
-TEST_CASE("file rules of the shipped config tell 8-bit from float images", "[display][ocio]") {
+TEST_CASE("file rules of the shipped config distinguish 8-bit and float images", "[display][ocio]") {
     const auto config = OCIO_NAMESPACE::Config::CreateFromFile(shipped_path.c_str());
     const auto space = [&config](const char* file) { return std::string(config->getColorSpaceFromFilepath(file)); };
     CHECK(space("wood.png") == "srgb_texture");
@@ -104,7 +104,7 @@ TEST_CASE("file rules of the shipped config tell 8-bit from float images", "[dis
     CHECK(space("weights.bin") == "Raw");
 }
 
-TEST_CASE("file rules turn stored texels into linear values of the primaries asked for", "[display][ocio]") {
+TEST_CASE("file rules convert stored texels to linear values with the requested primaries", "[display][ocio]") {
     const WithoutOcio environment;
     const ColorManager manager = shipped();
     const auto converted = [&](const char* file, std::vector<float> rgb, const Chromaticities& to) {
@@ -128,7 +128,7 @@ TEST_CASE("file rules turn stored texels into linear values of the primaries ask
     const auto cg = converted("sky_ACEScg.exr", {0.2f, 0.5f, 0.1f}, rec709);
     for (std::size_t c = 0; c < 3; ++c) CHECK(cg[c] == Approx(expected[c]).epsilon(1e-5));
 
-    // Data stays what it is, but never becomes light that is not finite (Law 6).
+    // Data values are unchanged, but never become light that is not finite (Law 6).
     const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
     CHECK(converted("weights.bin", {0.5f, nan, -2.0f}, rec709) == std::vector<float>{0.5f, 0.0f, -2.0f});
     for (const float value : converted("sky.exr", {nan, inf, -inf}, rec709)) CHECK(value == Approx(0).margin(1e-6));
@@ -138,7 +138,7 @@ TEST_CASE("file rules turn stored texels into linear values of the primaries ask
     CHECK(manager.warnings().empty());
 }
 
-TEST_CASE("a file rule that can never fit is told", "[display][ocio]") {
+TEST_CASE("a file rule that can never match gives a warning", "[display][ocio]") {
     const WithoutOcio environment;
     const Folder folder;
     std::string text = raylex::test::read_bytes(shipped_path);
@@ -154,7 +154,7 @@ TEST_CASE("a file rule that can never fit is told", "[display][ocio]") {
     CHECK(manager->warnings()[0].find("'pictures'") != std::string::npos);
     CHECK(manager->warnings()[0].find("'(png|jpe?g)', which is a glob") != std::string::npos);
     CHECK(manager->file_color("wood.png", raylex::display::rec709_primaries())->space ==
-          "srgb_texture");  // falls through
+          "srgb_texture");  // no rule matches
 }
 
 TEST_CASE("conversions between a config's spaces and chromaticities agree with the primaries' own matrices",
@@ -184,13 +184,13 @@ TEST_CASE("a preview shows grey as the view defines it, whatever the primaries",
     const WithoutOcio environment;
     const ColorManager manager = shipped();
     const std::vector<float> grey{0.18f, 0.18f, 0.18f};
-    // .35595 x 255 = 90.77; grey of any space with its own white is grey of the display.
+    // .35595 x 255 = 90.77; grey in any space with its own white is grey on the display.
     const std::vector<unsigned char> expected{91, 91, 91};
     CHECK(show(manager, grey, raylex::display::aces_ap1_primaries(), "") == expected);
     CHECK(show(manager, grey, raylex::display::rec709_primaries(), "") == expected);
     CHECK(show(manager, {0.5f, 0.5f, 0.5f}, raylex::display::rec709_primaries(), "Un-tone-mapped") ==
           std::vector<unsigned char>{188, 188, 188});
-    // Rec. 709 red is the display's own red: out of gamut of nothing. As AP1 primaries the same numbers clip.
+    // Rec. 709 red is the display's own red and in gamut. As AP1 primaries the same numbers are clipped.
     CHECK(show(manager, {1, 0, 0}, raylex::display::rec709_primaries(), "Un-tone-mapped") ==
           std::vector<unsigned char>{255, 0, 0});
     CHECK(show(manager, {0.5f, 0.25f, 0.1f}, raylex::display::aces_ap1_primaries(), "Un-tone-mapped") !=
@@ -200,7 +200,7 @@ TEST_CASE("a preview shows grey as the view defines it, whatever the primaries",
           std::vector<unsigned char>{255, 51, 0});
 }
 
-TEST_CASE("values that no view can show do no harm to a preview", "[display][ocio][law6]") {
+TEST_CASE("values that no view can show do not spoil a preview", "[display][ocio][law6]") {
     const WithoutOcio environment;
     const ColorManager manager = shipped();
     constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
@@ -214,7 +214,7 @@ TEST_CASE("values that no view can show do no harm to a preview", "[display][oci
     }
 }
 
-TEST_CASE("a preview has the same bytes however many threads and strips it takes", "[display][ocio]") {
+TEST_CASE("a preview has the same bytes for any number of threads and strips", "[display][ocio]") {
     const WithoutOcio environment;
     const ColorManager manager = shipped();
     std::vector<float> rgb;
@@ -230,7 +230,7 @@ TEST_CASE("a preview has the same bytes however many threads and strips it takes
     }
 }
 
-TEST_CASE("an option beats $OCIO beats the shipped config", "[display][ocio]") {
+TEST_CASE("an option overrides $OCIO, which overrides the shipped config", "[display][ocio]") {
     const WithoutOcio environment;
     const Folder folder;
     const std::string text = raylex::test::read_bytes(shipped_path);
@@ -286,7 +286,8 @@ TEST_CASE("bad configs, spaces, displays and views get errors that name them", "
     CHECK(view.error().message.find("'Film'") != std::string::npos);
 }
 
-TEST_CASE("a version 1 config without interchange roles is taken to be Rec. 709, and says so", "[display][ocio]") {
+TEST_CASE("a version 1 config without interchange roles is assumed to be Rec. 709, and the description says so",
+          "[display][ocio]") {
     const WithoutOcio environment;
     const Folder folder;
     raylex::test::write_bytes(folder.path("old.ocio"), R"(ocio_profile_version: 1
@@ -328,12 +329,12 @@ colorspaces:
 
 TEST_CASE("matrices from primaries are those of the standards", "[display][color]") {
     using namespace raylex::display;
-    // IEC 61966-2-1 gives four digits; three tables of the standard disagree in the fifth.
+    // IEC 61966-2-1 gives four digits; three tables of the standard differ in the fifth.
     const Matrix3 xyz = rgb_to_xyz(rec709_primaries());
     CHECK(xyz[0][0] == Approx(0.4124).margin(5e-5));
     CHECK(xyz[1][1] == Approx(0.7152).margin(5e-5));
     CHECK(xyz[2][2] == Approx(0.9505).margin(1e-4));
-    // S-2014-004, AP1 to XYZ: ten digits are given, six are compared.
+    // S-2014-004, AP1 to XYZ: it gives ten digits, six are compared.
     CHECK(rgb_to_xyz(aces_ap1_primaries())[0][0] == Approx(0.6624541811).margin(1e-6));
     CHECK(rgb_to_xyz(aces_ap0_primaries())[1][2] == Approx(-0.0721325464).margin(1e-6));
     const Matrix3 there = rgb_to_rgb(rec709_primaries(), aces_ap1_primaries()),

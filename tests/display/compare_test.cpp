@@ -22,15 +22,15 @@ double value(const raylex::display::ExrImage& a, const raylex::display::ExrImage
     return *result;
 }
 
-// Two pixels, values exact in float.
+// Two pixels with values that are exact in float.
 const auto image = image_of(2, 1, {color_layer("", {{1.5f, 2, 0}, {0.5f, 4, 1}})});
 const auto reference = image_of(2, 1, {color_layer("", {{1, 2, 0.5f}, {0, 2, 1}})});
 
 }  // namespace
 
-TEST_CASE("metrics are the formulas they name, computed by hand", "[display][compare]") {
+TEST_CASE("metrics agree with their formulas, computed by hand", "[display][compare]") {
     // Differences R: 0.5, 0.5; G: 0, 2; B: -0.5, 0. References R: 1, 0; G: 2, 2; B: 0.5, 1.
-    // Double arithmetic on exact values: 1e-12 leaves room for the order of the additions.
+    // Double arithmetic on exact values: 1e-12 allows for the order of the additions.
     CHECK(value(image, reference, ErrorMetric::mse, 'R') == Approx(0.25).epsilon(1e-12));
     CHECK(value(image, reference, ErrorMetric::mse, 'G') == Approx(2.0).epsilon(1e-12));
     CHECK(value(image, reference, ErrorMetric::mse, 'A') == Approx((0.25 + 0.25 + 4 + 0.25) / 6).epsilon(1e-12));
@@ -54,7 +54,7 @@ TEST_CASE("metrics are the formulas they name, computed by hand", "[display][com
     CHECK(std::string(formula(ErrorMetric::mean_ratio)) == "mean(a) / mean(b)");
 }
 
-TEST_CASE("a metric's name may be written with underscores", "[display][compare]") {
+TEST_CASE("the name of a metric can have underscores", "[display][compare]") {
     for (const raylex::display::AnyMetric& each : raylex::display::all_metrics()) {
         std::string name = each.name;
         std::replace(name.begin(), name.end(), '-', '_');
@@ -72,21 +72,21 @@ TEST_CASE("the second image is the reference: metrics are not symmetric", "[disp
           Approx(1 / value(reference, image, ErrorMetric::mean_ratio, 'R')));
 }
 
-TEST_CASE("images in different primaries are compared in the reference's", "[display][compare][color]") {
+TEST_CASE("images in different primaries are compared in the reference's primaries", "[display][compare][color]") {
     using namespace raylex::display;
     // Rec. 709 red is (.613097, .070194, .020616) in ACEScg (OpenColorIO's builtin transform, six digits).
     auto red = image_of(1, 1, {color_layer("", {{1, 0, 0}}), color_layer("Nn", {{1, 0, 0}})});
     auto same = image_of(1, 1, {color_layer("", {{0.613097f, 0.070194f, 0.020616f}}), color_layer("Nn", {{1, 0, 0}})});
     red.chromaticities = rec709_primaries();
     same.chromaticities = aces_ap1_primaries();
-    CHECK(value(red, same, ErrorMetric::mae, 'A') < 1e-6);  // the digits given
-    CHECK(value(same, red, ErrorMetric::mae, 'A') < 5e-6);  // the way back stretches them
+    CHECK(value(red, same, ErrorMetric::mae, 'A') < 1e-6);  // the digits of the reference
+    CHECK(value(same, red, ErrorMetric::mae, 'A') < 5e-6);  // the inverse magnifies the error
     CHECK(value(red, same, ErrorMetric::mean_ratio, 'R') == Approx(1).epsilon(2e-6));
-    red.chromaticities.reset();  // a file that does not say is Rec. 709
+    red.chromaticities.reset();  // a file without chromaticities is Rec. 709
     CHECK(value(red, same, ErrorMetric::mae, 'A') < 1e-6);
     same.chromaticities.reset();
     CHECK(value(red, same, ErrorMetric::mae, 'R') == Approx(1 - 0.613097));
-    // Luminance is that of the reference's primaries.
+    // Luminance uses the reference's primaries.
     auto grey = image_of(1, 1, {color_layer("", {{0, 1, 0}})}), white = image_of(1, 1, {color_layer("", {{1, 1, 1}})});
     grey.chromaticities = white.chromaticities = aces_ap1_primaries();
     CHECK(value(grey, white, ErrorMetric::mean_ratio, 'Y') ==
@@ -114,7 +114,7 @@ TEST_CASE("positions and single planes are never converted", "[display][compare]
     for (const char component : {'R', 'G', 'B', 'Y', 'A'}) CHECK(value(a, b, ErrorMetric::mae, component, "z") == 2);
 }
 
-TEST_CASE("misses at infinite depth agree with one another and with nothing else", "[display][compare][law6]") {
+TEST_CASE("infinite depths agree only with infinite depths", "[display][compare][law6]") {
     constexpr float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
     const auto depths = [](std::vector<float> values) {
         return image_of(2, 1, {{"z", "z", {{"Z", StoredType::single_float, std::move(values)}}}});
@@ -132,14 +132,14 @@ TEST_CASE("misses at infinite depth agree with one another and with nothing else
           "trimmed-relmse-mean of layer 'z' has no value: 2 of its 2 values are inf or nan");
     CHECK(message({1, 2}, {inf, 4}, ErrorMetric::mean_ratio) ==
           "mean-ratio of layer 'z' has no value: 1 of its 2 values are inf or nan");  // not 0
-    // Nothing was hit in either: no value is bad, there is just none to divide by.
+    // Both images have no hit: no value is bad, but the mean to divide by is 0.
     CHECK(message({inf, inf}, {inf, inf}, ErrorMetric::mean_ratio) ==
           "there is no ratio mean(a) / mean(b): the mean of 'z' is 0 in this reference");
     CHECK(message({inf, nan}, {inf, 4}, ErrorMetric::mean_ratio) ==
           "mean-ratio of layer 'z' has no value: 1 of its 2 values are inf or nan");
 }
 
-TEST_CASE("black layers have every metric but the ratio, which is said to be none", "[display][compare][law7]") {
+TEST_CASE("black layers have every metric except the ratio, which is an error", "[display][compare][law7]") {
     auto black = image_of(2, 1, {color_layer("", {{0, 0, 0}, {0, 0, 0}})});
     black.path = "black.exr";
     for (const raylex::display::ErrorMetricInfo& each : raylex::display::error_metrics()) {
@@ -156,7 +156,7 @@ TEST_CASE("black layers have every metric but the ratio, which is said to be non
             }
         } else {
             CHECK(*same == 0);
-            CHECK(*lit > 0);  // inf where the floor is a share of the black reference's mean
+            CHECK(*lit > 0);  // inf where the floor depends on the black reference's mean
         }
     }
     CHECK(value(black, image, ErrorMetric::mean_ratio, 'A') == 0);
@@ -175,7 +175,7 @@ TEST_CASE("images that cannot be compared get errors that say why", "[display][c
     CHECK(compare(image, reference, ErrorMetric::mse, "beauty", 'A').ok());
 }
 
-TEST_CASE("metrics that are free of scale stay what they are under any exposure", "[display][compare]") {
+TEST_CASE("scale-invariant metrics do not change with the exposure", "[display][compare]") {
     using namespace raylex::display;
     // m = 2; the floor is (0.1 * 2)^2 = 0.04. Squared relative errors: 0.25 / 4.04, 0, 1 / 0.04 and 0.
     const std::vector<double> a{1.5, 3, 1, 3}, b{2, 3, 0, 3};
@@ -183,28 +183,28 @@ TEST_CASE("metrics that are free of scale stay what they are under any exposure"
     CHECK(measures[ErrorMetric::relmse_mean] == Approx((0.25 / 4.04 + 1 / 0.04) / 4).epsilon(1e-14));
     CHECK(measures[ErrorMetric::rmse] == Approx(std::sqrt(1.25 / 4)).epsilon(1e-14));
     CHECK(measures[ErrorMetric::smape] == Approx((1 / 3.5 + 2) / 4).epsilon(1e-14));
-    CHECK(measures.trimmed_share == 0);  // four terms: 0.1 % of them is none
+    CHECK(measures.trimmed_share == 0);  // 0.1 % of four terms is none
     std::vector<double> a2, b2;
     for (std::size_t i = 0; i < a.size(); ++i) {
-        a2.push_back(a[i] * 1024);  // a power of two: the same bits but for the exponent
+        a2.push_back(a[i] * 1024);  // a power of two changes only the exponent
         b2.push_back(b[i] * 1024);
     }
     CHECK(measure_errors(a2, b2)[ErrorMetric::relmse_mean] == measures[ErrorMetric::relmse_mean]);
 }
 
-TEST_CASE("trimming takes the largest terms and says how much they weighed", "[display][compare]") {
+TEST_CASE("trimming removes the largest terms and reports their share", "[display][compare]") {
     using namespace raylex::display;
-    // 2,000 references of 1 make the floor 0.01 and every term d^2 / 1.01; two terms may go.
+    // 2,000 references of 1 make the floor 0.01 and every term d^2 / 1.01; two terms are trimmed.
     std::vector<double> a(2000, 1.0), b(2000, 1.0);
     a[10] = 101, a[20] = 51, a[30] = 3;
     const ErrorMeasures measures = measure_errors(a, b);
     CHECK(measures[ErrorMetric::trimmed_relmse_mean] == Approx(4 / 1.01 / 1998).epsilon(1e-10));
     CHECK(measures.trimmed_share == Approx(12500.0 / 12504).epsilon(1e-12));
-    a[30] = std::numeric_limits<double>::infinity();  // cannot be trimmed away
+    a[30] = std::numeric_limits<double>::infinity();  // is never trimmed
     CHECK(std::isinf(measure_errors(a, b)[ErrorMetric::trimmed_relmse_mean]));
 }
 
-TEST_CASE("what a reference's variance adds is weighted as the metric weighs errors", "[display][compare]") {
+TEST_CASE("the excess from a reference's variance has the weights of the metric", "[display][compare]") {
     using namespace raylex::display;
     const std::vector<double> reference{2, 0}, variance{0.5, 0.25};  // m = 1
     CHECK(reference_excess(ErrorMetric::mse, reference, variance) == Approx(0.375).epsilon(1e-14));

@@ -31,7 +31,7 @@ std::vector<ChannelDefinition> deep_channels() {
     return list;
 }
 
-/// One row of a sample: what AddSample, WriteDistance and Splat left.
+/// One row of a sample, as AddSample, WriteDistance and Splat make it.
 struct Hit {
     float depth;
     double opacity, light;
@@ -39,7 +39,7 @@ struct Hit {
 };
 using Sample = std::vector<Hit>;
 
-/// Hands samples to a sink as a render would: blocks of 16, the first hit in the camera's row, the others added.
+/// Passes samples to a sink like a render: blocks of 16, with the first hit in the camera row and the others added.
 void give(SampleSink& sink, FrameBuffer* frame_buffer, const std::vector<Sample>& samples, int x, int y,
           std::uint64_t first = 0) {
     const auto list = deep_channels();
@@ -86,7 +86,7 @@ double flat_alpha(const std::vector<DeepSample>& samples) {
     return 1 - through;
 }
 
-/// Surfaces at slanted depths, cutouts, fog and sky, light everywhere; the same for the same seed.
+/// A pixel with surfaces at slanted depths, cutouts, fog and sky, and light everywhere; reproducible by the seed.
 std::vector<Sample> busy_pixel(unsigned seed, int count) {
     std::mt19937 random(seed);
     const auto uniform = [&] { return std::uniform_real_distribution<double>(0, 1)(random); };
@@ -119,7 +119,8 @@ Rendered rendered(const DeepOptions& options, int size = 12, int count = 64) {
 }  // namespace
 
 TEST_CASE("half-covered pixels keep their alpha when flattened", "[display][deep]") {
-    // Two opaque samples of half weight at two depths: alphas 1/2 and 1, not 1/2 and 1/2 (which would make 3/4).
+    // Two opaque samples of half weight at two depths: the alphas are 1/2 and 1, not 1/2 and 1/2 (which would give
+    // 3/4).
     const auto two = pixel_of({{{2, 1, 1}}, {{4, 1, 3}}});
     REQUIRE(two.size() == 2);
     CHECK(two[0].z == 2);
@@ -133,7 +134,7 @@ TEST_CASE("half-covered pixels keep their alpha when flattened", "[display][deep
     for (int i = 0; i < 16; ++i) sixteen.push_back({{static_cast<float>(1 << (i % 8)), 1, 1}});
     CHECK(flat_alpha(pixel_of(sixteen)) == Approx(1).epsilon(1e-6));  // 8 float alphas
 
-    // Nothing hit: no sample. An environment: one, far away, that hides nothing.
+    // Without a hit there is no sample. An environment gives one sample, far away, that hides nothing.
     CHECK(pixel_of({{{infinite, 0, 0}}}).empty());
     const auto sky = pixel_of({{{2, 1, 1}}, {{infinite, 0, 5}}});
     REQUIRE(sky.size() == 2);
@@ -142,19 +143,19 @@ TEST_CASE("half-covered pixels keep their alpha when flattened", "[display][deep
     CHECK(sky[1].values[0] == 5);
 }
 
-TEST_CASE("extra rows take their share of what the rows in front let through", "[display][deep]") {
+TEST_CASE("extra rows get a share of the transmittance of the rows in front", "[display][deep]") {
     const auto samples = pixel_of({{{3, 1, 4}, {1, 0.25, 1}, {2, 0.5, 2}}});  // in any order of rows
     REQUIRE(samples.size() == 3);
     CHECK(samples[0].z == 1);
     CHECK(samples[0].alpha == 0.25f);
     CHECK(samples[1].alpha == 0.5f);
     CHECK(samples[2].alpha == 1);
-    CHECK(samples[1].values[0] == Approx(2 / 0.75));  // unpremultiplied by the front's transmittance
+    CHECK(samples[1].values[0] == Approx(2 / 0.75));  // divided by the transmittance in front
     CHECK(samples[2].values[0] == Approx(4 / 0.375));
     CHECK(flat_alpha(samples) == 1);
 }
 
-TEST_CASE("scattering in a volume becomes spans, surfaces stay points", "[display][deep]") {
+TEST_CASE("volume scattering becomes spans, surfaces stay points", "[display][deep]") {
     std::vector<Sample> samples;
     for (int i = 0; i < 64; ++i)
         samples.push_back(i % 2 == 0 ? Sample{{static_cast<float>(1 + i / 64.0), 1, 1, true}} : Sample{{4, 1, 1}});
@@ -190,7 +191,7 @@ TEST_CASE("deep pixels flatten to the shallow image within the bound", "[display
             CHECK(verdict->sorted);
             CHECK(verdict->layers == std::vector<std::string>{"beauty", "diffuse"});
             CHECK(verdict->most_samples <= 33);
-            CHECK(verdict->largest_alpha > 0);  // floats were rounded: the check says something
+            CHECK(verdict->largest_alpha > 0);  // floats were rounded, so the check is meaningful
         }
 }
 
@@ -234,11 +235,11 @@ TEST_CASE("deep colours beyond their type are counted, and clamp as in a flat im
     const auto [flat_clamped, no_more] = judged(bright.deep, single);
     CHECK(flat_clamped.holds);
     CHECK(flat_clamped.clamped == 1);
-    // 65504 stands for more, and not for 1e4.
+    // 65504 means at least 65504, but 1e4 does not.
     CHECK(judged(dim.deep, single).first.exceeding == 1);
 }
 
-TEST_CASE("deep light has the scale of its channel, as the image's has", "[display][deep][law6]") {
+TEST_CASE("deep light has the scale of its channel, like the image", "[display][deep][law6]") {
     std::vector<ChannelDefinition> channels = deep_channels();
     for (ChannelDefinition& channel : channels) channel.scale_exponent = 100;
     DeepBuffer deep(1, 1, channels, {0}, {});
@@ -249,8 +250,8 @@ TEST_CASE("deep light has the scale of its channel, as the image's has", "[displ
 }
 
 TEST_CASE("flattening by the library's own compositor agrees", "[display][deep]") {
-    // One that knows nothing of how the samples were made: OpenEXR's, which sorts, splits and merges by the
-    // specification of deep pixels. Tidy pixels leave it nothing to interpret.
+    // OpenEXR's compositor, which is independent of the way samples were made: it sorts, splits and merges by the
+    // specification of deep pixels. Tidy pixels need no interpretation.
     const Folder folder;
     DeepOptions options;
     options.tidy = true;
@@ -271,11 +272,11 @@ TEST_CASE("flattening by the library's own compositor agrees", "[display][deep]"
     const auto beauty = image.flat.resolve(0), coverage = image.flat.resolve_alpha();
     for (std::size_t i = 0; i < 144; ++i) {
         CHECK(alpha[i] == Approx(coverage[i]).margin(4e-6));   // 33 samples of 2^-23
-        CHECK(red[i] == Approx(beauty[3 * i]).epsilon(2e-5));  // as above, behind little transmittance
+        CHECK(red[i] == Approx(beauty[3 * i]).epsilon(2e-5));  // the same bound, behind little transmittance
     }
 }
 
-TEST_CASE("the order of batches does not show", "[display][deep][law3]") {
+TEST_CASE("the order of batches does not matter", "[display][deep][law3]") {
     for (const int limit : {4, 32}) {
         DeepOptions options;
         options.most_samples = limit;
@@ -342,7 +343,7 @@ TEST_CASE("tidy pixels do not overlap, sorted ones may", "[display][deep]") {
     }
 }
 
-TEST_CASE("a deep file that does not flatten to the image is told from one that does", "[display][deep]") {
+TEST_CASE("a deep file that does not flatten to the image is detected", "[display][deep]") {
     const Folder folder;
     const Rendered image = rendered({});
     Rendered other{DeepBuffer(12, 12, deep_channels(), {0, 1}, {}), FrameBuffer({12, 12}, deep_channels())};
@@ -368,7 +369,7 @@ TEST_CASE("a deep file that does not flatten to the image is told from one that 
     }
 }
 
-TEST_CASE("what cannot be deep is refused before rendering", "[display][deep][law7]") {
+TEST_CASE("channels that cannot be deep are refused before rendering", "[display][deep][law7]") {
     auto list = deep_channels();
     list.resize(4);
     list[2].name = "id";
@@ -381,7 +382,7 @@ TEST_CASE("what cannot be deep is refused before rendering", "[display][deep][la
     };
     CHECK(message({0, 1}).empty());
     CHECK(message({2}).find("an integer") != std::string::npos);
-    CHECK(message({3}).find("no filtered mean") != std::string::npos);
+    CHECK(message({3}).find("not a filtered mean") != std::string::npos);
     DeepOptions wrong;
     wrong.most_samples = 0;
     CHECK(message({0}, wrong).find("1 to 4096") != std::string::npos);

@@ -18,7 +18,7 @@ using raylex::test::TevReceiver;
 
 namespace {
 
-constexpr int driver_width = 300, driver_height = 120;  // two slices a layer
+constexpr int driver_width = 300, driver_height = 120;  // two slices per layer
 constexpr float inf = std::numeric_limits<float>::infinity();
 
 std::vector<ChannelDefinition> driver_channels() {
@@ -100,14 +100,14 @@ bool eventually(Condition condition) {
 
 }  // namespace
 
-TEST_CASE("a viewer receives every layer, while rendering and in the end", "[display][tev]") {
+TEST_CASE("a viewer receives every layer, during and after rendering", "[display][tev]") {
     const FrameBuffer buffer = filled_for_drivers();
     const auto list = driver_channels();
     TevReceiver viewer;
     DriverSet drivers;
     drivers.add(driver("tev:host=127.0.0.1,port=" + std::to_string(viewer.port())));
     REQUIRE(drivers.open(driver_image_of(list)).ok());
-    drivers.update(1000, 0.5, source_of(buffer));  // a long render: time enough for everything
+    drivers.update(1000, 0.5, source_of(buffer));  // a long render: enough time for all slices
     CHECK(eventually([&] { return viewer.images()["out.exr"].updates > 0; }));
     REQUIRE(drivers.close({buffer, 0, {}}).ok());
     CHECK(drivers.take_warnings().empty());
@@ -134,7 +134,7 @@ TEST_CASE("a viewer receives every layer, while rendering and in the end", "[dis
     CHECK(wrong == 0);
 }
 
-TEST_CASE("a live view takes its share of the time and no more", "[display][tev]") {
+TEST_CASE("a live view uses at most its share of the time", "[display][tev]") {
     const FrameBuffer buffer = filled_for_drivers();
     const auto list = driver_channels();
     TevReceiver viewer;
@@ -156,7 +156,7 @@ TEST_CASE("a live view takes its share of the time and no more", "[display][tev]
     CHECK(resolved == 1);
 }
 
-TEST_CASE("a viewer that is not there costs a render nothing but one warning", "[display][tev]") {
+TEST_CASE("a missing viewer costs a render only one warning", "[display][tev]") {
     const FrameBuffer buffer = filled_for_drivers();
     const auto list = driver_channels();
     int port;
@@ -167,7 +167,7 @@ TEST_CASE("a viewer that is not there costs a render nothing but one warning", "
     DriverSet drivers;
     drivers.add(driver("tev:host=127.0.0.1,port=" + std::to_string(port)));
     std::vector<std::string> warnings;
-    // Refused at once by the loopback. The bound leaves room for a machine that is busy with other things.
+    // The loopback refuses at once. The bound allows for a busy machine.
     CHECK(seconds_of([&] {
               REQUIRE(drivers.open(driver_image_of(list)).ok());
               CHECK(eventually([&] {
@@ -183,7 +183,7 @@ TEST_CASE("a viewer that is not there costs a render nothing but one warning", "
     CHECK(warnings[0].find("Connection refused") != std::string::npos);
 }
 
-TEST_CASE("a viewer that leaves, and one that does not read, end in one warning", "[display][tev]") {
+TEST_CASE("a viewer that leaves and one that does not read each give one warning", "[display][tev]") {
     const FrameBuffer buffer = filled_for_drivers();
     const auto list = driver_channels();
     const bool leaves = GENERATE(true, false);
@@ -196,22 +196,22 @@ TEST_CASE("a viewer that leaves, and one that does not read, end in one warning"
         for (const std::string& each : drivers.take_warnings()) warnings.push_back(each);
     };
     for (int i = 0; i < 100; ++i) {
-        // Not one call waits for the viewer: 2 % of 10 s are allowed, plus a slice and what a busy machine adds.
+        // No call waits for the viewer: the bound is 2 % of 10 s, plus a slice, plus the load of a busy machine.
         CHECK(seconds_of([&] { drivers.update(10, 0.01 * i, source_of(buffer)); }) < 1.5);
         take();
     }
     CHECK(seconds_of([&] {
               REQUIRE(drivers.close({buffer, 0, {}}).ok());
-          }) < DriverSet::patience_seconds + 3);  // and the second that it may drain
+          }) < DriverSet::patience_seconds + 3);  // plus the second for draining
     take();
     if (leaves) CHECK(warnings.size() == 1);
-    else CHECK(warnings.size() <= 1);  // the system's own buffers may have held it all
+    else CHECK(warnings.size() <= 1);  // the system's buffers may have taken everything
 }
 
-TEST_CASE("a queue is bounded by bytes, and one packet always fits", "[display][tev]") {
+TEST_CASE("the bytes in a queue are limited, but one packet always fits", "[display][tev]") {
     TevReceiver viewer(TevReceiver::Manner::never_reads);
     PacketSender sender("127.0.0.1", viewer.port(), 1000);
-    REQUIRE(sender.send(std::vector<unsigned char>(8u << 20)));  // more than the system takes in
+    REQUIRE(sender.send(std::vector<unsigned char>(8u << 20)));  // more than the system's buffers hold
     CHECK(!sender.send(std::vector<unsigned char>(1)));
     CHECK(!sender.drain(0.05));
     CHECK(sender.failure().empty());
@@ -235,7 +235,7 @@ TEST_CASE("several drivers get the same image, each in its own form", "[display]
     }
 }
 
-TEST_CASE("drivers refuse before the render what they could not do after it", "[display][drivers][law7]") {
+TEST_CASE("drivers refuse before the render what they cannot do after it", "[display][drivers][law7]") {
     const auto list = driver_channels();
     const auto opened = [&](const std::string& text) {
         DriverSet drivers;
@@ -259,7 +259,7 @@ TEST_CASE("drivers refuse before the render what they could not do after it", "[
     CHECK(refused("tev:port=70000").find("from 1 to 65535") != std::string::npos);
 }
 
-TEST_CASE("addresses of viewers are read as people write them", "[display][tev][law7]") {
+TEST_CASE("addresses of viewers are parsed in all usual forms", "[display][tev][law7]") {
     const auto read = [](const std::string& text) {
         const auto set = tev_address(text, {"--tev", 0, 0});
         if (!set) return std::string("refused");
@@ -275,7 +275,7 @@ TEST_CASE("addresses of viewers are read as people write them", "[display][tev][
     }
 }
 
-TEST_CASE("a registered driver comes in by the same door", "[display][drivers]") {
+TEST_CASE("a registered driver is found by its name", "[display][drivers]") {
     struct Counter : DisplayDriver {
         raylex::Status open(const DriverImage& image) override {
             return layers = image.layers.size(), raylex::success();

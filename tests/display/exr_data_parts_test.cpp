@@ -1,4 +1,4 @@
-// Parts without a display channel: cryptomatte ids are float bit patterns, which must come out as they went in.
+// Parts without a display channel: cryptomatte ids are float bit patterns and must be stored exactly.
 #include <bit>
 
 #include <catch2/catch.hpp>
@@ -18,13 +18,13 @@ TEST_CASE("a data part is written bit by bit, its attributes into its own header
     beauty.name = "beauty";
     beauty.style = ChannelStyle::expression;
     const FrameBuffer buffer({3, 2}, std::vector<ChannelDefinition>{beauty});
-    // A negative number, the smallest and the largest exponents that a matte's id may have, and odd mantissas.
+    // A negative number, the smallest and the largest exponents that an id can have, and odd mantissas.
     const std::vector<std::uint32_t> ids{0x13851a76, 0xb24b26d4, 0x809bc361, 0xff6dcc85, 0x7f0e5296, 0};
     std::vector<float> values;
     for (const std::uint32_t id : ids) values.push_back(std::bit_cast<float>(id));
     for (int i = 0; i < 6; ++i) values.push_back(static_cast<float>(i) / 6);
     ImageDescription description;
-    const std::string manifest(5000, 'x');  // longer than what shared attributes may be
+    const std::string manifest(5000, 'x');  // longer than shared attributes can be
     description.data_parts.push_back({"CryptoObject",
                                       {"CryptoObject00.R", "CryptoObject00.G"},
                                       {{"cryptomatte/3ae39a5/manifest", manifest}},

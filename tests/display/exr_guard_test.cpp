@@ -1,4 +1,4 @@
-// Law 7 for images from outside: what a header claims is held against the file before memory is asked for.
+// Law 7 for external images: header fields are checked against the file before memory is allocated.
 #include <catch2/catch.hpp>
 
 #include <sys/stat.h>
@@ -29,7 +29,7 @@ std::vector<ForeignChannel> rgb(std::size_t pixels) {
     return channels;
 }
 
-/// The file's bytes with both windows made `width` by `height`.
+/// Returns the file's bytes with both windows resized to `width` by `height`.
 std::string resized(std::string bytes, std::int32_t width, std::int32_t height, bool display_window = true) {
     for (const char* window : {"dataWindow", "displayWindow"}) {
         if (!display_window && std::string(window) == "displayWindow") continue;
@@ -42,13 +42,13 @@ std::string resized(std::string bytes, std::int32_t width, std::int32_t height, 
 
 }  // namespace
 
-TEST_CASE("an EXR header that asks for more than its bytes can mean is refused", "[law7][budget]") {
+TEST_CASE("an EXR header that declares more than its bytes can contain is refused", "[law7][budget]") {
     const Folder folder;
     const std::string path = folder.path("a.exr");
     write_foreign(path, rgb(12), box(4, 3), box(4, 3));
     const std::string sound = read_bytes(path);
     CHECK(refusal(path).empty());
-    // 16 M x 32 pixels in less than a kilobyte, the data window alone and both.
+    // 16 M x 32 pixels in less than a kilobyte: the data window alone, and both windows.
     for (const bool both : {false, true}) {
         write_bytes(path, resized(sound, 1 << 24, 32, both));
         CHECK(contains(refusal(path), "the budget image_pixels is 268435456"));
@@ -57,7 +57,7 @@ TEST_CASE("an EXR header that asks for more than its bytes can mean is refused",
     }
     write_bytes(path, resized(sound, 20'000, 10'000));
     CHECK(contains(refusal(path), "exr_ratio"));
-    // A mark of deep data in the version field changes nothing of how the library reads a part that is not deep.
+    // The flag for deep data in the version field does not change how the library reads a part that is not deep.
     std::string marked = resized(sound, 1 << 22, 16);
     marked[5] = static_cast<char>(marked[5] | 0x08);
     write_bytes(path, marked);
@@ -66,7 +66,7 @@ TEST_CASE("an EXR header that asks for more than its bytes can mean is refused",
     CHECK(contains(refusal(path), "image_pixels"));
 }
 
-TEST_CASE("uncompressed pixels are held against the size of the file", "[law7][budget]") {
+TEST_CASE("uncompressed pixels are checked against the size of the file", "[law7][budget]") {
     const Folder folder;
     const std::string path = folder.path("a.exr");
     write_foreign(path, rgb(12), box(4, 3), box(4, 3));
@@ -74,10 +74,10 @@ TEST_CASE("uncompressed pixels are held against the size of the file", "[law7][b
     const std::size_t compression = bytes.find("compression");
     bytes[bytes.find(std::string("compression\0compression\0", 24), compression) + 28] = 0;  // none
     write_bytes(path, resized(bytes, 4'000, 3'000));
-    CHECK(contains(refusal(path), "the file is truncated: its header asks for 144000000 bytes of uncompressed pixels"));
+    CHECK(contains(refusal(path), "the file is truncated: its header declares 144000000 bytes of uncompressed pixels"));
 }
 
-TEST_CASE("an attribute that ends behind the file is refused before it is read", "[law7][budget]") {
+TEST_CASE("an attribute that ends after the end of the file is refused before it is read", "[law7][budget]") {
     const Folder folder;
     const std::string path = folder.path("a.exr");
     write_foreign(path, rgb(12), box(4, 3), box(4, 3));
@@ -101,13 +101,13 @@ TEST_CASE("an image is a regular file", "[law7][budget]") {
     CHECK(contains(refusal(folder.path()), "this is a directory"));
 }
 
-TEST_CASE("an attribute that does not end where it says is refused: the library would read on elsewhere",
+TEST_CASE("an attribute with a wrong size is refused, because the library would continue at a wrong position",
           "[law7][budget]") {
     const Folder folder;
     const std::string path = folder.path("a.exr");
     write_foreign(path, rgb(12), box(4, 3), box(4, 3));
     const std::string sound = read_bytes(path);
-    // What follows the header's first attribute is moved by as many bytes as it is made longer.
+    // The bytes after the header's first attribute move by the number of bytes that it grows.
     const auto with_size = [&](const std::string& name_and_type, std::uint32_t size, const std::string& more) {
         std::string bytes = sound;
         const std::size_t at = bytes.find(name_and_type) + name_and_type.size();
@@ -120,7 +120,7 @@ TEST_CASE("an attribute that does not end where it says is refused: the library 
     const std::string chlist("channels\0chlist\0", 16), order("lineOrder\0lineOrder\0", 20);
     REQUIRE(sound.find(chlist) != std::string::npos);
     write_bytes(path, with_size(chlist, 3 * 18 + 1 + 8, std::string(8, '\0')));
-    CHECK(contains(refusal(path), "a list of channels that does not end where it says"));
+    CHECK(contains(refusal(path), "a list of channels with a wrong end"));
     write_bytes(path, with_size(order, 5, "abcd"));
     CHECK(contains(refusal(path), "claims 5 bytes for 'lineOrder' of type lineOrder, which has 1"));
     // 4 x 2^20 pixels of a preview in 16 bytes.
@@ -128,7 +128,7 @@ TEST_CASE("an attribute that does not end where it says is refused: the library 
     std::string bytes = sound;
     bytes.insert(8, preview);
     write_bytes(path, bytes);
-    CHECK(contains(refusal(path), "a preview of another size than it says"));
+    CHECK(contains(refusal(path), "a preview whose size does not match"));
     write_bytes(path, sound);
     CHECK(refusal(path).empty());
 }

@@ -19,7 +19,7 @@ using raylex::display::StoredType;
 
 namespace {
 
-// 3 x 2 pixels that tell channels and places apart; exact in half.
+// 3 x 2 pixels with values that identify channel and position, exact in half.
 std::vector<float> ramp(float start) {
     return {start, start + 1, start + 2, start + 3, start + 4, start + 5};
 }
@@ -131,7 +131,7 @@ TEST_CASE("parts whose channels carry the part's name read like parts with namel
     }
 }
 
-TEST_CASE("nameless channels that are no colour are layers of their own", "[display][exr]") {
+TEST_CASE("nameless channels that are not colours are layers of their own", "[display][exr]") {
     const Folder folder;
     write_foreign(folder.path("a.exr"), join({rgb("", 0), {{"Z", Imf::FLOAT, ramp(3)}, {"id", Imf::UINT, ramp(9)}}}), 3,
                   2);
@@ -174,7 +174,7 @@ TEST_CASE("tiled files and lower-case or spelled-out planes read the same", "[di
     CHECK(image.layer("uv")->triple()[0] == nullptr);
 }
 
-TEST_CASE("a data window inside or beyond the display window lands where it belongs", "[display][exr]") {
+TEST_CASE("a data window inside or beyond the display window is positioned correctly", "[display][exr]") {
     const Folder folder;
     // Display 4 x 3; data 3 x 2 with its first pixel at (-1, 1): one column is cropped, the rest filled with 0.
     write_foreign(folder.path("a.exr"), rgb("", 1), box(4, 3), Imath::Box2i({-1, 1}, {1, 2}));
@@ -184,7 +184,7 @@ TEST_CASE("a data window inside or beyond the display window lands where it belo
     CHECK(image.layer("")->planes[0].values == std::vector<float>{0, 0, 0, 0, 2, 3, 0, 0, 5, 6, 0, 0});
 }
 
-TEST_CASE("subsampled channels are spread over the pixels they stand for", "[display][exr]") {
+TEST_CASE("subsampled channels are expanded to full resolution", "[display][exr]") {
     const Folder folder;
     Imf::Header header(4, 2);
     header.channels().insert("Y", Imf::Channel(Imf::FLOAT));
@@ -226,7 +226,7 @@ TEST_CASE("one file per layer makes one image named after the files", "[display]
     CHECK(!read_exr_set({}).ok());
     std::filesystem::create_directory(folder.path("b"));
     write_foreign(folder.path("b/beauty.exr"), rgb("", 0), 3, 2);
-    CHECK(!read_exr_set({folder.path("beauty.exr"), folder.path("b/beauty.exr")}).ok());  // one name twice
+    CHECK(!read_exr_set({folder.path("beauty.exr"), folder.path("b/beauty.exr")}).ok());  // the same name twice
 }
 
 TEST_CASE("string attributes, chromaticities and declared partitions come with the image", "[display][exr]") {
@@ -266,7 +266,7 @@ TEST_CASE("missing, foreign, deep and oversized files get errors that name the f
     write_bytes(folder.path("empty.exr"), "");
     CHECK(failure(folder.path("empty.exr")).find("empty") != std::string::npos);
     write_bytes(folder.path("text.exr"), "P6 3 2 255 not an EXR");
-    CHECK(failure(folder.path("text.exr")).find("no OpenEXR file") != std::string::npos);
+    CHECK(failure(folder.path("text.exr")).find("not an OpenEXR file") != std::string::npos);
     write_deep(folder.path("deep.exr"));
     CHECK(failure(folder.path("deep.exr")).find("deep") != std::string::npos);
 
@@ -281,7 +281,8 @@ TEST_CASE("missing, foreign, deep and oversized files get errors that name the f
     CHECK(!failure(folder.path("huge.exr")).empty());
 }
 
-TEST_CASE("a file cut or damaged anywhere is refused or read, never a crash", "[display][exr][law7]") {
+TEST_CASE("a file that is truncated or damaged anywhere is refused or read, and never crashes",
+          "[display][exr][law7]") {
     const Folder folder;
     write_foreign_parts(folder.path("whole.exr"), {{"rgba", rgb("", 0)}, {"diffuse", rgb("diffuse.", 50, Imf::HALF)}},
                         3, 2);
@@ -302,10 +303,10 @@ TEST_CASE("a file cut or damaged anywhere is refused or read, never a crash", "[
         write_bytes(folder.path("damaged.exr"), damaged);
         refused += read_exr(folder.path("damaged.exr")).ok() ? 0 : 1;
     }
-    CHECK(refused > 0);  // most damage hits pixels and stays unseen; headers and tables do not
+    CHECK(refused > 0);  // most damage hits pixels and is not detected; damage to headers and tables is
 }
 
-TEST_CASE("the parts of a large file are read by several threads: each value in its place", "[display][exr][law7]") {
+TEST_CASE("several threads read the parts of a large file, and every value is in its place", "[display][exr][law7]") {
     constexpr int width = 400, height = 256;
     const Folder folder;
     std::mt19937 random(2);
@@ -319,18 +320,20 @@ TEST_CASE("the parts of a large file are read by several threads: each value in 
         parts.push_back({name, {{"R", Imf::FLOAT, noise()}, {"G", Imf::FLOAT, noise()}, {"B", Imf::FLOAT, noise()}}});
     const std::string path = folder.path("large.exr");
     write_foreign_parts(path, parts, width, height);
-    REQUIRE(std::filesystem::file_size(path) > std::uintmax_t{1} << 22);  // smaller ones are read by one thread
+    REQUIRE(std::filesystem::file_size(path) > std::uintmax_t{1} << 22);  // a single thread reads smaller files
 
     const ExrImage image = read(path);
     REQUIRE(image.layers.size() == parts.size());
     for (std::size_t i = 0; i < parts.size(); ++i) {
         CHECK(image.layers[i].name == parts[i].name);
         for (std::size_t c = 0; c < 3; ++c)
-            CHECK(image.layers[i].planes[c].values == parts[i].channels[c].values);  // to the bit: nothing is rounded
+            CHECK(image.layers[i].planes[c].values == parts[i].channels[c].values);  // exact, because nothing is
+                                                                                     // rounded
     }
 
     std::string damaged = read_bytes(path);
-    damaged.replace(damaged.size() / 2, 4096, std::string(4096, '\x55'));  // packed pixels, under zlib's checksum
+    damaged.replace(damaged.size() / 2, 4096, std::string(4096, '\x55'));  // packed pixels, protected by zlib's
+                                                                           // checksum
     write_bytes(path, damaged);
     const auto refused = read_exr(path);
     REQUIRE(!refused.ok());

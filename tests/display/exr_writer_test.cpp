@@ -54,7 +54,7 @@ std::vector<ChannelDefinition> channels() {
     return list;
 }
 
-// Thirds and sevenths: nothing here is exact in float, so rounding shows.
+// Thirds and sevenths, which are inexact in float, so rounding has an effect.
 double light(int pixel, int component, int channel) {
     return (pixel + 1) / 3.0 + component / 7.0 + 1e-3 * channel;
 }
@@ -81,8 +81,8 @@ FrameBuffer filled() {
         if (pixel % 3 != 0) {
             table.raw_values(4)[0] = 2.5 + pixel;
             table.raw_values(5)[2] = -1;
-            table.raw_values(6)[0] = pixel == 1 ? -2 : 16'777'217;  // one more than float holds
-            table.raw_values(7)[0] = 1e300;  // no camera is that far away; float is not that large
+            table.raw_values(6)[0] = pixel == 1 ? -2 : 16'777'217;  // one more than float can represent
+            table.raw_values(7)[0] = 1e300;                         // larger than any float
             for (ChannelId id = 4; id <= 7; ++id) {
                 table.touch(id);
                 table.set_row_state(id, 0, SampleTable::RowState::written);
@@ -115,7 +115,7 @@ ExrImage written(const Folder& folder) {
 
 }  // namespace
 
-TEST_CASE("every pixel of the frame buffer comes back, rounded to float once", "[display][exr]") {
+TEST_CASE("every pixel of the frame buffer is read back, rounded to float once", "[display][exr]") {
     const Folder folder;
     const ExrImage image = written(folder);
     CHECK(image.width == width);
@@ -142,7 +142,7 @@ TEST_CASE("every pixel of the frame buffer comes back, rounded to float once", "
     CHECK(image.layer("id")->planes[0].stored == StoredType::unsigned_int);
 }
 
-TEST_CASE("the header says of every partition what a reader will find", "[display][exr][law1]") {
+TEST_CASE("the header contains the result of every partition that a reader computes", "[display][exr][law1]") {
     const Folder folder;
     ImageDescription with_wrong = description();
     with_wrong.partitions.push_back({"short", "", {"diffuse", "specular"}});
@@ -156,7 +156,7 @@ TEST_CASE("the header says of every partition what a reader will find", "[displa
     REQUIRE(verdicts->size() == 3);
     for (const SplitVerdict& verdict : *verdicts) {
         std::string text = image->attributes.at("verdict/" + verdict.partition);
-        CHECK(text.size() == 224);  // what was set aside before the pixels were known
+        CHECK(text.size() == 224);  // the reserved length
         text.erase(text.find_last_not_of(' ') + 1);
         CHECK(text == verdict_attribute(verdict, verdict.layers.size()));
     }
@@ -165,7 +165,7 @@ TEST_CASE("the header says of every partition what a reader will find", "[displa
     CHECK(image->attributes.count("verdict/typo") == 0);
 }
 
-TEST_CASE("each kind of channel is stored as its row of the table says", "[display][exr]") {
+TEST_CASE("each kind of channel is stored according to its row of the table", "[display][exr]") {
     ImageDescription chosen = description();
     const raylex::SourceLocation where{"job.toml", 3, 5};
     REQUIRE(override_exr_storage(chosen.storage, "light", "half piz", where).ok());
@@ -192,7 +192,7 @@ TEST_CASE("each kind of channel is stored as its row of the table says", "[displ
     CHECK(image->attributes.at("verdict/auto").find("bound 0.000977") != std::string::npos);  // 2^-10
     CHECK(check_declared_splits(*image)->front().holds);
 
-    // "all" changes what may be changed: depth and ids keep their type.
+    // "all" changes only what can be changed: depth and ids keep their type.
     ExrStorageTable table = default_exr_storage();
     REQUIRE(override_exr_storage(table, "all", "half zips", where).ok());
     CHECK(storage_text(table[static_cast<std::size_t>(ChannelKind::light)]) == "half zips");
@@ -200,7 +200,7 @@ TEST_CASE("each kind of channel is stored as its row of the table says", "[displ
     CHECK(storage_text(table[static_cast<std::size_t>(ChannelKind::id)]) == "uint zips");
 }
 
-TEST_CASE("storage that would lose what a channel is for is refused", "[display][exr][law7]") {
+TEST_CASE("storage that would make a channel useless is refused", "[display][exr][law7]") {
     const auto message = [](const std::string& kind, const std::string& text) {
         ExrStorageTable table = default_exr_storage();
         const auto status = override_exr_storage(table, kind, text, {"job.toml", 3, 5});
@@ -217,7 +217,7 @@ TEST_CASE("storage that would lose what a channel is for is refused", "[display]
     for (const char* kind : {"normal", "position", "value", "id"})
         for (const char* lossy : {"dwaa", "dwab:10"}) CHECK(message(kind, lossy).find("must not") != std::string::npos);
     for (const char* level : {"dwaa:", "dwaa:-1", "dwaa:x", "dwaa:1e9", "zip:3", "dwab:nan"})
-        CHECK(message("light", level).find("has no level that there is") != std::string::npos);
+        CHECK(message("light", level).find("has an invalid level") != std::string::npos);
     ExrStorageTable table = default_exr_storage();
     REQUIRE(override_exr_storage(table, "all", "dwaa:60", {}).ok());
     REQUIRE(override_exr_storage(table, "light", "half dwab", {}).ok());
@@ -227,7 +227,7 @@ TEST_CASE("storage that would lose what a channel is for is refused", "[display]
     CHECK(storage_text(table[static_cast<std::size_t>(ChannelKind::id)]) == "uint zips");
     CHECK(message("light", "pizz").find("did you mean 'piz'") != std::string::npos);
     CHECK(message("lights", "piz").find("did you mean 'light'") != std::string::npos);
-    CHECK(message("light", "").find("nothing is said") != std::string::npos);
+    CHECK(message("light", "").find("is empty") != std::string::npos);
 }
 
 TEST_CASE("light beyond half becomes the largest half and is counted", "[display][exr][law6]") {
@@ -263,13 +263,13 @@ TEST_CASE("a split written by raylex holds in the file", "[display][exr][law1]")
     REQUIRE(verdicts->size() == 1);
     CHECK((*verdicts)[0].partition == "auto");
     CHECK((*verdicts)[0].holds);
-    CHECK((*verdicts)[0].largest_relative > 0);  // rounding shows: the test says something
+    CHECK((*verdicts)[0].largest_relative > 0);  // rounding has an effect, so the test is meaningful
     const auto short_sum = check_split(image, "", {"diffuse", "specular"});
     REQUIRE(short_sum.ok());
     CHECK(!short_sum->holds);
 }
 
-TEST_CASE("parts that Blender cannot read stand behind all others", "[display][exr]") {
+TEST_CASE("parts that Blender cannot use come after all others", "[display][exr]") {
     const std::vector<ChannelDefinition> list{expression("beauty", ""),
                                               plain("VLen", ChannelType::real, ""),
                                               plain("u", ChannelType::real, ""),
@@ -287,7 +287,7 @@ TEST_CASE("parts that Blender cannot read stand behind all others", "[display][e
     CHECK(names == std::vector<std::string>{"rgba", "u", "Depth", "shot.x", "z", "Nn", "VLen", "id", "zfar"});
 }
 
-TEST_CASE("parts, channels and attributes stand where the design puts them", "[display][exr]") {
+TEST_CASE("parts, channels and attributes are where the design specifies", "[display][exr]") {
     const Folder folder;
     written(folder);
     Imf::MultiPartInputFile file(folder.path("a.exr").c_str());
@@ -326,7 +326,7 @@ TEST_CASE("parts, channels and attributes stand where the design puts them", "[d
     CHECK(text(1, "storage/diffuse") == "float zip");
     CHECK(text(0, "storage/id") == "uint zips");
 
-    // A point's camera coordinates and its place in the image by OpenEXR's row vectors.
+    // A point's camera coordinates, and its position in the image, by OpenEXR's row vectors.
     Imath::V3f camera, ndc;
     Imf::worldToCamera(file.header(0)).multVecMatrix(Imath::V3f(1, 2, 3), camera);
     CHECK(camera == Imath::V3f(11, 22, 33));
@@ -339,13 +339,13 @@ TEST_CASE("parts, channels and attributes stand where the design puts them", "[d
     CHECK(ndc.y == 1);
 }
 
-TEST_CASE("misses are infinite where the design says so, and nothing else is", "[display][exr][law6]") {
+TEST_CASE("misses are infinite where the design specifies it, and nothing else is", "[display][exr][law6]") {
     const Folder folder;
     const ExrImage image = written(folder);
     for (std::size_t i = 0; i < width * height; ++i) {
         CAPTURE(i);
         CHECK(std::isinf(image.layer("z")->planes[0].values[i]) == (i % 3 == 0));
-        // 1e300 is a number: it becomes the largest float, and the header says that it did.
+        // 1e300 is a number: it becomes the largest float, and the header reports this.
         CHECK(image.layer("VLen")->planes[0].values[i] ==
               (i % 3 == 0 ? std::numeric_limits<float>::infinity() : std::numeric_limits<float>::max()));
         for (const ImagePlane& plane : image.layer("Nn")->planes) CHECK(std::isfinite(plane.values[i]));
@@ -377,7 +377,7 @@ TEST_CASE("the same frame buffer gives the same bytes", "[display][exr][law3]") 
     CHECK(read_bytes(folder.path("a.exr")) == read_bytes(folder.path("b.exr")));
 }
 
-TEST_CASE("an image without beauty, and one cut short, are written and say so", "[display][exr]") {
+TEST_CASE("an image without beauty and an incomplete image are written, and the header says so", "[display][exr]") {
     const Folder folder;
     ImageDescription unfinished = description();
     unfinished.complete = false;
@@ -385,7 +385,7 @@ TEST_CASE("an image without beauty, and one cut short, are written and say so", 
     const auto image = read_exr(folder.path("a.exr"));
     REQUIRE(image.ok());
     CHECK(image->attributes.at("raylex/incomplete") == "true");
-    CHECK(image->layer("")->name == "beauty");  // the channel of that name, as a part of its own, without alpha
+    CHECK(image->layer("")->name == "beauty");  // the channel with that name, in a part of its own, without alpha
     CHECK(image->layer("")->planes.size() == 3);
 
     const std::vector<ChannelDefinition> one{plain("z", ChannelType::real, "camera")};
@@ -393,7 +393,7 @@ TEST_CASE("an image without beauty, and one cut short, are written and say so", 
     CHECK(read_exr(folder.path("z.exr"))->layer_names() == std::vector<std::string>{"z"});
 }
 
-TEST_CASE("names that the format cannot hold are refused before anything is rendered", "[display][exr][law7]") {
+TEST_CASE("names that the format cannot store are refused before rendering", "[display][exr][law7]") {
     const auto message = [](std::vector<ChannelDefinition> list, ChannelId beauty,
                             std::vector<PartitionDeclaration> partitions = {}) {
         const auto status = check_exr_layout(list, beauty, partitions);
@@ -401,16 +401,16 @@ TEST_CASE("names that the format cannot hold are refused before anything is rend
     };
     CHECK(message(channels(), beauty_id, description().partitions).empty());
     CHECK(message({expression("a", "C.*"), expression("a", "CD")}, -1).find("used twice") != std::string::npos);
-    CHECK(message({expression("beauty", ""), expression("rgba", "CD")}, 0).find("what beauty is called") !=
+    CHECK(message({expression("beauty", ""), expression("rgba", "CD")}, 0).find("reserved for the beauty") !=
           std::string::npos);
-    CHECK(message({expression("Ci", ""), expression("beauty", "CD")}, 0).find("what beauty is called") !=
+    CHECK(message({expression("Ci", ""), expression("beauty", "CD")}, 0).find("reserved for the beauty") !=
           std::string::npos);
     CHECK(message({expression("", "C.*")}, -1).find("no name") != std::string::npos);
     CHECK(message({expression(std::string(244, 'n'), "C.*")}, -1).empty());
     CHECK(message({expression(std::string(245, 'n'), "C.*")}, -1).find("245") != std::string::npos);
     CHECK(message({expression("a + b", "C.*")}, -1).find("a + b") != std::string::npos);
     CHECK(message({expression("a\nb", "C.*")}, -1).find("control character") != std::string::npos);
-    CHECK(message({}, -1).find("nothing to write") != std::string::npos);
+    CHECK(message({}, -1).find("no channel to write") != std::string::npos);
     CHECK(message(channels(), 0, {{"p", "", {"difuse"}}}).find("'difuse'") != std::string::npos);
     CHECK(message({expression("a", "C.*")}, -1, {{"p", "", {"a"}}}).find("'beauty'") != std::string::npos);
 
@@ -422,7 +422,7 @@ TEST_CASE("names that the format cannot hold are refused before anything is rend
     for (auto i = file.header(0).begin(); i != file.header(0).end(); ++i) CHECK(std::string(i.name()).size() <= 255);
 }
 
-TEST_CASE("a partition that cannot be does not cost the image", "[display][exr][law7]") {
+TEST_CASE("an invalid partition does not prevent writing the image", "[display][exr][law7]") {
     const Folder folder;
     ImageDescription wrong = description();
     wrong.partitions.push_back({"typo", "", {"difuse"}});
@@ -459,10 +459,10 @@ TEST_CASE("a failed write names path and reason, keeps the earlier file and leav
         CHECK(folder.names().size() == 1);
     }
 
-    // Names are judged last: even an image that cannot be laid out must not touch what is there.
+    // The names are checked last: an image that cannot be written must not change an existing file.
     const std::vector<ChannelDefinition> twice{expression("a", "C.*"), expression("a", "CD")};
     CHECK(!write_exr(path, FrameBuffer({2, 2}, twice), invalid_channel, {}).ok());
-    // An attribute that the format keeps for itself is OpenEXR's to refuse.
+    // OpenEXR itself refuses an attribute that is reserved by the format.
     ImageDescription reserved = description();
     reserved.attributes["compression"] = "none";
     CHECK(!write_exr(path, filled(), beauty_id, reserved).ok());

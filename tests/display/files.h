@@ -1,4 +1,4 @@
-// Full disks, and foreign OpenEXR files written straight with the library.
+// Simulated full disks, and foreign OpenEXR files that the tests write directly with the library.
 #pragma once
 
 #include <sys/resource.h>
@@ -24,7 +24,7 @@
 
 namespace raylex::test {
 
-/// A disk that is full after `bytes`: the file size limit fails writes the same way, at the same place.
+/// A disk that is full after `bytes`: the file size limit makes writes fail in the same way at the same position.
 class FileSizeLimit {
   public:
     explicit FileSizeLimit(rlim_t bytes) {
@@ -46,7 +46,7 @@ struct ForeignChannel {
     std::vector<float> values;
 };
 
-/// Pixels converted to what a file stores, kept alive while the file is written.
+/// Pixels converted to the stored types, kept alive while the file is written.
 class ForeignPixels {
   public:
     ForeignPixels(const std::vector<ForeignChannel>& channels, const Imath::Box2i& window, Imf::Header& header) {
@@ -79,7 +79,7 @@ inline Imath::Box2i box(int width, int height) {
     return {Imath::V2i(0, 0), Imath::V2i(width - 1, height - 1)};
 }
 
-/// A one-part file. `tile` > 0 writes it tiled.
+/// Writes a file with one part; `tile` > 0: tiled.
 inline void write_foreign(const std::string& path, const std::vector<ForeignChannel>& channels,
                           const Imath::Box2i& display, const Imath::Box2i& data, int tile = 0,
                           const Imf::Chromaticities* chromaticities = nullptr) {
@@ -126,7 +126,7 @@ inline void write_foreign_parts(const std::string& path, const std::vector<Forei
     }
 }
 
-/// An image in memory, without a file: layers of R G B (or of single planes called like the layer).
+/// An image in memory: layers of R G B, or of single planes with the name of the layer.
 inline display::ImageLayer color_layer(const std::string& name, const std::vector<std::array<float, 3>>& pixels,
                                        display::StoredType type = display::StoredType::single_float) {
     display::ImageLayer layer{name, name, {{"R", type, {}}, {"G", type, {}}, {"B", type, {}}}};

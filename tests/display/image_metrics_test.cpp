@@ -1,4 +1,4 @@
-// SSIM, FLIP and HDR-FLIP against values derived by hand and against sums written out; error images.
+// SSIM, FLIP and HDR-FLIP against values derived by hand and against direct sums; error images.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -42,12 +42,12 @@ double encoded(double y) {
     return y <= 0.0031308 ? 12.92 * y : 1.055 * std::pow(y, 1 / 2.4) - 0.055;
 }
 
-// FLIP once more, straight from the publication: sums over all neighbours of one pixel, no separated filters.
+// FLIP directly from the publication: sums over all neighbours of one pixel, without separable filters.
 class PlainFlip {
   public:
     explicit PlainFlip(const LinearImage& image) : image_(image) {}
 
-    // Colour as the eye resolves it, and the strengths of edge and point, at (x, y).
+    // The colour as the eye resolves it, and the strengths of edge and point, at (x, y).
     struct Seen {
         Color lab;
         double edge, point;
@@ -140,7 +140,7 @@ class PlainFlip {
 
 }  // namespace
 
-TEST_CASE("SSIM of constant images is its luminance term; alike is 1", "[display][compare]") {
+TEST_CASE("SSIM of constant images is its luminance term, and 1 for equal images", "[display][compare]") {
     const double a = encoded(0.2), b = encoded(0.5), c1 = 1e-4;
     const ImageErrors grey =
         measure_image(ImageMetric::ssim, flat(16, 12, {0.2, 0.2, 0.2}), flat(16, 12, {0.5, 0.5, 0.5}));
@@ -148,12 +148,12 @@ TEST_CASE("SSIM of constant images is its luminance term; alike is 1", "[display
     for (const double each : grey.map) CHECK(each == Approx(1 - grey.value).epsilon(1e-9));
     const LinearImage image = noise(20, 20, 1);
     CHECK(measure_image(ImageMetric::ssim, image, image).value == Approx(1).epsilon(1e-12));
-    // What is brighter than the monitor is as bright as it gets.
+    // Values above the monitor's maximum are clamped to it.
     CHECK(measure_image(ImageMetric::ssim, flat(12, 12, {7, 7, 7}), flat(12, 12, {1, 1, 1})).value == Approx(1));
 }
 
-TEST_CASE("SSIM of one window is the formula, written out", "[display][compare]") {
-    // 11 x 11 pixels: one window is inside the image, that of the middle.
+TEST_CASE("SSIM of one window equals the formula", "[display][compare]") {
+    // 11 x 11 pixels: only the middle one's window is inside the image.
     const LinearImage a = noise(11, 11, 2), b = noise(11, 11, 3);
     double weights = 0, ma = 0, mb = 0, aa = 0, bb = 0, ab = 0;
     for (int y = 0; y < 11; ++y)
@@ -179,13 +179,13 @@ TEST_CASE("SSIM of one window is the formula, written out", "[display][compare]"
     const ImageErrors ssim = measure_image(ImageMetric::ssim, a, b);
     CHECK(ssim.value == Approx(expected).epsilon(1e-9));
     CHECK(ssim.map[60] == Approx(1 - expected).epsilon(1e-9));
-    // A smaller image has the parts of windows that are inside.
+    // A smaller image uses the parts of windows that are inside.
     const ImageErrors small = measure_image(ImageMetric::ssim, noise(3, 2, 4), noise(3, 2, 5));
     CHECK(small.value == Approx(1 - mean_of(small.map)));
     CHECK(small.value < 0.9);
 }
 
-TEST_CASE("FLIP of flat colours is the colour part alone, computed by hand", "[display][compare]") {
+TEST_CASE("FLIP of flat colours is only the colour part, computed by hand", "[display][compare]") {
     const auto flip = [](const Color& a, const Color& b) {
         return measure_image(ImageMetric::flip, flat(9, 7, a), flat(9, 7, b)).value;
     };
@@ -200,7 +200,7 @@ TEST_CASE("FLIP of flat colours is the colour part alone, computed by hand", "[d
     CHECK(flip({1, 1, 1}, {3, 2, 1}) == 0);  // clamped
 }
 
-TEST_CASE("FLIP is symmetric, within 0 and 1, and what the publication's sums say pixel by pixel",
+TEST_CASE("FLIP is symmetric, between 0 and 1, and equals the publication's sums pixel by pixel",
           "[display][compare]") {
     LinearImage a = noise(13, 11, 6), b = noise(13, 11, 7);
     for (std::size_t i = 0; i < 90; ++i) a.rgb[i] = b.rgb[i] = 0.5;  // smooth above, so that features differ
@@ -219,7 +219,7 @@ TEST_CASE("FLIP is symmetric, within 0 and 1, and what the publication's sums sa
     }
 }
 
-TEST_CASE("HDR-FLIP does not know the exposure of the pair, and sees what is beyond the monitor",
+TEST_CASE("HDR-FLIP does not depend on the exposure of the pair, and detects differences beyond the monitor's range",
           "[display][compare]") {
     LinearImage a = noise(12, 12, 8, 4), b = noise(12, 12, 9, 4);
     b.rgb[0] = b.rgb[1] = b.rgb[2] = 300;
@@ -235,20 +235,20 @@ TEST_CASE("HDR-FLIP does not know the exposure of the pair, and sees what is bey
     LinearImage eight = flat(8, 8, {8, 8, 8});
     CHECK(measure_image(ImageMetric::flip, two, eight).value == 0);
     CHECK(measure_image(ImageMetric::hdr_flip, two, eight).value > 0.1);
-    // A reference of one colour has one exposure, which shows it as 0.85: so the image is shown by Narkowicz's curve.
+    // A reference of one colour has a single exposure, which shows it as 0.85; Narkowicz's curve then shows the image.
     const double shown = 0.85;
     const auto curve = [](double x) { return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14); };
-    double low = 0, high = 10;  // of curve(low) <= 0.85 <= curve(high), by halves
+    double low = 0, high = 10;  // curve(low) <= 0.85 <= curve(high), by bisection
     for (int i = 0; i < 100; ++i) (curve((low + high) / 2) < shown ? low : high) = (low + high) / 2;
     const double other = curve(low / 4);
-    // The features of flat images differ by rounding, 1e-17, of which the metric takes the root.
+    // The features of flat images differ by rounding, 1e-17, and the metric contains its square root.
     CHECK(measure_image(ImageMetric::hdr_flip, two, eight).value ==
           Approx(measure_image(ImageMetric::flip, flat(8, 8, {other, other, other}), flat(8, 8, {shown, shown, shown}))
                      .value)
               .epsilon(1e-7));
 }
 
-TEST_CASE("the mean over an error image is the metric it is of", "[display][compare]") {
+TEST_CASE("the mean of an error image is the metric", "[display][compare]") {
     std::vector<std::array<float, 3>> p, q;
     std::mt19937 random(10);
     std::uniform_real_distribution<float> value(0, 2);
@@ -269,7 +269,7 @@ TEST_CASE("the mean over an error image is the metric it is of", "[display][comp
         const auto errors = pair->errors(metric, 'A');
         if (metric.name == "mean-ratio") {
             REQUIRE(!errors);
-            CHECK(errors.error().message.find("which no single pixel has") != std::string::npos);
+            CHECK(errors.error().message.find("not defined for single pixels") != std::string::npos);
             continue;
         }
         REQUIRE(errors);
@@ -279,7 +279,7 @@ TEST_CASE("the mean over an error image is the metric it is of", "[display][comp
             double squares = 0;
             for (const double each : errors->map) squares += each * each;
             CHECK(std::sqrt(squares / 144) == Approx(*whole).epsilon(1e-12));
-        } else if (metric.of_values == ErrorMetric::trimmed_relmse_mean) {  // 432 terms: none is a thousandth of them
+        } else if (metric.of_values == ErrorMetric::trimmed_relmse_mean) {  // a thousandth of 432 terms is none
             CHECK(mean_of(errors->map) == Approx(*whole).epsilon(1e-12));
         } else if (metric.of_image != ImageMetric::ssim) {
             CHECK(mean_of(errors->map) == Approx(*whole).epsilon(1e-12));
@@ -287,8 +287,7 @@ TEST_CASE("the mean over an error image is the metric it is of", "[display][comp
     }
 }
 
-TEST_CASE("metrics of what is seen refuse what is none: components, vectors, values that are not finite",
-          "[display][compare][law7]") {
+TEST_CASE("perceptual metrics refuse components, vectors and values that are not finite", "[display][compare][law7]") {
     const AnyMetric flip = *find_metric("flip");
     const auto message = [&](const ExrImage& a, const ExrImage& b, const std::string& layer, char component) {
         const auto pair = LayerPair::make(a, b, layer);
@@ -303,7 +302,7 @@ TEST_CASE("metrics of what is seen refuse what is none: components, vectors, val
     CHECK(message(infinite, infinite, "", 'A') == "flip of layer '' has no value: 1 of its 6 values are inf or nan");
     ImageLayer vectors{"P", "P", {{"X", {}, {1, 2}}, {"Y", {}, {1, 2}}, {"Z", {}, {1, 2}}}};
     const ExrImage positions = image_of(2, 1, {vectors});
-    CHECK(message(positions, positions, "P", 'A').find("is of colours, and layer 'P' has none") != std::string::npos);
+    CHECK(message(positions, positions, "P", 'A').find("needs colours, and layer 'P' has none") != std::string::npos);
     const ExrImage grey = image_of(2, 1, {{"Y", "", {{"Y", {}, {0, 0}}}}}),
                    light = image_of(2, 1, {{"Y", "", {{"Y", {}, {1, 1}}}}});
     const auto pair = LayerPair::make(grey, light, "Y");

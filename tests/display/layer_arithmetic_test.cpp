@@ -1,4 +1,4 @@
-// Sums of layers as people write them, and what rounding and compression may cost them.
+// Sums of layers in users' notation, and their bounds for rounding and compression.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -40,7 +40,7 @@ raylex::Error refusal(const ExrImage& image, const std::string& sum, const std::
     return verdict.error();
 }
 
-/// The value of a sum: what `of` must be for a difference of nothing.
+/// The value of a sum: the value of `of` for which the difference is 0.
 double value_of(const std::string& sum) {
     ExrImage image = values({{"", 0}, {"a", 2}, {"b", 3}, {"c", 5}, {"d-e", 7}, {"a b", 11}, {"x*", 13}, {"a-b", 17}});
     return judge(image, sum).largest_absolute;
@@ -60,10 +60,10 @@ TEST_CASE("sums of layers follow the rules of arithmetic", "[display][verify]") 
     CHECK(value_of("-(a - c)*b") == 9);
     CHECK(value_of("a*b*c") == 30);
     CHECK(value_of("((((a))))") == 2);
-    // A layer that names and globs give twice counts once; in expressions it counts as often as it stands there.
+    // A layer that several names and globs give counts once; in expressions it counts each time.
     CHECK(value_of("a,a,?") == 10);
     CHECK(value_of("a+a,a") == 6);
-    // Names of any characters: in quotes, or where the longest name fits.
+    // Names with any characters: in quotes, or if the longest matching name is meant.
     CHECK(value_of("d-e") == 7);
     CHECK(value_of("a b*a") == 22);
     CHECK(value_of("'a b' * \"d-e\"") == 77);
@@ -72,7 +72,7 @@ TEST_CASE("sums of layers follow the rules of arithmetic", "[display][verify]") 
     CHECK(value_of("'x*'*a") == 26);
 }
 
-TEST_CASE("what is wrong in a sum is pointed at", "[display][verify][law7]") {
+TEST_CASE("errors in a sum give the column", "[display][verify][law7]") {
     const ExrImage image = values({{"", 0}, {"DiffDir", 2}, {"DiffCol", 3}, {"Emit", 5}});
     struct Case {
         const char* sum;
@@ -80,19 +80,19 @@ TEST_CASE("what is wrong in a sum is pointed at", "[display][verify][law7]") {
         const char* text;
     };
     for (const Case& wrong : {Case{"(DiffDir*DiffCol", 1, "never closed"},
-                              {"DiffDir)", 8, "does not belong"},
-                              {"DiffDir+", 9, "missing"},
-                              {"DiffDir*DiffCol,", 17, "nothing stands here"},
-                              {"", 1, "nothing"},
-                              {"DiffDir, ,Emit", 10, "nothing"},
-                              {"DiffDir*+", 10, "missing"},
+                              {"DiffDir)", 8, "is unexpected here"},
+                              {"DiffDir+", 9, "expected a layer or ("},
+                              {"DiffDir*DiffCol,", 17, "this item is empty"},
+                              {"", 1, "is empty"},
+                              {"DiffDir, ,Emit", 10, "is empty"},
+                              {"DiffDir*+", 10, "expected a layer or ("},
                               {"Emit, 'DiffDir", 7, "quote"},
-                              {"()", 2, "missing"},
-                              {"DiffDir DiffCol", 9, "does not belong"},
+                              {"()", 2, "expected a layer or ("},
+                              {"DiffDir DiffCol", 9, "is unexpected here"},
                               {"DiffDri*DiffCol", 1, "no layer 'DiffDri'"},
                               {"Emit, (DiffDir+DifCol)", 16, "no layer 'DifCol'"},
-                              {"Emit, rgba*DiffCol", 7, "summed to"},
-                              {"beauty", 1, "summed to"}}) {
+                              {"Emit, rgba*DiffCol", 7, "is the sum itself"},
+                              {"beauty", 1, "is the sum itself"}}) {
         CAPTURE(wrong.sum);
         const raylex::Error error = refusal(image, wrong.sum);
         CHECK(error.column == wrong.column);
@@ -106,7 +106,7 @@ TEST_CASE("what is wrong in a sum is pointed at", "[display][verify][law7]") {
     CHECK(refusal(image, std::string(5000, '(')).message.find("64 brackets") != std::string::npos);
 }
 
-TEST_CASE("names go without the prefix that the application put in front", "[display][verify]") {
+TEST_CASE("names can omit the prefix of the application", "[display][verify]") {
     ExrImage image = values({{"View Layer.Combined", 6},
                              {"View Layer.DiffDir", 2},
                              {"View Layer.DiffCol", 3},
@@ -116,7 +116,7 @@ TEST_CASE("names go without the prefix that the application put in front", "[dis
     CHECK(judge(image, "Combined_*", "Combined").layers == std::vector<std::string>{"View Layer.Combined_a"});
     CHECK(judge(image, "*Dif*Col", "DiffDir").layers == std::vector<std::string>{"View Layer.DiffCol"});
     CHECK(refusal(image, "DiffDri*DiffCol", "Combined").hint == "did you mean 'DiffDir'?");
-    // Of several, the one beside what is split.
+    // If several layers match, the one with the prefix of the split layer is taken.
     for (const char* name : {"Combined", "DiffDir", "DiffCol", "Combined_a"})
         image.layers.push_back(color_layer("Second." + std::string(name), {{9, 9, 9}}));
     CHECK(judge(image, "DiffDir", "Second.Combined").layers == std::vector<std::string>{"Second.DiffDir"});
@@ -124,14 +124,14 @@ TEST_CASE("names go without the prefix that the application put in front", "[dis
     const raylex::Error several = refusal(image, "DiffDir", "Combined");
     CHECK(several.message ==
           "several layers are called 'Combined'; expected one of: View Layer.Combined, Second.Combined");
-    // Files per layer share the beginning of their names.
+    // Files with one layer each share the beginning of their names.
     const ExrImage files = values({{"shot-2_beauty", 5}, {"shot-2_diffuse", 2}, {"shot-2_coat", 3}});
     CHECK(judge(files, "diffuse,coat", "beauty").holds);
     CHECK(judge(files, "*oat,diff*", "beauty").layers.size() == 2);
 }
 
 TEST_CASE("products carry the rounding of their factors, and no more", "[display][verify][law1]") {
-    // Halves of 1/3 and 3: the product of what was meant is 1, that of what is stored is off by half a step of the
+    // Halves of 1/3 and 3: the product of the true values is 1, that of the stored values is off by half a step of the
     // first.
     const float third = half(1.0f / 3), sum_of_two = half(2.0f / 3);
     const auto of_halves = [](float a, float b, float whole) {
@@ -143,16 +143,17 @@ TEST_CASE("products carry the rounding of their factors, and no more", "[display
     CHECK(of_halves(1.0f, 1.0f, 1.0f + 3 * 0x1p-10f).holds);
     CHECK(!of_halves(1.0f, 1.0f, 1.0f + 5 * 0x1p-10f).holds);
     CHECK(of_halves(1.0f, 1.0f, 1.0f).bound == Approx(2 * 0x1p-10).epsilon(1e-3));
-    // A factor that is large widens what the other's error may cost; absolutely, not relatively.
+    // A large factor increases the absolute bound of the other factor's error, not the relative one.
     CHECK(of_halves(1000.0f, 0.001f, half(1.0f + 3 * 0x1p-10f)).holds);
     CHECK(!of_halves(1000.0f, 0.001f, 1.01f).holds);
-    // Products of numbers that are too small for a half: the spacing of the small one times the large one.
+    // Factors that are too small for a half: the spacing of the small one times the large one.
     CHECK(of_halves(half(1e-7f), 60000.0f, 0.0072f).holds);
     CHECK(!of_halves(half(1e-7f), 60000.0f, 0.02f).holds);
 }
 
-TEST_CASE("whoever adds in float pays for each addition; raylex's own sums are exact", "[display][verify][law1]") {
-    // 9 layers of 1 against 9 (1 + d): 2^-23 for what is stored plus 8 x 2^-24 of the sum's own half.
+TEST_CASE("each float addition of another writer widens the bound; raylex's own sums are exact",
+          "[display][verify][law1]") {
+    // 9 layers of 1 against 9 (1 + d): 2^-23 for the stored values, plus 8 x 2^-24 for the additions.
     std::vector<std::pair<std::string, float>> layers{{"", 9.0f + 5 * 0x1p-20f}};
     for (int i = 0; i < 9; ++i) layers.emplace_back("group" + std::to_string(i), 1.0f);
     ExrImage image = values(layers);
@@ -193,11 +194,11 @@ TEST_CASE("random products and sums, rounded as renderers round, hold to roundin
             past_the_type_alone +=
                 verdict.largest_relative > (type == StoredType::half_float ? 0x1p-11 : 0x1p-24) ? 1 : 0;
         }
-        CHECK(past_the_type_alone > 0);  // the arithmetic was needed
+        CHECK(past_the_type_alone > 0);  // the bound of the arithmetic was needed
     }
 }
 
-TEST_CASE("three answers: to rounding, as allowed, not", "[display][verify]") {
+TEST_CASE("three answers: holds to rounding, holds as allowed, does not hold", "[display][verify]") {
     const ExrImage image = values({{"", 1.0f}, {"a", 1.0f + 1e-5f}});
     CHECK(judge(image, "a").answer == SplitAnswer::does_not_hold);
     const auto with = [&image](double absolute, double relative) {
@@ -216,10 +217,10 @@ TEST_CASE("three answers: to rounding, as allowed, not", "[display][verify]") {
     const SplitVerdict exact =
         *check_split(values({{"", 1.0f}, {"a", 1.0f}}), "", {"a"}, Allowance{1, 1, "much", false});
     CHECK(exact.answer == SplitAnswer::holds_to_rounding);
-    // Too little everywhere is said: a layer is missing.
+    // If the sum is too small everywhere, a layer is missing, and the result reports it.
     CHECK(judge(values({{"", 1.0f}, {"a", 0.5f}}), "a").never_above);
     CHECK_FALSE(judge(values({{"", 0.5f}, {"a", 1.0f}}), "a").never_above);
-    // Not where something is negative: then the sum may be too small though no light is missing.
+    // It does not report this if something is negative, because then no light need be missing.
     const SplitVerdict lowered = judge(values({{"", 1.0f}, {"a", 1.0f}, {"b", -0.5f}}), "a,b");
     CHECK_FALSE(lowered.never_above);
     CHECK(lowered.negative.pixels == 1);
@@ -231,26 +232,26 @@ TEST_CASE("three answers: to rounding, as allowed, not", "[display][verify]") {
     CHECK(judge(values({{"", 1.0f}, {"a", 1.0f}}), "a").negative.pixels == 0);
 }
 
-TEST_CASE("a clamped value is a bound, and judged as one", "[display][verify][law6]") {
+TEST_CASE("a clamped value is treated as a bound", "[display][verify][law6]") {
     constexpr float largest = 65504;
     const auto of_halves = [](float whole, float a, float b, const char* sum) {
         return judge(values({{"", whole}, {"a", a}, {"b", b}}, StoredType::half_float), sum);
     };
-    // A layer of at least 65504 is too large for a whole of 30000, and what may be larger is not too small for one.
+    // A layer of at least 65504 is too large for a whole of 30000, and a term that can be larger is not too small.
     CHECK(of_halves(30000, largest, 10, "a,b").exceeding == 1);
     CHECK(of_halves(30000, largest, 10, "a,b").answer == SplitAnswer::does_not_hold);
     CHECK(of_halves(largest, 30000, 10, "a,b").answer == SplitAnswer::does_not_hold);
     CHECK(of_halves(-largest, 30000, 10, "-a,b").answer == SplitAnswer::does_not_hold);
     CHECK(of_halves(largest, 60000, 60000, "a,b").answer == SplitAnswer::cannot_tell);
     CHECK(of_halves(largest, largest, 10, "a,b").answer == SplitAnswer::cannot_tell);
-    // Differences and products turn the bound around.
+    // Differences and products reverse the bound.
     CHECK(of_halves(30000, 10, largest, "a-b").answer == SplitAnswer::does_not_hold);
     CHECK(of_halves(-30000, 10, largest, "a-b").answer == SplitAnswer::does_not_hold);
     CHECK(of_halves(30000, 2, largest, "a*b").answer == SplitAnswer::does_not_hold);
     CHECK(of_halves(-30000, -0.25f, largest, "a*b").answer == SplitAnswer::cannot_tell);
     CHECK(of_halves(-10000, -0.25f, largest, "a*b").answer == SplitAnswer::does_not_hold);
     CHECK(of_halves(0, 0, largest, "a*b").answer == SplitAnswer::holds_to_rounding);
-    // One pixel that is judged carries the verdict, and how many are is counted.
+    // One decided pixel decides the result; the number of decided pixels is counted.
     const ExrImage two = image_of(2, 1,
                                   {color_layer("", {{largest, largest, largest}, {3, 3, 3}}, StoredType::half_float),
                                    color_layer("a", {{60000, 60000, 60000}, {1, 1, 1}}, StoredType::half_float),
@@ -264,13 +265,14 @@ TEST_CASE("a clamped value is a bound, and judged as one", "[display][verify][la
     CHECK_FALSE(none.holds);
     CHECK(raylex::display::verdict_attribute(none, 2).starts_with("cannot tell: every pixel is clamped; "));
     CHECK(raylex::display::verdict_attribute(verdict, 2).ends_with("1 of 2 judged"));
-    // Of bands that are judged one by one.
+    // Bands that are checked one by one.
     SplitVerdict all = none;
     raylex::display::add_rows(all, verdict, 1);
     CHECK(all.holds);
 }
 
-TEST_CASE("what is not finite is found in its layer, and by overflow together", "[display][verify][law6]") {
+TEST_CASE("values that are not finite are reported with their layer, or as overflow of the sum",
+          "[display][verify][law6]") {
     const float inf = std::numeric_limits<float>::infinity();
     CHECK(judge(values({{"", 1}, {"a", 1}, {"b", inf}}), "a,b").non_finite_layer == "b");
     CHECK(judge(values({{"", std::nanf("")}, {"a", 1}}), "a").non_finite_layer == "beauty");
@@ -285,7 +287,7 @@ struct Stored {
     Imf::Compression compression;
 };
 
-/// Three layers and their sum, lognormal over six orders of magnitude with black pixels, as `stored` keeps them.
+/// Writes three layers and their sum, lognormal over six orders of magnitude with black pixels, stored as `stored`.
 void write_split(const std::string& path, const Stored& stored) {
     constexpr int width = 61, height = 47;
     std::mt19937 random(3);
@@ -313,7 +315,7 @@ void write_split(const std::string& path, const Stored& stored) {
 
 }  // namespace
 
-TEST_CASE("a correct split holds however OpenEXR stores it, and a missing layer never does", "[display][verify][exr]") {
+TEST_CASE("a correct split holds in every OpenEXR storage, and a missing layer never does", "[display][verify][exr]") {
     using Answer = SplitAnswer;
     const Folder folder;
     struct Case {
@@ -341,13 +343,13 @@ TEST_CASE("a correct split holds however OpenEXR stores it, and a missing layer 
         CHECK(verdict.answer == each.answer);
         CHECK(judge(*image, "a,b").answer == Answer::does_not_hold);
         CHECK(verdict.unexplained.empty() == (each.stored.compression != Imf::B44_COMPRESSION));
-        // Somebody who says what is allowed says it for compression too.
+        // An explicit allowance replaces the one for compression.
         if (each.answer == Answer::holds_as_allowed)
             CHECK(check_split(*image, "", {"a,b,c"}, Allowance{0, 0, "none", true})->answer == Answer::does_not_hold);
     }
 }
 
-TEST_CASE("DWA moves values less than is allowed, and not much less", "[display][verify][exr][dwa]") {
+TEST_CASE("DWA moves values by less than the allowance, but not much less", "[display][verify][exr][dwa]") {
     constexpr int size = 128;
     const Folder folder;
     std::mt19937 random(5);
@@ -403,7 +405,7 @@ TEST_CASE("DWA moves values less than is allowed, and not much less", "[display]
     CHECK(most > raylex::display::dwa_move(45) / 2);
 }
 
-TEST_CASE("a change on DWA's scale is the larger of both sides", "[display][verify]") {
+TEST_CASE("a change on DWA's scale is the larger of the two directions", "[display][verify]") {
     for (const double value : {0.0, 1e-6, 0.01, 0.5, 0.99, 1.0, 1.01, 30.0, 60000.0}) {
         const double change = raylex::display::dwa_change(value, 0.02);
         CAPTURE(value);

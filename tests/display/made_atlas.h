@@ -1,4 +1,4 @@
-// A small atlas made of numbers, for tests of what becomes of it.
+// A small synthetic atlas for tests.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace raylex::test {
 
-/// Words and light made of the pixel's place; row 1 has none, and row 2 none that several eighths lit.
+/// Words and light computed from the pixel's position. Row 1 has none, and row 2 has none from several eighths.
 class MadeAtlas final : public display::AtlasSource {
   public:
     static constexpr int columns = 5, rows = 4;

@@ -1,4 +1,4 @@
-// Rows as OpenEXR's core unpacks them, against what its C++ interface was given.
+// Rows as OpenEXR's core unpacks them, compared with the values passed to its C++ interface.
 #include <cstring>
 #include <fstream>
 #include <string>
@@ -26,12 +26,13 @@ namespace {
 
 constexpr int packed_width = 5, packed_height = 4, min_x = -2, min_y = 3;
 
-/// Row 1 has no samples at all, and others have pixels without.
+/// The number of samples per pixel: row 1 has none, and other rows have pixels without samples.
 unsigned count_at(int x, int y) {
     return y == 1 ? 0 : static_cast<unsigned>((3 * x + 2 * y) % 4);
 }
 
-/// A flat part with L (FLOAT), and a deep one with h (HALF), r (FLOAT) and u (UINT), whose n-th samples are made of n.
+/// Writes a flat part with L (FLOAT), and a deep one with h (HALF), r (FLOAT) and u (UINT); the n-th sample is computed
+/// from n.
 void write_parts(const std::string& path, Imf::Compression of_flat, Imf::Compression of_deep) {
     const Imath::Box2i window({min_x, min_y}, {min_x + packed_width - 1, min_y + packed_height - 1});
     std::vector<Imf::Header> headers(2, Imf::Header(window, window));
@@ -98,7 +99,7 @@ raylex::Result<std::unique_ptr<PackedRows>> open_part(const std::string& path, i
     return PackedRows::open(*file, part);
 }
 
-/// Writes `numbers` behind part and row in the leader of a row, where `stood` must have stood before.
+/// Replaces `stood` by `numbers` after part and row in the leader of a row.
 template <class Number>
 void change_leader(const std::string& path, std::int32_t part, std::int32_t y, const std::vector<Number>& stood,
                    const std::vector<Number>& numbers) {
@@ -127,7 +128,7 @@ TEST_CASE("packed rows have the values and counts that were written, rows withou
     const auto flat = open_part(path, 0), deep = open_part(path, 1);
     REQUIRE(flat);
     REQUIRE(deep);
-    CHECK((*deep)->plane("u", Type::single) == -1);  // it is no float
+    CHECK((*deep)->plane("u", Type::single) == -1);  // it is not a float
     CHECK((*deep)->plane("z", Type::single) == -1);
     const std::size_t h = plane_of(**deep, "h", Type::half), r = plane_of(**deep, "r", Type::single),
                       u = plane_of(**deep, "u", Type::uint), light = plane_of(**flat, "L", Type::single);
@@ -156,7 +157,7 @@ TEST_CASE("packed rows have the values and counts that were written, rows withou
     for (const int outside : {min_y - 1, min_y + packed_height}) CHECK_FALSE((*deep)->read(outside, row));
 }
 
-TEST_CASE("rows packed together, absent parts and cut files are refused with the file's name",
+TEST_CASE("rows packed together, missing parts and truncated files are refused with the file's name",
           "[exr][packed-rows][law7]") {
     const Folder folder;
     const std::string path = folder.path("two.exr");
@@ -171,14 +172,14 @@ TEST_CASE("rows packed together, absent parts and cut files are refused with the
     REQUIRE_FALSE(plain);
     CHECK(plain.error().message.find("expected rle") != std::string::npos);
     CHECK_FALSE(open_part(folder.path("absent.exr"), 0));
-    // The last row's last byte is gone.
+    // Remove the last byte of the last row.
     std::filesystem::resize_file(path, std::filesystem::file_size(path) - 1);
     const auto cut = open_part(path, 1);
     REQUIRE_FALSE(cut);
     CHECK(cut.error().file == path);
 }
 
-TEST_CASE("a row whose leader does not fit it is refused before anything is unpacked", "[exr][packed-rows][law7]") {
+TEST_CASE("a row with an inconsistent leader is refused before unpacking", "[exr][packed-rows][law7]") {
     const Folder folder;
     const std::string path = folder.path("two.exr");
     const auto check_refused = [&](int part, const char* why) {
@@ -190,20 +191,20 @@ TEST_CASE("a row whose leader does not fit it is refused before anything is unpa
     };
     write_parts(path, Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION);
     constexpr int pixel_bytes = 4 * packed_width;
-    SECTION("pixels that are not packed, of another size than they have") {
+    SECTION("unpacked pixels with a wrong size") {
         change_leader<std::int32_t>(path, 0, min_y + 1, {pixel_bytes}, {pixel_bytes - 1});
-        check_refused(0, "another size than its pixels");
+        check_refused(0, "does not match its pixels");
     }
     // Row 1 has no samples: 20 bytes of zeros packed to 4, and nothing else.
     SECTION("no table of counts") {
         change_leader<std::uint64_t>(path, 1, min_y + 1, {4, 0, 0}, {0, 0, 0});
-        check_refused(1, "another size than its counts");
+        check_refused(1, "does not match its counts");
     }
     SECTION("a table of counts that is longer than the row") {
         change_leader<std::uint64_t>(path, 1, min_y + 1, {4, 0, 0}, {pixel_bytes + 1, 0, 0});
-        check_refused(1, "another size than its counts");
+        check_refused(1, "does not match its counts");
     }
-    SECTION("samples that its leader does not know of") {
+    SECTION("samples that the leader does not count") {
         std::string bytes = read_bytes(path);
         const auto rows = open_part(path, 1);
         REQUIRE(rows);
@@ -231,6 +232,6 @@ TEST_CASE("a row whose leader does not fit it is refused before anything is unpa
         REQUIRE_FALSE(read);
         CHECK(read.error().file == path);
         CHECK(read.error().message.find("truncated or damaged") != std::string::npos);
-        CHECK((*damaged)->read(min_y + 3, row));  // the others are as they were
+        CHECK((*damaged)->read(min_y + 3, row));  // the other rows are unchanged
     }
 }

@@ -1,4 +1,4 @@
-// The file around a record: any damage at all is seen and named, and an earlier file survives every failure.
+// The record file: any damage is detected and named, and an earlier file survives every failure.
 #include "display/checkpoint/record_file.h"
 
 #include <catch2/catch.hpp>
@@ -26,7 +26,7 @@ RecordFile some_record(std::size_t size = 1500) {
 
 }  // namespace
 
-TEST_CASE("a record comes back as it was written", "[display][record]") {
+TEST_CASE("a record reads back as it was written", "[display][record]") {
     const Folder folder;
     const RecordFile record = some_record();
     REQUIRE(write_record_file(folder.path("r"), record).ok());
@@ -41,12 +41,12 @@ TEST_CASE("a record comes back as it was written", "[display][record]") {
     CHECK(folder.names().size() == 1);
 }
 
-TEST_CASE("a record that is cut anywhere is refused as truncated", "[display][record][law7]") {
+TEST_CASE("a record truncated anywhere is refused", "[display][record][law7]") {
     const Folder folder;
     REQUIRE(write_record_file(folder.path("r"), some_record()).ok());
     const std::string bytes = read_bytes(folder.path("r"));
     for (std::size_t size = 0; size < bytes.size(); ++size) {
-        if (size % 64 != 0 && size + 70 < bytes.size()) continue;  // every 64th byte, and all of the end
+        if (size % 64 != 0 && size + 70 < bytes.size()) continue;  // every 64th byte, and all bytes near the end
         write_bytes(folder.path("cut"), bytes.substr(0, size));
         const auto refused = read_record_file(folder.path("cut"));
         CAPTURE(size);
@@ -56,7 +56,7 @@ TEST_CASE("a record that is cut anywhere is refused as truncated", "[display][re
               std::string::npos);
     }
     write_bytes(folder.path("cut"), bytes + "x");
-    CHECK(read_record_file(folder.path("cut")).error().message.find("goes on after its end") != std::string::npos);
+    CHECK(read_record_file(folder.path("cut")).error().message.find("extra bytes after its end") != std::string::npos);
 }
 
 TEST_CASE("a record with any flipped bit is refused", "[display][record][law7]") {
@@ -79,15 +79,15 @@ TEST_CASE("a record with any flipped bit is refused", "[display][record][law7]")
           std::string::npos);
 }
 
-TEST_CASE("what is no record says so", "[display][record][law7]") {
+TEST_CASE("a file that is not a record is refused", "[display][record][law7]") {
     const Folder folder;
     write_bytes(folder.path("text"), std::string(200, 'x'));
-    CHECK(read_record_file(folder.path("text")).error().message.find("this is no raylex record") != std::string::npos);
+    CHECK(read_record_file(folder.path("text")).error().message.find("not a raylex record") != std::string::npos);
     CHECK(read_record_file(folder.path("absent")).error().message.find("No such file") != std::string::npos);
     CHECK_FALSE(read_record_file(folder.path()).ok());
 }
 
-TEST_CASE("what differs between two identities is listed", "[display][record]") {
+TEST_CASE("the differences between two identities are listed", "[display][record]") {
     const RecordIdentity there{{"seed", "3"}, {"channel a", "CDL"}, {"size", "4x4"}},
         here{{"seed", "4"}, {"size", "4x4"}, {"channel b", std::string(100, 'x')}};
     CHECK(identity_differences(there, there).empty());
@@ -135,6 +135,6 @@ TEST_CASE("an earlier record survives a fault in every call that writes the next
     set_file_fault(nullptr);
     CHECK(std::filesystem::exists(path));
     CHECK(remove_file(path).ok());
-    CHECK(remove_file(path).ok());  // gone already
+    CHECK(remove_file(path).ok());  // already removed
     CHECK_FALSE(std::filesystem::exists(path));
 }

@@ -49,7 +49,7 @@ TEST_CASE("globs match as in a shell", "[display][verify]") {
     CHECK(!glob_match("Diff", "diff"));
     CHECK(glob_match("", ""));
     CHECK(!glob_match("", "a"));
-    // Many stars over a long name: must not take exponential time.
+    // Many stars over a long name must not take exponential time.
     CHECK(!glob_match("*a*a*a*a*a*a*a*a*a*a*a*a*b", std::string(5000, 'a')));
 }
 
@@ -62,15 +62,15 @@ TEST_CASE("a split whose layers sum to beauty holds", "[display][verify][law1]")
     CHECK(verdict.holds);
     CHECK(verdict.largest_absolute == 0);
     CHECK(verdict.largest_relative == 0);
-    CHECK(verdict.bound == std::ldexp(1.0, -23) + std::ldexp(1.0, -24));  // and one addition by whoever made it
-    image.attributes["lpe/diffuse"] = "CDL";                              // that was raylex, whose sums are exact
+    CHECK(verdict.bound == std::ldexp(1.0, -23) + std::ldexp(1.0, -24));  // plus one addition by another writer
+    image.attributes["lpe/diffuse"] = "CDL";                              // raylex, whose sums are exact
     CHECK(verdict_of(image, {"diffuse", "specular"}).bound == std::ldexp(1.0, -23));
     CHECK(verdict.of == "beauty");
     CHECK(verdict.layers == std::vector<std::string>{"diffuse", "specular"});
     CHECK(verdict.residual == std::vector<float>{0, 0});
 }
 
-TEST_CASE("the bound is met exactly and not a rounding step beyond it", "[display][verify][law1]") {
+TEST_CASE("the bound holds exactly, and not one rounding step further", "[display][verify][law1]") {
     // sum = 1 + 2^-22 and of = 1: the difference is 2^-22, the scale 2 + 2^-22, so the bound 2^-22 + 2^-45 holds.
     CHECK(verdict_of(one_pixel(1.0f, {1.0f + 2 * ulp}), {"part*"}).holds);
     // One step more: difference 3 x 2^-23 against (2 + 3 x 2^-23) x 2^-23.
@@ -79,15 +79,15 @@ TEST_CASE("the bound is met exactly and not a rounding step beyond it", "[displa
     CHECK(beyond.exceeding == 1);
     CHECK(beyond.largest_absolute == 3 * std::ldexp(1.0, -23));
     CHECK(beyond.largest_relative == Approx(1.5 * std::ldexp(1.0, -23)).epsilon(1e-6));  // scale 2 + 3 ulp
-    // Exactly on it: layers 2^23 and 1 against 2^23 - 1; difference 2, scale 2^24. 2 = 2^-23 x 2^24.
+    // Exactly on the bound: layers 2^23 and 1 against 2^23 - 1; difference 2, scale 2^24. 2 = 2^-23 x 2^24.
     CHECK(verdict_of(one_pixel(0x1p23f - 1, {0x1p23f, 1.0f}), {"part*"}).holds);
     CHECK(verdict_of(one_pixel(0x1p23f - 1, {0x1p23f, 1.0f}), {"part*"}).largest_relative == std::ldexp(1.0, -23));
-    // Cancelling layers widen the scale, not the difference.
+    // Cancelling layers increase the scale, not the difference.
     CHECK(verdict_of(one_pixel(1.0f, {1000.0f + 0x1p-13f, -999.0f}), {"part*"}).holds);  // 2^-13 <= 2000 x 2^-23
     CHECK(!verdict_of(one_pixel(1.0f, {1000.0f + 0x1p-11f, -999.0f}), {"part*"}).holds);
 }
 
-TEST_CASE("half files are held against half's rounding, each layer by its own type", "[display][verify][law1]") {
+TEST_CASE("half files are checked with half's rounding, each layer by its own type", "[display][verify][law1]") {
     CHECK(verdict_of(one_pixel(1.0f, {1.0f + 0x1p-9f}, StoredType::half_float), {"part*"}).bound ==
           std::ldexp(1.0, -10));
     CHECK(verdict_of(one_pixel(1.0f, {1.0f + 0x1p-9f}, StoredType::half_float), {"part*"}).holds);
@@ -95,7 +95,7 @@ TEST_CASE("half files are held against half's rounding, each layer by its own ty
     auto mixed = image_of(
         1, 1, {color_layer("", {{1, 1, 1}}), color_layer("a", {{1.0f + 0x1p-9f, 1, 1}}, StoredType::half_float)});
     CHECK(verdict_of(mixed, {"a"}).bound == std::ldexp(1.0, -10));
-    CHECK(!verdict_of(mixed, {"a"}).holds);  // the whole is a float: only the layer's half may be off, by one step
+    CHECK(!verdict_of(mixed, {"a"}).holds);  // the whole is a float: only the layer's half can be off, by one step
     mixed.layers[1].planes[0].values[0] = 1.0f + 0x1p-10f;
     CHECK(verdict_of(mixed, {"a"}).holds);
 }
@@ -109,11 +109,11 @@ TEST_CASE("a split rounded to half holds however dark it is", "[display][verify]
         CHECK(verdict_of(image, {"part*"}).holds);
         CHECK(verdict_of(image, {"part*"}).largest_relative <= verdict_of(image, {"part*"}).bound);
     }
-    // A whole missing layer is still found when it is above that spacing.
+    // A missing layer is detected if it is above that spacing.
     CHECK(!verdict_of(one_pixel(half(1e-5f), {half(4e-6f), half(4e-6f)}, StoredType::half_float), {"part*"}).holds);
 }
 
-TEST_CASE("largest errors come with their pixels, absolute and relative apart", "[display][verify]") {
+TEST_CASE("the largest absolute and relative errors are reported with their pixels", "[display][verify]") {
     std::vector<std::array<float, 3>> whole(6, {1, 1, 1}), layer = whole;
     whole[4] = {100, 1, 1};
     layer[4] = {101, 1, 1};   // absolute 1, relative 1 / 201
@@ -141,7 +141,7 @@ TEST_CASE("values that are not finite fail a split and are counted per pixel", "
     CHECK(!verdict.holds);
     CHECK(verdict.non_finite == 2);
     image.layers[1].planes[0].values[0] = 1;
-    CHECK(verdict_of(image, {"a"}).non_finite_x == 0);  // its G is not
+    CHECK(verdict_of(image, {"a"}).non_finite_x == 0);  // its G is not finite
     image.layers[1].planes[1].values[0] = 1;
     CHECK(verdict_of(image, {"a"}).non_finite_x == 1);
     CHECK(verdict.exceeding == 0);
@@ -155,7 +155,7 @@ TEST_CASE("layers are chosen once each, never the sum itself", "[display][verify
     CHECK(verdict_of(image, {"part0", "part*", "part?"}).layers == std::vector<std::string>{"part0", "part1"});
     CHECK(verdict_of(image, {"part*"}, "beauty").holds);
     image.layers.pop_back();
-    CHECK(verdict_of(image, {"*"}).holds);  // all but the nameless one
+    CHECK(verdict_of(image, {"*"}).holds);  // all layers except the nameless one
     CHECK(verdict_of(one_pixel(1.0f, {1.0f}), {"*"}, "part0").layers == std::vector<std::string>{"beauty"});
     CHECK(!check_split(image, "part0", {"part0"}).ok());
 }
@@ -179,20 +179,21 @@ TEST_CASE("unknown layers, ids and empty sums get errors with near misses", "[di
     CHECK(message("", {"uv"}).find("U, V") != std::string::npos);
 }
 
-TEST_CASE("the whole image is found by the names renderers give it, a layer's own name first", "[display][verify]") {
+TEST_CASE("the whole image is found by the names of renderers, but a layer's own name comes first",
+          "[display][verify]") {
     const auto rgb = [](const std::string& name, float value) { return color_layer(name, {{value, value, value}}); };
     const auto image = image_of(1, 1, {rgb("", 3.0f), rgb("beauty", 2.0f), rgb("x", 1.0f), rgb("y", 1.0f)});
     CHECK(verdict_of(image, {"x", "y"}, "beauty").holds);
     CHECK(verdict_of(image, {"x", "beauty"}, "").holds);
     CHECK(verdict_of(image, {"x", "beauty"}, "RGBA").holds);
-    // What another renderer calls its beauty is found by every command, and the verdict names it.
+    // Every command finds the beauty of another renderer by its usual name, and the result contains the layer's name.
     const auto blender = image_of(1, 1, {rgb("ViewLayer.Combined", 1.0f), rgb("ViewLayer.DiffDir", 1.0f)});
     for (const char* name : {"", "beauty"}) {
         CHECK(verdict_of(blender, {"ViewLayer.DiffDir"}, name).of == "ViewLayer.Combined");
         CHECK((*blender.require_layer(name))->name == "ViewLayer.Combined");
     }
     CHECK_FALSE(image_of(1, 1, {rgb("x", 1.0f)}).require_layer("beauty"));
-    // A part's name is its layer's; of a cryptomatte's ranks the first.
+    // The name of a part denotes its layer; for a cryptomatte, the layer of the first ranks.
     auto mattes = image_of(1, 1, {rgb("", 1.0f), rgb("CryptoObject00", 1.0f), rgb("CryptoObject01", 1.0f)});
     mattes.layers[1].part = mattes.layers[2].part = "CryptoObject";
     CHECK((*mattes.require_layer("CryptoObject"))->name == "CryptoObject00");
@@ -201,7 +202,7 @@ TEST_CASE("the whole image is found by the names renderers give it, a layer's ow
     CHECK(verdict_of(image_of(1, 1, {rgb("x", 1.0f), rgb("", 1.0f)}), {"beauty"}, "x").holds);
 }
 
-TEST_CASE("single planes and vectors can be summed too", "[display][verify]") {
+TEST_CASE("single planes and vectors can be summed, too", "[display][verify]") {
     auto image = image_of(1, 1,
                           {{"depth", "", {{"Y", StoredType::single_float, {3}}}},
                            {"a", "", {{"Y", StoredType::single_float, {1}}}},
@@ -210,7 +211,7 @@ TEST_CASE("single planes and vectors can be summed too", "[display][verify]") {
     CHECK(!verdict_of(image, {"a"}, "depth").holds);
 }
 
-TEST_CASE("declared partitions are judged one by one", "[display][verify][law1]") {
+TEST_CASE("declared partitions are checked one by one", "[display][verify][law1]") {
     auto image = one_pixel(3.0f, {1.0f, 2.0f});
     CHECK(check_declared_splits(image)->empty());
     image.partitions = {{"auto", "", {"part0", "part1"}}, {"wrong", "beauty", {"part0"}}};
@@ -235,7 +236,7 @@ TEST_CASE("a heat map is brighter where the residual is larger", "[display][veri
     const Folder folder;
     raylex::display::SplitVerdict verdict;
     verdict.bound = std::ldexp(1.0, -23);
-    // None, then in octaves from bound / 2^10 to 1, then not finite.
+    // None, then octaves from bound / 2^10 to 1, then not finite.
     verdict.residual = {0};
     for (int power = -33; power <= 0; ++power) verdict.residual.push_back(std::ldexp(1.0f, power));
     verdict.residual.push_back(std::numeric_limits<float>::infinity());
@@ -259,7 +260,7 @@ TEST_CASE("a heat map is brighter where the residual is larger", "[display][veri
         CHECK(luma(i) >= luma(i - 1));
     }
     CHECK(luma(static_cast<std::size_t>(width) - 2) > 200);
-    // The bound itself (2^-23 is entry 11) and twice it are told apart at a glance: blue below, red above.
+    // The bound (2^-23 is entry 11) and twice the bound differ clearly: blue below, red above.
     CHECK(rgb[3 * 11 + 2] > rgb[3 * 11]);
     CHECK(rgb[3 * 12] > 2 * rgb[3 * 12 + 2]);
     const std::size_t last = verdict.residual.size() - 1;

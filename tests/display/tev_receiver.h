@@ -1,4 +1,4 @@
-// A viewer's end of the wire, decoding the documented protocol by itself: nothing here is shared with the sender.
+// The receiving end of a viewer. It decodes the documented protocol independently of the sender's code.
 #pragma once
 
 #include <arpa/inet.h>
@@ -35,7 +35,8 @@ class TevReceiver {
         address.sin_family = AF_INET;
         address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
         socklen_t size = sizeof address;
-        const int small = 4096;  // so that a viewer that does not read is felt soon; one that reads would be slow by it
+        const int small = 4096;  // a viewer that does not read must have an effect soon; it would slow down one that
+                                 // reads
         if (manner_ != Manner::reads) setsockopt(listener_, SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
         if (bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0 || listen(listener_, 1) != 0 ||
             getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) != 0)
@@ -74,7 +75,7 @@ class TevReceiver {
                 bad = true;
                 return value;
             }
-            std::memcpy(&value, at, sizeof value);  // the tests' machines are little-endian, as the wire is
+            std::memcpy(&value, at, sizeof value);  // the test machines are little-endian, like the protocol
             at += sizeof value;
             return value;
         }

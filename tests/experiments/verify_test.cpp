@@ -332,7 +332,7 @@ TEST_CASE("what cannot be judged is said: integers, missing channels, values tha
     CHECK(contains(outcome.out, "1 pixel holds values that are not finite, the first (2, 1) in nan"));
     outcome = run_raylex(folder, "verify x.exr --sum a,ids");
     CHECK(outcome.code == 2);
-    CHECK(contains(outcome.err, "layer 'ids' holds unsigned integers"));
+    CHECK(contains(outcome.err, "layer 'ids' contains unsigned integers"));
     outcome = run_raylex(folder, "verify x.exr --sum a,two");
     CHECK(outcome.code == 2);
     CHECK(contains(outcome.err, "layer 'two' has the channels R, G; expected R G B"));

@@ -10,7 +10,7 @@
 namespace raylex::geoaovs {
 namespace {
 
-TEST_CASE("hashes are those that the specification and its authors publish", "[cryptomatte]") {
+TEST_CASE("hashes agree with those published by the specification and its authors", "[cryptomatte]") {
     // "Cryptomatte Specification" 1.2.0, section Metadata: the manifests of its examples. The longer names are from the
     // sample image of the same repository (Psyop/Cryptomatte, sample_images/sidecar_manifest/
     // bunny_CryptoObject_manifest.json); the first of them hashes to 7f8e5296, whose exponent is all ones.
@@ -28,8 +28,8 @@ TEST_CASE("hashes are those that the specification and its authors publish", "[c
     }
     CHECK(murmur_hash3("flowerA.flowerA_petal1.:1065") == 0x7f8e5296);
     CHECK(murmur_hash3("") == 0);
-    // The same repository, nuke/cryptomatte_utilities_tests.py, class CryptoHashing: names, two of them beyond ASCII,
-    // and ids as decimal numbers, given to 6 digits or more.
+    // The same repository, nuke/cryptomatte_utilities_tests.py, class CryptoHashing: names, two of them outside ASCII,
+    // and ids as decimal numbers with at least 6 digits.
     const std::pair<const char*, double> floats[] = {
         {"hello", 6.0705627102400005616e-17},
         {"cube", -4.08461912519e+15},
@@ -45,7 +45,7 @@ TEST_CASE("hashes are those that the specification and its authors publish", "[c
     }
 }
 
-TEST_CASE("no id is an infinity, a denormal or not a number", "[cryptomatte]") {
+TEST_CASE("no id is an infinity, a denormal or NaN", "[cryptomatte]") {
     int fixed = 0;
     for (int i = 0; i < 20'000; ++i) {
         const std::string name = std::string("name").append(std::to_string(i));
@@ -64,7 +64,7 @@ MatteNames three_names() {
     return {{"floor", "a \"quoted\" \\ name", "broken \xff\n"}, {0, 1, 0, 2}};
 }
 
-TEST_CASE("planes follow the specification's names and hold ids as floats and their coverage", "[cryptomatte]") {
+TEST_CASE("planes have the specification's names and contain ids as floats and their coverage", "[cryptomatte]") {
     Cryptomatte matte(MatteKind::object, 4, 2, 1, three_names());
     CHECK(matte.name() == "CryptoObject");
     CHECK(matte.planes() == std::vector<std::string>{"CryptoObject00.R", "CryptoObject00.G", "CryptoObject00.B",
@@ -98,10 +98,10 @@ TEST_CASE("the header names the hash, the conversion and every name, as JSON", "
                   R"({"a \"quoted\" \\ name":"%08x","broken \ufffd\u000a":"%08x","floor":"%08x"})",
                   matte_id("a \"quoted\" \\ name"), matte_id("broken \xff\n"), matte_id("floor"));
     CHECK(attributes.at(key + "manifest") == expected);
-    for (const auto& [name, value] : attributes) CHECK(name.size() < 32);  // what every OpenEXR reader takes
+    for (const auto& [name, value] : attributes) CHECK(name.size() < 32);  // the limit of every OpenEXR reader
 }
 
-TEST_CASE("what the ranks cannot hold is reported", "[cryptomatte]") {
+TEST_CASE("coverage beyond the ranks is reported", "[cryptomatte]") {
     MatteNames names;
     for (std::uint32_t i = 0; i < 5; ++i) {
         names.names.push_back(std::string("part").append(std::to_string(i)));
@@ -117,8 +117,8 @@ TEST_CASE("what the ranks cannot hold is reported", "[cryptomatte]") {
           "2 ranks; left out: at most 0.188 of a pixel, 1 pixels above 1e-4");
 }
 
-TEST_CASE("names that share an id are told, and a long manifest keeps to what the image shows", "[cryptomatte]") {
-    // Found by search over "x0", "x1", ...: the first two that share a hash.
+TEST_CASE("names that share an id are reported, and a long manifest lists only names in the image", "[cryptomatte]") {
+    // Found by a search over "x0", "x1", ...: the first two names with equal hashes.
     std::map<std::uint32_t, std::string> seen;
     MatteNames names;
     for (int i = 0; names.names.empty() && i < 1'000'000; ++i) {
@@ -144,7 +144,7 @@ TEST_CASE("names that share an id are told, and a long manifest keeps to what th
     CHECK(large.attributes().at("cryptomatte/3ae39a5/manifest") == expected);
 }
 
-TEST_CASE("kinds are known by name, others are refused with the near miss", "[cryptomatte][law7]") {
+TEST_CASE("kinds are found by name, others are refused with a similar name", "[cryptomatte][law7]") {
     CHECK(*parse_matte_kind("material", "--cryptomatte") == MatteKind::material);
     const auto wrong = parse_matte_kind("materials", "--cryptomatte");
     REQUIRE_FALSE(wrong);

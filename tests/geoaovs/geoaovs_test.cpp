@@ -39,8 +39,8 @@ void set(std::vector<float> (&to)[3], std::size_t hit, float x, float y, float z
     to[2][hit] = z;
 }
 
-/// A camera at (10, 20, 30) that looks along world +x, its right along world -y, up along world +z: rows of the matrix
-/// are the camera's axes in world space, the last column minus their products with its position.
+/// A camera at (10, 20, 30) that looks along world +x, with right along world -y and up along world +z. The rows of the
+/// matrix are the camera's axes in world space; the last column is minus their products with its position.
 constexpr float camera_matrix[3][4] = {{0, -1, 0, 20}, {0, 0, 1, -30}, {1, 0, 0, -10}};
 
 ShadingBatch one_hit() {
@@ -70,7 +70,7 @@ ShadingBatch one_hit() {
     return hits;
 }
 
-/// Rays of `count` rows through the hit of one_hit(): 4 / 5 of every unit of distance goes along the camera's axis.
+/// Rays of `count` rows through the hit of one_hit(): 4 / 5 of every unit of distance is along the camera's axis.
 RayBatch rays_to_hit(std::size_t count) {
     RayBatch rays;
     rays.origin_z.assign(count, 0.0f);
@@ -119,7 +119,7 @@ TEST_CASE("every AOV has its value in its space", "[geoaovs]") {
                                                               {"id2", {3}},
                                                               {"rawId", {99}},
                                                               {"a", {0.5}},
-                                                              {"Ci", {0, 0, 0}},  // light, and there is none
+                                                              {"Ci", {0, 0, 0}},  // light, of which there is none
                                                               {"Oi", {1, 0.5, 0}},
                                                               {"cpuTime", {0.25}},
                                                               {"sampleCount", {1}},
@@ -139,7 +139,7 @@ TEST_CASE("every AOV has its value in its space", "[geoaovs]") {
         REQUIRE(expected.count(channels[i].name) == 1);
         const std::vector<double>& wanted = expected.at(channels[i].name);
         REQUIRE(wanted.size() == n);
-        // Sums and products of floats of size 5 that are no powers of two: a few ulps.
+        // Sums and products of floats of size 5 that are not powers of two: a few ulps.
         for (std::size_t c = 0; c < n; ++c) CHECK(values[c] == Approx(wanted[c]).margin(1e-6));
     }
     CHECK(std::all_of(services.refusals().begin(), services.refusals().end(), [](auto& n) { return n.total() == 0; }));
@@ -200,7 +200,7 @@ TEST_CASE("at an edge depth and id are those of the nearest sample, normals fade
     CHECK(value("cpuTime")[0] == 2);
 }
 
-TEST_CASE("depth follows WriteDistance, and passes over rows that are wholly transparent", "[geoaovs]") {
+TEST_CASE("depth follows WriteDistance, and ignores rows that are completely transparent", "[geoaovs]") {
     const std::vector<ChannelDefinition> channels{*channel_definition("z"), *channel_definition("a"),
                                                   *channel_definition("zfiltered"), *channel_definition("time")};
     FrameBuffer buffer({1, 1}, channels);
@@ -210,7 +210,7 @@ TEST_CASE("depth follows WriteDistance, and passes over rows that are wholly tra
     table.begin(rows);
     display::DisplayServices services(table);
     const GeometricAovs aovs(channels);
-    CHECK(aovs.inputs() == 0);                       // no hit needs to be shaded for these
+    CHECK(aovs.inputs() == 0);                       // these need no shaded hits
     services.add_sample(0, {5, RgbD(0.0), false});   // a cutout, passed
     services.add_sample(0, {10, RgbD(0.25), true});  // haze
     services.write_distance(0, 20, true);
@@ -222,10 +222,10 @@ TEST_CASE("depth follows WriteDistance, and passes over rows that are wholly tra
     CHECK(buffer.resolve(0)[0] == nearest);
     CHECK(buffer.resolve(1)[0] == 1);
     CHECK(buffer.resolve(2)[0] == Approx(0.25 * nearest + 0.75 * farther));
-    CHECK(buffer.resolve(3)[0] == 0.5);  // once a sample, whatever it passed
+    CHECK(buffer.resolve(3)[0] == 0.5);  // one per sample, whatever it passed
 }
 
-TEST_CASE("definitions say type, space and rule; unknown names say what there is", "[geoaovs][law7]") {
+TEST_CASE("definitions have type, space and rule; errors for unknown names list the known ones", "[geoaovs][law7]") {
     const ChannelDefinition normal = *channel_definition("Nn");
     CHECK(normal.type == ChannelType::normal);
     CHECK(normal.space == "camera");
@@ -243,15 +243,15 @@ TEST_CASE("definitions say type, space and rule; unknown names say what there is
     for (const char* name : {"cpuTime", "sampleCount"}) CHECK(channel_definition(name)->rule == FilterRule::sum);
 }
 
-TEST_CASE("names of motion are refused with the reason", "[geoaovs][law7]") {
+TEST_CASE("names of motion AOVs are refused with the reason", "[geoaovs][law7]") {
     for (const char* name : {"dPdtime", "dPcameradtime", "motionFore", "motionBack"}) {
         const auto refused = channel_definition(name);
         REQUIRE_FALSE(refused);
-        CHECK(refused.error().message.find("does not work that out yet") != std::string::npos);
+        CHECK(refused.error().message.find("does not compute yet") != std::string::npos);
     }
 }
 
-TEST_CASE("channels that are no geometric AOV are passed over", "[geoaovs]") {
+TEST_CASE("channels that are not geometric AOVs are skipped", "[geoaovs]") {
     ChannelDefinition beauty, wrong_type = *channel_definition("z"), expression = *channel_definition("P");
     beauty.name = "beauty";
     wrong_type.type = ChannelType::rgb;

@@ -1,5 +1,5 @@
-// Law 6, pixel by pixel: what is refused as not finite is counted where it belongs, and shown by the AOV
-// invalidSamples.
+// Law 6, pixel by pixel: values refused as not finite are counted at their pixels, and the AOV invalidSamples shows the
+// counts.
 #include <limits>
 #include <map>
 
@@ -23,7 +23,7 @@ std::vector<ChannelDefinition> test_channels() {
             *channel_definition("invalidSamples")};
 }
 
-TEST_CASE("planted values that are not finite are counted at their pixels and channels alone", "[invalid][law6]") {
+TEST_CASE("planted values that are not finite are counted only at their pixels and channels", "[invalid][law6]") {
     const std::vector<ChannelDefinition> channels = test_channels();
     const LpeSetup setup = test::build_setup(channels, beauty);
     const test::Classes classes(setup);
@@ -53,7 +53,7 @@ TEST_CASE("planted values that are not finite are counted at their pixels and ch
                 CHECK_FALSE(display.write(normal, rows, std::vector<Rgb>{Rgb(inf), Rgb(0.0f)}));
                 CHECK_FALSE(display.write_distance(row, nan));
                 CHECK_FALSE(display.splat_opacity(row, Rgb(nan)));
-                // On an extra row it is the camera ray's all the same.
+                // On an extra row it counts for the camera ray.
                 const int extra = display.add_sample(row, {2.0f, RgbD(0.5), false, 0});
                 CHECK_FALSE(display.write(normal, extra, Rgb(nan)));
             }
@@ -71,11 +71,11 @@ TEST_CASE("planted values that are not finite are counted at their pixels and ch
     CHECK(table.invalid_log()[2].sample == 7);
     CHECK(table.invalid_log()[2].channel == invalid_channel);
     CHECK(table.invalid_log()[4].channel == normal);
-    const std::vector<double> image = buffer.resolve(beauty);  // what was good is all there
+    const std::vector<double> image = buffer.resolve(beauty);  // the valid values are all there
     for (const double v : image) CHECK(v == 1);
 }
 
-TEST_CASE("a discarded batch shows no refused values in the image and in no count", "[invalid][law6]") {
+TEST_CASE("refused values of a discarded batch do not count, in the image or elsewhere", "[invalid][law6]") {
     const std::vector<ChannelDefinition> channels = test_channels();
     const GeometricAovs aovs(channels);
     FrameBuffer buffer({1, 1}, channels);

@@ -1,4 +1,4 @@
-// What other renderers build on: files of compiled programs, names of their own, channel sets that grow.
+// Features for other renderers: files of compiled programs, their own names, channel sets that grow.
 #include <catch2/catch.hpp>
 
 #include <cstdio>
@@ -28,7 +28,7 @@ std::vector<ChannelSource> adopted_channels(const std::vector<std::string>& expr
     return channels;
 }
 
-/// Channels with labels, globs and, when `packed`, enough labels anywhere to need lanes.
+/// Channels with labels and globs and, if `packed`, so many labels anywhere that lanes are needed.
 std::vector<ChannelSource> channel_set(bool packed) {
     std::vector<ChannelSource> channels =
         adopted_channels({"CD+L", "C<RD'floor'>[DS]*L", "C<R.'wall*'>.*[<L.'key'>O]", "CU2L"});
@@ -62,7 +62,7 @@ std::vector<Event> random_path(oracle::Random& random) {
     return word;
 }
 
-/// Everything that following paths can touch, for files that are whole but hostile.
+/// Uses everything that following paths can access, for files that are complete but hostile.
 void exercise(const Program& program) {
     oracle::Random random(3);
     for (int round = 0; round < 50; ++round) { (void)accepted(program, random_path(random)); }
@@ -70,7 +70,7 @@ void exercise(const Program& program) {
 
 }  // namespace
 
-TEST_CASE("a program read from its file does what the program did", "[adopt][file]") {
+TEST_CASE("a program read from its file behaves like the original", "[adopt][file]") {
     for (const bool packed : {false, true}) {
         const auto program = Program::compile(channel_set(packed));
         REQUIRE(program);
@@ -95,7 +95,7 @@ TEST_CASE("a program read from its file does what the program did", "[adopt][fil
     CHECK(empty->classify({}) == 0);
 }
 
-TEST_CASE("the file is little-endian and says its version", "[adopt][file]") {
+TEST_CASE("the file is little-endian and contains its version", "[adopt][file]") {
     const std::string bytes = to_bytes(*Program::compile(channel_set(false)));
     CHECK(bytes.substr(0, 8) == "RAYLEXPG");
     CHECK(bytes.substr(8, 4) == std::string("\1\0\0\0", 4));
@@ -115,7 +115,7 @@ TEST_CASE("damaged and hostile files are refused or harmless", "[adopt][file][la
     }
     CHECK_FALSE(program_from_bytes(bytes + "x", "longer"));
     CHECK_FALSE(program_from_bytes("CDL", "text"));
-    // Any byte changed: the hash does not fit. The hash made to fit again: the indices are checked one by one.
+    // If any byte changes, the hash does not match. If the hash is corrected, every index is checked.
     const auto hashed = [](std::string content) {
         std::uint64_t hash = 0xCBF29CE484222325ULL;
         for (const char byte : content) { hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3ULL; }
@@ -129,7 +129,7 @@ TEST_CASE("damaged and hostile files are refused or harmless", "[adopt][file][la
     for (int round = 0; round < 3000; ++round) {
         std::string changed = content;
         for (std::size_t k = 1 + random.below(3); k > 0; --k) {
-            // Half of the changes near the front, where counts and names are.
+            // Half of the changes are near the beginning, where counts and names are.
             const std::size_t at = 12 + random.below(random.below(2) == 0 ? 600 : content.size() - 12);
             changed[at] = static_cast<char>(random.below(3) == 0 ? 0xFF : random.below(256));
         }
@@ -139,7 +139,7 @@ TEST_CASE("damaged and hostile files are refused or harmless", "[adopt][file][la
         const auto program = program_from_bytes(hashed(changed), "rehashed");
         if (program) {
             ++read;
-            exercise(*program);  // under the sanitizers: nothing outside the arrays
+            exercise(*program);  // the sanitizers check that nothing outside the arrays is read
         } else {
             ++refused;
         }
@@ -162,7 +162,7 @@ TEST_CASE("programs are saved and loaded by name", "[adopt][file]") {
     CHECK_FALSE(save(*program, path + "/no/such/folder"));
 }
 
-TEST_CASE("a channel set that grows accepts what all its channels compiled at once accept", "[adopt][channel_set]") {
+TEST_CASE("a growing channel set accepts the same paths as all its channels compiled at once", "[adopt][channel_set]") {
     for (const bool packed : {false, true}) {
         std::vector<ChannelSource> channels = channel_set(packed);
         const auto more =
@@ -195,7 +195,7 @@ TEST_CASE("a channel set that grows accepts what all its channels compiled at on
             matches += accepted(*program, word).size();
         }
         CHECK(matches > 200);
-        // A channel that does not compile leaves the set as it was.
+        // A channel that does not compile leaves the set unchanged.
         const auto bad = adopted_channels({"CD("});
         CHECK_FALSE(set.add(bad));
         ChannelSource rest{.name = "rest"};
@@ -219,7 +219,7 @@ TEST_CASE("channels that would multiply do not make a growing set explode", "[ad
     CHECK(set.regroupings() < 20);
 }
 
-TEST_CASE("registered names stand in expressions and events for user events and lobes", "[adopt][vocabulary]") {
+TEST_CASE("registered names denote user events and lobes in expressions and events", "[adopt][vocabulary]") {
     Vocabulary words;
     REQUIRE(words.add_event("hair_entry"));
     REQUIRE(words.add_event("passthru", 5));
@@ -256,13 +256,14 @@ TEST_CASE("registered names stand in expressions and events for user events and 
         CHECK_FALSE(matches("C<T'coat'>L", dialect, *coat));
         CHECK_FALSE(matches("C'coat'L", dialect, other_coat));
         CHECK_FALSE(matches("C'coat'L", dialect, *skin));
-        CHECK(matches("C<TD'face'>L", dialect, *skin));  // a lobe of its own is still a D
+        CHECK(matches("C<TD'face'>L", dialect, *skin));  // a registered diffuse lobe still matches D
         CHECK(
-            matches("C<R.'coat'>L", dialect, {EventType::reflection, Scatter::diffuse, 0, {"coat"}}));  // a label there
+            matches("C<R.'coat'>L", dialect, {EventType::reflection, Scatter::diffuse, 0, {"coat"}}));  // in this slot
+                                                                                                        // it is a label
     }
 }
 
-TEST_CASE("names that cannot be registered, and names that are not, are errors", "[adopt][vocabulary][law7]") {
+TEST_CASE("invalid names and unknown names are errors", "[adopt][vocabulary][law7]") {
     Vocabulary words;
     REQUIRE(words.add_event("hair"));
     CHECK_FALSE(words.add_event("hair"));
@@ -283,7 +284,7 @@ TEST_CASE("names that cannot be registered, and names that are not, are errors",
     REQUIRE_FALSE(near);
     CHECK(near.error().hint.find("'hair'") != std::string::npos);
     CHECK_FALSE(words.scattering(EventType::reflection, "hair"));
-    // Without a vocabulary a quoted text in a slot stays an error in renderman.
+    // Without a vocabulary, a quoted text in a slot is an error in renderman.
     const ChannelSource source{.name = {}, .expression = "C<R'coat'>L"};
     CHECK_FALSE(Program::compile({&source, 1}));
 }

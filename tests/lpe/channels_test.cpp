@@ -101,7 +101,7 @@ D\'x\'"L"""; token sourceType = "lpe" }
 
 }  // namespace
 
-TEST_CASE("RIB channels are read with what stands around them", "[channels]") {
+TEST_CASE("RIB channels are read with their other parameters", "[channels]") {
     const ChannelFile file = read(rib_text, ChannelFormat::rib);
     REQUIRE(file.channels.size() == 3);
     const FileChannel& first = file.channels[0];
@@ -114,7 +114,7 @@ TEST_CASE("RIB channels are read with what stands around them", "[channels]") {
                                                        "\"string statistics\" [\"variance\"]"});
     CHECK(file.channels[1].source.name == "escaped");
     CHECK(file.channels[1].type == "varying color");
-    CHECK(file.channels[1].source.expression == "C<RD'a\\*'>L");  // one escape resolved, one line continued
+    CHECK(file.channels[1].source.expression == "C<RD'a\\*'>L");  // one escape is resolved, one line continued
     CHECK(file.channels[1].comment.empty());
     CHECK(file.channels[2].source.name == "lpe:diffuse_key");
     CHECK(file.channels[2].source.expression == "diffuse_key");
@@ -128,7 +128,7 @@ TEST_CASE("RIB channels are read with what stands around them", "[channels]") {
     CHECK(file.lobe_options[1].names == "Coat");
 }
 
-TEST_CASE("whatever a RIB option's name holds is written so that it is read again", "[channels]") {
+TEST_CASE("any content of a RIB option's name is written so that it reads back", "[channels]") {
     const ChannelFile file = read("Option \"lpe\" \"string \\\\odd\\\"\" [\"a\\nb\"]\n", ChannelFormat::rib);
     REQUIRE(file.lobe_options.size() == 1);
     CHECK(file.lobe_options[0].slot == "\\odd\"");
@@ -140,11 +140,11 @@ TEST_CASE("whatever a RIB option's name holds is written so that it is read agai
     CHECK(again.lobe_options[0].slot == file.lobe_options[0].slot);
     CHECK(again.lobe_options[0].names == file.lobe_options[0].names);
     const auto ini = write_channel_file(file, ChannelFormat::ini, warnings);
-    REQUIRE_FALSE(ini.ok());  // an option there is one line
-    CHECK(ini.error().message.find("holds a line end") != std::string::npos);
+    REQUIRE_FALSE(ini.ok());  // an option is a single line there
+    CHECK(ini.error().message.find("contains a line end") != std::string::npos);
 }
 
-TEST_CASE("what ends in a backslash is not written where that continues a line", "[channels]") {
+TEST_CASE("a text that ends in a backslash is not written where the backslash continues the line", "[channels]") {
     const ChannelFile file = read("/prman/lpe/macro/odd  \\", ChannelFormat::ini);
     REQUIRE(file.macros.size() == 1);
     CHECK(file.macros[0].expression == "\\");
@@ -154,11 +154,11 @@ TEST_CASE("what ends in a backslash is not written where that continues a line",
     CHECK(written.error().message.find("ends in a backslash") != std::string::npos);
 }
 
-TEST_CASE("an expression that looks marked itself keeps its words in every format", "[channels]") {
+TEST_CASE("an expression that contains a mark keeps its meaning in every format", "[channels]") {
     const ChannelFile file =
         read("DisplayChannel \"color x\" \"string source\" [\"color lpe:C lpe:D\"]\n", ChannelFormat::rib);
     REQUIRE(file.channels.size() == 1);
-    REQUIRE(file.channels[0].source.expression == "C lpe:D");  // no expression, and no reason to make it another
+    REQUIRE(file.channels[0].source.expression == "C lpe:D");  // not an expression, and it must not become one
     std::vector<std::string> warnings;
     for (const ChannelFormat format : {ChannelFormat::rib, ChannelFormat::usda}) {
         const auto written = write_channel_file(file, format, warnings, Reader::raylex);
@@ -200,7 +200,7 @@ TEST_CASE("rendermn.ini gives macros and lobe slots", "[channels]") {
     CHECK(file.lobe_options[0].slot == "specular6");
 }
 
-TEST_CASE("what was read is what is written, and reads again", "[channels]") {
+TEST_CASE("the written file has the content that was read, and reads back", "[channels]") {
     for (const auto& [text, format] :
          {std::pair<const char*, ChannelFormat>{rib_text, ChannelFormat::rib}, {usda_text, ChannelFormat::usda}}) {
         const ChannelFile once = read(text, format);
@@ -221,9 +221,10 @@ TEST_CASE("what was read is what is written, and reads again", "[channels]") {
 
 TEST_CASE("channels pass from format to format unchanged in meaning", "[channels]") {
     ChannelFile file = read(rib_text, ChannelFormat::rib);
-    file.channels.pop_back();  // named by its own expression, which neither a prim nor a macro can be
+    file.channels.pop_back();  // a channel named by its own expression, which neither prims nor macros can have as a
+                               // name
     file.channels[1].source.name = "renamed";
-    file.channels[0].parameters.pop_back();  // statistics, of which rendermn.ini has none
+    file.channels[0].parameters.pop_back();  // statistics, which rendermn.ini lacks
     for (const ChannelFormat format : {ChannelFormat::rib, ChannelFormat::usda, ChannelFormat::ini}) {
         const ChannelFile other = read(written(file, format), format);
         const std::size_t count = format == ChannelFormat::ini ? other.macros.size() : other.channels.size();
@@ -243,14 +244,14 @@ TEST_CASE("channels pass from format to format unchanged in meaning", "[channels
     CHECK(write_channel_file(file, ChannelFormat::usda, warnings, Reader::raylex));
 }
 
-TEST_CASE("an error inside an expression points at the very byte of the file", "[channels][law7]") {
+TEST_CASE("an error inside an expression gives the exact position in the file", "[channels][law7]") {
     Error error = expression_error(
         read("# one\nDisplayChannel \"color a\" \"string source\" [\"color lpe:C<RX>L\"]\n", ChannelFormat::rib));
     CHECK(error.file == "file");
     CHECK(error.line == 2);
     CHECK(error.column == 57);
     CHECK(error.excerpt.at(56) == 'X');
-    // Behind an escape of two bytes and a continued line.
+    // After an escape of two bytes and a continued line.
     error = expression_error(
         read("DisplayChannel \"color a\" \"string source\" \"lpe:C<RD\\047f\\047>\\\nDX\"\n", ChannelFormat::rib));
     CHECK(error.line == 2);
@@ -276,7 +277,7 @@ TEST_CASE("broken files are refused with file, line and column", "[channels][law
         {"DisplayChannel \"color a", ChannelFormat::rib, 1, 16, "not closed"},
         {"DisplayChannel \"color a\" \"string source\" [\"x\"", ChannelFormat::rib, 1, 42, "not closed"},
         {"DisplayChannel \"color a\" \"string source\"", ChannelFormat::rib, 1, 26, "no value"},
-        {"DisplayChannel \"color a\" \"string source\" [1]", ChannelFormat::rib, 1, 42, "no string"},
+        {"DisplayChannel \"color a\" \"string source\" [1]", ChannelFormat::rib, 1, 42, "not a string"},
         {"DisplayChannel \"color a\" \"string source\" \"color lpe:\"", ChannelFormat::rib, 1, 53, "empty expression"},
         {"DisplayChannel \"color a\" \"string source\" \"float z\" \"string source\" \"color lpe:C\"",
          ChannelFormat::rib, 1, 52, "second source"},
@@ -286,7 +287,7 @@ TEST_CASE("broken files are refused with file, line and column", "[channels][law
         {"#usda 1.0\ndef RenderVar a {}", ChannelFormat::usda, 2, 15, "name in quotes"},
         {"#usda 1.0\ndef RenderVar \"a\" { token sourceType = \"lpe\" }", ChannelFormat::usda, 2, 1, "no sourceName"},
         {"#usda 1.0\ndef RenderVar \"a\" { string sourceName = [1]; token sourceType = \"lpe\" }", ChannelFormat::usda,
-         2, 41, "no string"},
+         2, 41, "not a string"},
         {"#usda 1.0\n}", ChannelFormat::usda, 2, 1, "'}'"},
         {"#usda 1.0\nint a = (1]", ChannelFormat::usda, 2, 11, "expected ')'"},
         {"#usda 1.0\nstring a = \"x\n", ChannelFormat::usda, 2, 12, "not closed"},
@@ -308,7 +309,7 @@ TEST_CASE("broken files are refused with file, line and column", "[channels][law
     CHECK(*channel_format("a.txt", "DisplayChannel \"color a\"") == ChannelFormat::rib);
 }
 
-TEST_CASE("what is wrong with single channels is told of all of them, and the others are read", "[channels][law7]") {
+TEST_CASE("errors of single channels are all reported, and the other channels are read", "[channels][law7]") {
     std::vector<Error> errors;
     auto file = parse_channels(
         "DisplayChannel \"color a\" \"string source\" [\"color lpe:C.*\"]\n"
@@ -346,7 +347,7 @@ TEST_CASE("what is wrong with single channels is told of all of them, and the ot
     CHECK(errors.size() == 2);
 }
 
-TEST_CASE("a mark that an expression has is not written a second time", "[channels]") {
+TEST_CASE("a mark in an expression is not written a second time", "[channels]") {
     ChannelFile file;
     file.channels.emplace_back().source = {"a", "lpe:CD", Dialect::renderman, "file", 1, 1, {}};
     for (const ChannelFormat format : {ChannelFormat::rib, ChannelFormat::usda, ChannelFormat::ini})
@@ -354,7 +355,7 @@ TEST_CASE("a mark that an expression has is not written a second time", "[channe
     CHECK(written(file, ChannelFormat::rib).find("[\"color lpe:CD\"]") != std::string::npos);
 }
 
-TEST_CASE("deep, long and damaged files end in a result or an error, quickly", "[channels][law7]") {
+TEST_CASE("deep, long and damaged files quickly give a result or an error", "[channels][law7]") {
     for (const char open : {'(', '[', '{'}) {
         CHECK(refused("#usda 1.0\nint a = " + std::string(100'000, open), ChannelFormat::usda)
                   .message.find("nested deeper") != std::string::npos);
@@ -396,17 +397,17 @@ TEST_CASE("deep, long and damaged files end in a result or an error, quickly", "
     }
 }
 
-TEST_CASE("lobe slots number lobes by name, unmapped names not at all", "[channels][lobes]") {
+TEST_CASE("lobe slots number lobes by name; other lobes have no number", "[channels][lobes]") {
     LobeSlots slots;
     CHECK(slots.number(Scatter::diffuse, "Diffuse") == 2);
     CHECK(slots.number(Scatter::diffuse, "Subsurface") == 3);
     CHECK(slots.number(Scatter::glossy, "Clearcoat") == 4);
     CHECK(slots.number(Scatter::singular, "Glass") == 8);
     CHECK(slots.number(Scatter::glossy, "specular") == 2);    // in slots 2 and 8: the lower one
-    CHECK(slots.number(Scatter::diffuse, "Clearcoat") == 0);  // no diffuse slot holds it
+    CHECK(slots.number(Scatter::diffuse, "Clearcoat") == 0);  // in no diffuse slot
     CHECK(slots.number(Scatter::glossy, "nobody") == 0);
     CHECK(slots.user_number("Albedo") == 2);
-    // raylex's own materials, as the event table of lpe/README.md says.
+    // raylex's own materials, by the event table of lpe/README.md.
     CHECK(slots.number(Scatter::diffuse, "diffuse") == 2);
     CHECK(slots.number(Scatter::glossy, "conductor") == 2);
     CHECK(slots.number(Scatter::singular, "mirror") == 2);
@@ -416,7 +417,7 @@ TEST_CASE("lobe slots number lobes by name, unmapped names not at all", "[channe
 
     const auto option = [](const char* slot, const char* names) { return LobeOption{slot, names, "job.toml", 3, 5}; };
     REQUIRE(slots.set(option("lpe:specular5", " coat , Lacquer,")));
-    CHECK(slots.number(Scatter::glossy, "coat") == 5);  // a slot that was set wins over a default
+    CHECK(slots.number(Scatter::glossy, "coat") == 5);  // a slot that was set takes precedence over a default
     CHECK(slots.number(Scatter::glossy, "Lacquer") == 5);
     CHECK(slots.number(Scatter::glossy, "Iridescence") == 0);  // the slot's defaults are gone
     REQUIRE(slots.set(option("diffuse2", "")));

@@ -1,4 +1,4 @@
-// What is refused, where the caret stands, and what is suggested.
+// Refused expressions: the position of the caret and the suggestions.
 #include <catch2/catch.hpp>
 
 #include "lpe/language/parser/parser.h"
@@ -31,7 +31,7 @@ void refuses(const RefusedCase& wrong, Dialect dialect) {
 
 }  // namespace
 
-TEST_CASE("renderman errors point at the byte that is wrong", "[errors][law7]") {
+TEST_CASE("renderman errors give the position of the wrong byte", "[errors][law7]") {
     const RefusedCase cases[] = {
         {"", 1, "empty"},
         {"   ", 4, "empty"},
@@ -83,7 +83,7 @@ TEST_CASE("renderman errors point at the byte that is wrong", "[errors][law7]") 
     for (const RefusedCase& wrong : cases) { refuses(wrong, Dialect::renderman); }
 }
 
-TEST_CASE("osl errors point at the byte that is wrong", "[errors][law7]") {
+TEST_CASE("osl errors give the position of the wrong byte", "[errors][law7]") {
     const RefusedCase cases[] = {
         {"", 1, "empty"},
         {"C D", 2, "blanks"},
@@ -105,7 +105,7 @@ TEST_CASE("osl errors point at the byte that is wrong", "[errors][law7]") {
     for (const RefusedCase& wrong : cases) { refuses(wrong, Dialect::osl); }
 }
 
-TEST_CASE("an error knows the file, line and column its expression came from", "[errors][law7]") {
+TEST_CASE("an error has the file, line and column of its expression", "[errors][law7]") {
     ChannelSource source;
     source.expression = std::string("C[DS\n]*L  # a comment (\n  X");
     source.origin = std::string("job.toml");
@@ -124,19 +124,19 @@ TEST_CASE("an error knows the file, line and column its expression came from", "
     CHECK(program.error().column == 21);
     const std::string text = program.error().to_string();
     CHECK(text.find("job.toml:12:21: ") == 0);
-    // The caret stands under the X wherever the expression begins.
+    // The caret is under the X wherever the expression begins.
     const std::size_t line = text.find("\n  ") + 1;
     const std::size_t letter = text.find('X', line) - line;
     const std::size_t caret = text.find('^') - (text.rfind('\n', text.find('^')) + 1);
     CHECK(letter == caret);
 }
 
-TEST_CASE("a caret stands under the column, characters of several bytes counted once", "[errors]") {
+TEST_CASE("a caret is under its column, and a character of several bytes counts once", "[errors]") {
     const Error error{"found 'X'", "f", 3, 6, "C\xC3\xA9\tDX", "a hint"};
     CHECK(error.to_string() == "f:3:6: found 'X'\n  C\xC3\xA9\tDX\n    \t ^\na hint");
 }
 
-TEST_CASE("events that do not read are refused with a column", "[errors][law7]") {
+TEST_CASE("events that do not parse are refused with a column", "[errors][law7]") {
     const std::pair<const char*, int> cases[] = {{"Q,D", 1},       {"C", 2},   {"C,", 3},         {"C,-x", 4},
                                                  {"R,D5", 4},      {"U,-", 2}, {"C,- R,D,'a", 9}, {"R,D,'a'b", 8},
                                                  {"C,- , L,-", 5}, {"U2,G", 4}};
@@ -148,7 +148,7 @@ TEST_CASE("events that do not read are refused with a column", "[errors][law7]")
     }
 }
 
-TEST_CASE("events survive being written and read", "[errors]") {
+TEST_CASE("events that are written read back unchanged", "[errors]") {
     const std::string text = "C,- R,D2,floor,'a b' T,S8,'it\\'s','' U12,- V,-,fog O,-,'x,y' B,- T,s L,-,key";
     const auto events = parse_events(text);
     REQUIRE(events);
@@ -161,8 +161,8 @@ TEST_CASE("events survive being written and read", "[errors]") {
     CHECK(to_sentence({events->data() + 1, 1}) == "diffuse reflection off 'floor' (lobe number 2, lobe 'a b')");
 }
 
-TEST_CASE("a chain of '|' is one node, however long it is", "[errors][law7]") {
-    // Later stages walk the tree by recursion: a tree as deep as the chain is long would end the program.
+TEST_CASE("a chain of '|' of any length is one node", "[errors][law7]") {
+    // Later stages walk the tree recursively: a tree as deep as the chain is long would overflow the stack.
     ChannelSource source;
     source.expression = "D";
     for (int i = 1; i < 30'000; ++i) source.expression += "|D";

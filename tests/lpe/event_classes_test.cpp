@@ -8,8 +8,8 @@
 
 namespace raylex::lpe {
 
-TEST_CASE("what follows an empty label does not hide the event from expressions that do not ask for it") {
-    // Objects without a label whose lobes have one, beside channels that name an object.
+TEST_CASE("labels after an empty one do not hide the event from expressions that do not test them") {
+    // Objects without a label whose lobes have one, together with channels that name an object.
     const std::vector<std::string> expressions{
         "C.*", "C<RD>[<L.>O]", "C<RD'floor'>.*", "C<.S'pass*'>*((U2L)|O)", "C<.S[^'floor']>L", "C<RD.'diffuse'>L"};
     std::vector<ChannelSource> channels;

@@ -1,4 +1,4 @@
-// Channels that would multiply in a table are packed into bits: they accept what each accepts alone.
+// Channels that would multiply in a table are packed into bits: each accepts the same paths as when compiled alone.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ std::string label(std::size_t k) {
     return "obj" + std::to_string(k);
 }
 
-/// One channel for each of `count` labels: every '@' of the expression is replaced by one.
+/// Adds one channel for each of `count` labels; the label replaces every '@' of the expression.
 void add_family(std::vector<ChannelSource>& channels, const std::string& expression, std::size_t count,
                 Dialect dialect = Dialect::osl) {
     for (std::size_t k = 0; k < count; ++k) {
@@ -27,7 +27,7 @@ void add_family(std::vector<ChannelSource>& channels, const std::string& express
     }
 }
 
-/// A random sequence of events, most of them words of W. Few labels, so that they repeat.
+/// A random sequence of events, usually a word of W, with few labels, so that they repeat.
 std::vector<Event> labelled_path(oracle::Random& random, std::size_t labels) {
     std::vector<Event> word;
     if (random.below(20) != 0) { word.push_back({EventType::camera, Scatter::none, 0, {}}); }
@@ -103,12 +103,12 @@ void check_against_each_alone(const std::vector<ChannelSource>& channels, std::s
 
 }  // namespace
 
-TEST_CASE("128 channels that each look for a label anywhere take five words", "[lanes]") {
+TEST_CASE("128 channels that each accept a label anywhere need five words", "[lanes]") {
     std::vector<ChannelSource> channels;
     add_family(channels, "C.*<RD'@'>.*", 128);
     const auto program = Program::compile(channels);
     REQUIRE(program);
-    CHECK(program->word_count() == 5);  // the phase, and a bit a channel
+    CHECK(program->word_count() == 5);  // the phase, and one bit per channel
     CHECK(program->tables().bytes() < 32'000);
     check_against_each_alone(channels, 128, 100, true);
 }
@@ -132,15 +132,15 @@ TEST_CASE("lanes of every width, in both dialects, accept what each channel acce
     SECTION("a label anywhere, then a light") {
         add_family(channels, "C.*<RD'@'>.*L", 20);
         add_family(channels, "C.*<RD'@'>.*B", 20);
-        add_family(channels, "C[^<RD'@'>]*L", 20, Dialect::renderman);  // the same bit, the other way round
+        add_family(channels, "C[^<RD'@'>]*L", 20, Dialect::renderman);  // the same bit, inverted
     }
-    SECTION("renderman: straight-through events leave no event") {
+    SECTION("renderman: pass-through events leave no event") {
         add_family(channels, "C.*<RD'@'>.*[<L.>O]", 40, Dialect::renderman);
     }
     SECTION("renderman: user events") {
         add_family(channels, "C.*<RD'@'>[.U1U2]*L", 40, Dialect::renderman);
     }
-    SECTION("beside channels that look at the first hit") {
+    SECTION("together with channels that test the first hit") {
         add_family(channels, "C.*<RD'@'>.*", 40);
         add_family(channels, "C<RD'@'>[DGS]*L", 20);
         add_family(channels, "C<RD'@'>[DGS]*B", 20);
@@ -155,7 +155,7 @@ TEST_CASE("paths that no packed channel can accept any more are dead", "[lanes][
     check_against_each_alone(channels, 2, 40, true);
     const auto program = Program::compile(channels);
     REQUIRE(program);
-    // Every label but obj0's channel survives a diffuse event off obj0; a terminal other than L ends all of them.
+    // A diffuse event off obj0 leaves only obj0's channel alive; a terminal other than L ends all channels.
     std::vector<State> words(program->starts().begin(), program->starts().end());
     const auto move = [&](const char* event) {
         return program->advance(words.data(), program->classify(parse_events(event)->front()), words.data());
@@ -171,7 +171,7 @@ TEST_CASE("paths that no packed channel can accept any more are dead", "[lanes][
     CHECK_FALSE(move("R,D,obj0"));
 }
 
-TEST_CASE("many paths at once move and accept as one does", "[lanes]") {
+TEST_CASE("many paths at once move and accept like single paths", "[lanes]") {
     std::vector<ChannelSource> channels;
     add_family(channels, "C.*<RD'@'>.*", 40);
     add_family(channels, "C<RD'@'>[DGS]*L", 10);

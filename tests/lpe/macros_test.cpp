@@ -1,4 +1,4 @@
-// Names for expressions: built-in ones, light groups, macros, and errors that lead back to where a byte stands.
+// Names of expressions: built-in names, light groups, macros, and errors with the position of the definition.
 #include <catch2/catch.hpp>
 
 #include <string>
@@ -50,7 +50,7 @@ TEST_CASE("every built-in name parses and can match", "[macros]") {
     }
 }
 
-TEST_CASE("a built-in name means the published expression, with or without its mark", "[macros]") {
+TEST_CASE("a built-in name denotes the published expression, with or without its mark", "[macros]") {
     for (const char* spelling : {"diffuse", "lpe:diffuse", "  diffuse  ", " lpe: diffuse # the direct part"}) {
         const auto difference = find_difference(macro_source(spelling), macro_source("CD<L.>"));
         INFO(spelling);
@@ -67,10 +67,11 @@ TEST_CASE("a light group suffix labels every <L.> and nothing else", "[macros]")
     CHECK(expanded("lpe:indirectdiffuse_rim_left") == "lpe:(C<RD>[DS]+<L.'rim_left'>)|(C<RD>[DS]*O)");
     const MacroTable macros = table({{"odd", "C< L . ><L.><L.'x'>'<L.>'L"}, {"odd_key", "CDL"}});
     CHECK(expanded("odd_fill", macros) == "C<L.'fill'><L.'fill'><L.'x'>'<L.>'L");
-    CHECK(expanded("odd_key", macros) == "CDL");  // a macro of the whole name wins over a name with a group
+    CHECK(expanded("odd_key", macros) == "CDL");  // a macro with the whole name takes precedence over a name with a
+                                                  // group
 }
 
-TEST_CASE("a light group that changes nothing is warned of", "[macros]") {
+TEST_CASE("a light group without effect gives a warning", "[macros]") {
     const auto expansion = expand_names(macro_source("emission_key"));
     REQUIRE(expansion);
     CHECK(expansion->source.expression == "CO");
@@ -81,19 +82,19 @@ TEST_CASE("a light group that changes nothing is warned of", "[macros]") {
     CHECK(warnings->size() == 1);
 }
 
-TEST_CASE("macros stand for channels and, after '$', inside expressions as if in parentheses", "[macros]") {
+TEST_CASE("macros denote channels and, after '$', expressions in parentheses", "[macros]") {
     const MacroTable macros =
         table({{"bounce", "[DS]|V"}, {"direct", "C<RD><L.>"}, {"both", "$direct|(C$bounce<L.>)"}});
     CHECK(expanded("direct", macros) == "C<RD><L.>");
     CHECK(expanded("C$bounce*L", macros) == "C([DS]|V)*L");
     CHECK(expanded("C${bounce}S", macros) == "C([DS]|V)S");
     CHECK(expanded("both_key", macros) == "(C<RD><L.'key'>)|(C([DS]|V)<L.'key'>)");
-    CHECK(expanded("C'$bounce'L", macros) == "C'$bounce'L");  // a label is a label
+    CHECK(expanded("C'$bounce'L", macros) == "C'$bounce'L");  // in quotes it is a label
     CHECK(expanded("CDL # $nobody", macros) == "CDL # $nobody");
-    CHECK(expanded("CDL", table({{"CDLx", "CO"}})) == "CDL");  // an expression is no name
+    CHECK(expanded("CDL", table({{"CDLx", "CO"}})) == "CDL");  // an expression is not a name
 }
 
-TEST_CASE("macros that use themselves are refused with the circle", "[macros]") {
+TEST_CASE("macros that use themselves are refused, and the error shows the circle", "[macros]") {
     const MacroTable macros = table({{"one", "C$two"}, {"two", "$three|O"}, {"three", "D$one"}, {"self", "self"}});
     for (const auto& [name, circle] : {std::pair<std::string, std::string>{"one", "one -> two -> three -> one"},
                                        {"C$two", "two -> three -> one -> two"},
@@ -106,7 +107,7 @@ TEST_CASE("macros that use themselves are refused with the circle", "[macros]") 
     }
 }
 
-TEST_CASE("macros that grow beyond bounds are refused", "[macros]") {
+TEST_CASE("macros that grow beyond the limits are refused", "[macros]") {
     MacroTable wide, deep;
     REQUIRE(wide.add(macro_source("CDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDL", "m0")));
     for (int k = 1; k < 40; ++k) {
@@ -126,7 +127,7 @@ TEST_CASE("macros that grow beyond bounds are refused", "[macros]") {
     CHECK(sunk.error().message.find("more than 64 deep") != std::string::npos);
 }
 
-TEST_CASE("unknown names come with near misses, prefixes cannot stand inside", "[macros]") {
+TEST_CASE("unknown names give suggestions, and prefixes cannot be inside an expression", "[macros]") {
     const MacroTable macros = table({{"caustics", "C<RD>S+<L.>"}, {"raw", "noclamp;C.*"}});
     const auto near = expand_names(macro_source("lpe:caustic"), macros);
     REQUIRE_FALSE(near);
@@ -135,13 +136,13 @@ TEST_CASE("unknown names come with near misses, prefixes cannot stand inside", "
     const auto inside = expand_names(macro_source("CD$nobody"), macros);
     REQUIRE_FALSE(inside);
     CHECK(inside.error().column == 4);
-    CHECK(expanded("C$raw", macros).find("carries the prefix 'noclamp'") != std::string::npos);
+    CHECK(expanded("C$raw", macros).find("has the prefix 'noclamp'") != std::string::npos);
     CHECK(expanded("C$", macros).find("expected a name after '$'") != std::string::npos);
     CHECK(expanded("C${raw", macros).find("expected '}'") != std::string::npos);
     CHECK(expanded("raw", macros) == "noclamp;C.*");
 }
 
-TEST_CASE("macro names that read as expressions, repeat or are none are refused", "[macros]") {
+TEST_CASE("macro names that read as expressions, are repeated or are invalid are refused", "[macros]") {
     MacroTable macros;
     CHECK_FALSE(macros.add(macro_source("CDL", "CS2O")));
     CHECK_FALSE(macros.add(macro_source("CDL", "a-b")));
@@ -153,7 +154,7 @@ TEST_CASE("macro names that read as expressions, repeat or are none are refused"
     CHECK(twice.error().message.find("defined twice") != std::string::npos);
 }
 
-TEST_CASE("an error inside a macro points into its definition", "[macros][law7]") {
+TEST_CASE("an error inside a macro gives the position in its definition", "[macros][law7]") {
     const MacroTable macros = table({{"fine", "C<RD>L"}, {"wrong", "C<RX>L"}});
     auto expansion = expand_names(macro_source("($fine)|$wrong"), macros);
     REQUIRE(expansion);
@@ -161,7 +162,7 @@ TEST_CASE("an error inside a macro points into its definition", "[macros][law7]"
     REQUIRE_FALSE(word);
     CHECK(word.error().file == "rendermn.ini");
     CHECK(word.error().line == 2);
-    CHECK(word.error().column == 20 + 3);  // the X of C<RX>L, whose C stands in column 20
+    CHECK(word.error().column == 20 + 3);  // the X of C<RX>L, whose C is in column 20
     CHECK(word.error().hint.find("in the macro 'wrong'") != std::string::npos);
 }
 

@@ -22,14 +22,14 @@ std::string label(const Event& event, std::size_t slot) {
     return slot < event.labels.size() ? event.labels[slot] : "";
 }
 
-/// OSL's words: how many labels an event has, trailing empty ones not counted.
+/// The number of labels of an event in OSL's words, without trailing empty ones.
 std::size_t label_count(const Event& event) {
     std::size_t count = event.labels.size();
     while (count > 0 && event.labels[count - 1].empty()) { --count; }
     return count;
 }
 
-/// The event alphabet has no label named like one of OSL's symbols, so trailing labels are always eaten there.
+/// No label of the event alphabet is named like one of OSL's symbols, so OSL's wildcard matches trailing labels.
 std::vector<Token> marks(Dialect dialect) {
     std::vector<Token> list;
     for (const char* text : {"(", ")", "[", "]", "|", "*", "+", "{2}", "{0,1}"}) { list.push_back({text, {}}); }
@@ -79,7 +79,7 @@ std::vector<Token> build_tokens(Dialect dialect) {
 struct Tree {
     Kind kind = Kind::sequence;
     const Token* token = nullptr;
-    int min = 0, max = 0;  // max -1: no bound
+    int min = 0, max = 0;  // max -1: unlimited
     std::vector<std::shared_ptr<Tree>> children;
 };
 
@@ -156,7 +156,7 @@ class Reader {
     TreePtr parenthesis() {
         ++position_;
         TreePtr tree = dialect_ == Dialect::osl ? osl_items(")") : difference();
-        // '()' is refused: OSL crashes on it.
+        // '()' is refused, because OSL crashes on it.
         if (!tree || (tree->kind == Kind::sequence && tree->children.empty()) || !take(")")) { return nullptr; }
         return tree;
     }
@@ -202,7 +202,7 @@ class Reader {
 
 using Ends = std::set<std::size_t>;
 
-/// Where a match that begins at `begin` can end.
+/// The possible ends of a match that begins at `begin`.
 Ends ends(const Tree& tree, const Path& path, std::size_t begin);
 
 Ends ends_from(const Tree& tree, const Path& path, const Ends& begins) {
@@ -245,7 +245,7 @@ Ends ends(const Tree& tree, const Path& path, std::size_t begin) {
             const Ends child = ends(*tree.children[0], path, begin);
             for (std::size_t end = begin; end <= path.size(); ++end) {
                 if (end > begin && is_user(path[end - 1])) {
-                    break;  // '!' ranges over words without user events
+                    break;  // '!' complements within words without user events
                 }
                 if (child.count(end) == 0) { result.insert(end); }
             }
@@ -312,7 +312,7 @@ const std::vector<Event>& alphabet() {
 
 namespace {
 
-/// One event per behaviour that the small tokens tell apart; the random tests use the whole alphabet.
+/// One event for each behaviour that the small tokens distinguish; the random tests use the whole alphabet.
 std::vector<Event> small_alphabet(Dialect dialect) {
     const std::vector<Event>& all = alphabet();
     return {all[0], all[2], all[4], dialect == Dialect::osl ? all[6] : all[9], all[8]};
@@ -349,7 +349,8 @@ ShortWords::ShortWords(Dialect dialect, std::size_t longest)
 }
 
 ShortWords::Set ShortWords::concatenated(const Set& a, const Set& b) const {
-    // With words of one length numbered by value, the words u v for one u and all v of one length are a run of numbers.
+    // If words of one length are numbered by value, the words u v for one u and all v of one length have consecutive
+    // numbers.
     Set result;
     std::size_t length = 0;
     for (std::size_t u = 0; u < words_.size(); ++u) {

@@ -1,5 +1,6 @@
-// A slow, plainly right reading of expressions, to hold the compiler against. It shares no code with lpe/: its own
-// parser over ready-made tokens, its own predicates on events, and a matcher that computes sets of end positions.
+// A slow and simple implementation of expressions, for comparison with the compiler. It shares no code with lpe/: it
+// has its own parser of ready-made tokens, its own predicates on events, and a matcher that computes sets of end
+// positions.
 #pragma once
 
 #include <bitset>
@@ -17,43 +18,43 @@ using raylex::lpe::Dialect;
 using raylex::lpe::Event;
 using Path = std::vector<Event>;
 
-/// A piece of text the oracle knows whole: a mark of the grammar, or an event with its predicate.
+/// A token of the oracle: a mark of the grammar, or an event with its predicate.
 struct Token {
     std::string text;
     std::function<bool(const Event&)> matches;  ///< empty for marks
 };
 
-/// Marks ( ) [ ] | * + {2} {0,1} and events; renderman has ? ! & - too.
+/// Marks ( ) [ ] | * + {2} {0,1} and events; renderman also has ? ! & -.
 const std::vector<Token>& tokens(Dialect dialect);
 
 struct Tree;
 
-/// Reads a sequence of token indices; null when it is not an expression of the dialect.
+/// Parses a sequence of token indices; null if it is not an expression of the dialect.
 std::shared_ptr<Tree> parse(const std::vector<std::size_t>& sequence, Dialect dialect);
 
-/// Whether the tree matches the whole path.
+/// Returns whether the tree matches the whole path.
 bool matches(const Tree& tree, const Path& path, Dialect dialect);
 
 std::string text_of(const std::vector<std::size_t>& sequence, Dialect dialect);
 
-/// Every path of at most `longest` events over a small alphabet that shows each predicate true and false.
+/// Every path of at most `longest` events over a small alphabet for which each predicate is both true and false.
 std::vector<Path> all_paths(Dialect dialect, std::size_t longest);
 const std::vector<Event>& alphabet();
 
-/// All words of at most `longest` events over the small alphabet of all_paths, and the languages of trees cut to them:
-/// sets of words, united and concatenated word by word. A second reading beside matches(), fast enough to be
-/// exhaustive.
+/// All words of at most `longest` events over the small alphabet of all_paths(), and the languages of trees restricted
+/// to them: sets of words, united and concatenated word by word. A second implementation beside matches(), fast enough
+/// for exhaustive tests.
 class ShortWords {
   public:
-    static constexpr std::size_t most = 3906;  ///< words of at most 5 events over 5
+    static constexpr std::size_t most = 3906;  ///< words of at most 5 events over 5 letters
     using Set = std::bitset<most>;
 
     ShortWords(Dialect dialect, std::size_t longest);
 
-    /// In the order of all_paths: shorter words first, then by value.
+    /// The words in the order of all_paths(): shorter words first, then by value.
     [[nodiscard]] const std::vector<Path>& words() const { return words_; }
     [[nodiscard]] const std::vector<Event>& events() const { return events_; }
-    /// Where the word before the last event of word `w` stands; w > 0.
+    /// The index of word `w` without its last event; w > 0.
     [[nodiscard]] std::size_t parent(std::size_t w) const { return (w - 1) / events_.size(); }
     [[nodiscard]] std::size_t last_event(std::size_t w) const { return (w - 1) % events_.size(); }
     [[nodiscard]] Set language(const Tree& tree) const;
@@ -64,11 +65,11 @@ class ShortWords {
     std::size_t longest_;
     std::vector<Event> events_;
     std::vector<Path> words_;
-    std::vector<std::size_t> first_;  // [length], where words of that length begin; one more at the end
+    std::vector<std::size_t> first_;  // [length] begin of the words of that length, plus one entry at the end
     Set without_user_;
 };
 
-/// A small generator with a fixed sequence everywhere (SplitMix64; Steele, Lea and Flood 2014).
+/// A small generator with a fixed sequence on every machine (SplitMix64; Steele, Lea and Flood 2014).
 class Random {
   public:
     explicit Random(std::uint64_t seed) : state_(seed) {}

@@ -27,7 +27,7 @@ struct Tally {
     std::size_t expressions = 0, refused = 0, accepted_words = 0, words = 0;
 };
 
-/// Every sequence of `length` tokens; the first disagreement fails the test with its text.
+/// Compares every sequence of `length` tokens; the first difference fails the test with its text.
 void compare_all(Dialect dialect, std::size_t length, const std::vector<oracle::Path>& paths, Tally& tally) {
     const std::size_t count = oracle::tokens(dialect).size();
     std::vector<std::size_t> sequence(length, 0);
@@ -57,7 +57,7 @@ void compare_all(Dialect dialect, std::size_t length, const std::vector<oracle::
     }
 }
 
-/// The same by sets of words; sequences that are no expression are left out (compare_all has asked for their refusal).
+/// Compares by sets of words; skips sequences that are not expressions, whose refusal compare_all() checks.
 void compare_all_languages(Dialect dialect, std::size_t length, Tally& tally) {
     const oracle::ShortWords universe(dialect, 5);
     const std::size_t count = oracle::tokens(dialect).size();
@@ -104,7 +104,7 @@ void compare_random(Dialect dialect, std::uint64_t seed, int rounds) {
             trees.push_back(oracle::parse(sequence, dialect));
             REQUIRE(trees.back() != nullptr);
         }
-        // In every other round a small cap spreads the channels over groups, of which five are always enough.
+        // In every second round a small cap distributes the channels over groups, of which five are always enough.
         CompileOptions options{.group_cap = 5, .any_word = true};
         if (round % 2 == 1) options.state_cap = 8;
         const auto program = Program::compile(sources, options);
@@ -130,7 +130,7 @@ void compare_random(Dialect dialect, std::uint64_t seed, int rounds) {
             }
         }
     }
-    // The comparison means something only when both answers are common.
+    // The comparison is meaningful only if both answers are frequent.
     REQUIRE(accepted > static_cast<std::size_t>(rounds) * 10);
     REQUIRE(spread > rounds / 4);
 }

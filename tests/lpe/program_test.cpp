@@ -1,4 +1,4 @@
-// Programs of many channels: size, groups, the rest layer, bounds.
+// Programs of many channels: size, groups, the rest layer, limits.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -34,12 +34,12 @@ std::set<std::size_t> accepted_by(const Program& program, const std::vector<Even
     bool alive = true;
     for (const Event& event : path) {
         const bool moved = program.advance(words.data(), program.classify(event), words.data());
-        REQUIRE((alive || !moved));  // nothing comes back to life
+        REQUIRE((alive || !moved));  // a dead path stays dead
         alive = moved;
     }
     std::set<std::size_t> channels;
     program.for_each_accepted(words.data(), [&](std::uint16_t channel) {
-        REQUIRE(channels.insert(channel).second);  // no channel stands in two groups
+        REQUIRE(channels.insert(channel).second);  // no channel is in two groups
     });
     REQUIRE(program.accepts_any_of(words.data()) == !channels.empty());
     REQUIRE((alive || channels.empty()));
@@ -72,13 +72,13 @@ TEST_CASE("realistic channels compile to one small automaton", "[program]") {
     const auto program = Program::compile(channels);
     REQUIRE(program);
     CHECK(program->group_count() == 1);
-    // A generic symbol automaton, minimised, has 3427 states for this set (measured by its authors); words that no
-    // renderer reports are cut here, so there may be fewer but not more.
+    // A generic symbol automaton, minimised, has 3427 states for this set (measured by its authors). Words that no
+    // renderer reports are excluded here, so there can be fewer states but not more.
     CHECK(program->state_count() <= 3427);
     CHECK(program->class_count() <= 67);
 }
 
-TEST_CASE("channels that multiply are spread over groups, and the small ones packed", "[program]") {
+TEST_CASE("channels that multiply are distributed over groups, and small ones are packed", "[program]") {
     const auto channels = read_set("lpe_bench_anywhere.txt");
     const auto program = Program::compile(channels);
     REQUIRE(program);
@@ -93,7 +93,7 @@ TEST_CASE("channels that multiply are spread over groups, and the small ones pac
     CHECK(spread->word_count() > program->word_count());
     tight.state_cap = 300;
     tight.group_cap = 2;
-    tight.any_word = true;  // nothing is packed then
+    tight.any_word = true;  // then nothing is packed
     const auto refused = Program::compile(channels, tight);
     REQUIRE_FALSE(refused);
     CHECK(refused.error().message.find("2 are allowed") != std::string::npos);
@@ -106,7 +106,7 @@ TEST_CASE("channels that multiply are spread over groups, and the small ones pac
     CHECK(too_many_words.error().message.find("3 are allowed") != std::string::npos);
 }
 
-TEST_CASE("channels compiled together accept what each accepts alone, in one group or in many", "[program]") {
+TEST_CASE("channels compiled together accept the same paths as separately, in one group or in many", "[program]") {
     for (const char* set : {"lpe_bench_firsthit.txt", "lpe_bench_anywhere.txt"}) {
         const auto channels = read_set(set);
         CompileOptions tight;
@@ -139,7 +139,7 @@ TEST_CASE("channels compiled together accept what each accepts alone, in one gro
     }
 }
 
-TEST_CASE("the rest layer counts every path of the beauty that its channels do not", "[program][law1]") {
+TEST_CASE("the rest layer counts every path of the beauty that its channels do not count", "[program][law1]") {
     std::vector<ChannelSource> channels(3);
     channels[0] = {.name = "caustics", .expression = "CDS+L"};
     channels[1] = {.name = "floor", .expression = "C<RD'floor'>[^S]*L", .dialect = Dialect::osl};
@@ -158,7 +158,7 @@ TEST_CASE("the rest layer counts every path of the beauty that its channels do n
     }
     CHECK(rest > 100);
     CHECK(rest < 2000);
-    // A label that OSL's wildcards refuse is no reason to lose light.
+    // A label that OSL's wildcards refuse must not lose light.
     const auto odd = parse_events("C,- R,D,floor,D L,-");
     REQUIRE(odd);
     CHECK(accepted_by(*program, *odd) == std::set<std::size_t>{2});
@@ -188,7 +188,7 @@ TEST_CASE("states from which nothing can be accepted are dead", "[program][law4]
     CHECK(step(Program::dead, "C,-") == Program::dead);
 }
 
-TEST_CASE("a program of no channels, and one that can never match, are empty but whole", "[program]") {
+TEST_CASE("a program without channels, and one that can never match, are empty but valid", "[program]") {
     const Program none;
     CHECK(none.group_count() == 0);
     CHECK(none.classify({}) == 0);
@@ -203,7 +203,7 @@ TEST_CASE("a program of no channels, and one that can never match, are empty but
 }
 
 TEST_CASE("equal languages give equal tables", "[program]") {
-    // The minimal automaton is unique and numbered canonically, so texts do not matter.
+    // The minimal automaton is unique and has a canonical numbering, so different texts give the same tables.
     const auto tables = [](const char* expression) {
         ChannelSource source{.name = {}, .expression = expression};
         const auto program = Program::compile({&source, 1}, {.any_word = true});

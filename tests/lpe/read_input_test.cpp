@@ -1,4 +1,4 @@
-// Budgets and the one door for files: what has no end or is too large is refused, by name.
+// Budgets and reading of files: endless and too large input is refused by name.
 #include <catch2/catch.hpp>
 
 #include <fcntl.h>
@@ -31,7 +31,7 @@ std::string refusal(const std::string& path, NamedBy by = NamedBy::file) {
 
 }  // namespace
 
-TEST_CASE("a budget is set by name, with a unit, and named with its value by what exceeds it", "[budget]") {
+TEST_CASE("a budget is set by name, with a unit; an error names the exceeded budget and its value", "[budget]") {
     const BudgetGuard guard("image_pixels=3K,text_bytes=10");
     REQUIRE(guard.good());
     CHECK(budget(Budget::image_pixels) == 3072);
@@ -61,7 +61,7 @@ TEST_CASE("a file is read whole, without a byte order mark, up to its budget", "
     CHECK(refusal(folder.write("just", "1234")).empty());
 }
 
-TEST_CASE("devices, pipes and folders are no files; a person may name the first two", "[law7][budget]") {
+TEST_CASE("devices, pipes and folders are not files; the command line can name the first two", "[law7][budget]") {
     const Folder folder;
     CHECK(contains(refusal(folder.path()), "this is a directory; expected a file of numbers"));
     CHECK(contains(refusal(folder.path("no")), "No such file"));
@@ -88,7 +88,7 @@ TEST_CASE("devices, pipes and folders are no files; a person may name the first 
     CHECK(*read == "12 13");
 }
 
-TEST_CASE("waiting for a pipe that nobody writes to ends with an interrupt", "[law7][budget]") {
+TEST_CASE("an interrupt ends the wait for a pipe without a writer", "[law7][budget]") {
     const Folder folder;
     const std::string pipe = folder.path("pipe");
     REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
@@ -100,7 +100,7 @@ TEST_CASE("waiting for a pipe that nobody writes to ends with an interrupt", "[l
     });
     CHECK(contains(refusal(pipe, NamedBy::command_line), "interrupted"));
     later.join();
-    // What a stopped program needs to end in order is read all the same; pipes are no records.
+    // A stopped program still reads its records, which it needs to end in order; pipes are not records.
     const std::string record = folder.write("record.json", "{}");
     CHECK(contains(refusal(record, NamedBy::file), "interrupted"));
     const auto read = read_record(record, "a record");
@@ -110,7 +110,7 @@ TEST_CASE("waiting for a pipe that nobody writes to ends with an interrupt", "[l
     CHECK_FALSE(read_record(pipe, "a record"));
 }
 
-TEST_CASE("a file of vectors may begin with a byte order mark and must end", "[law7][budget]") {
+TEST_CASE("a file of vectors can begin with a byte order mark and must end", "[law7][budget]") {
     const Folder folder;
     const auto report = lpe::run_vectors(folder.write("a.tsv",
                                                       "\xef\xbb\xbf"

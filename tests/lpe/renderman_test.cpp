@@ -1,4 +1,4 @@
-// What the renderman dialect means, construct by construct.
+// The meaning of the renderman dialect, construct by construct.
 #include <catch2/catch.hpp>
 
 #include "lpe/match.h"
@@ -32,7 +32,7 @@ TEST_CASE("L is every light, B the environment alone, O emission", "[renderman]"
     CHECK(accepts("C[<L.>O]-CB", "C,- O,-"));
 }
 
-TEST_CASE("S is every specular lobe, G the glossy ones, numbers pick lobes", "[renderman]") {
+TEST_CASE("S is every specular lobe, G the glossy ones, and numbers select lobes", "[renderman]") {
     CHECK(accepts("CSL", "C,- R,S L,-"));
     CHECK(accepts("CSL", "C,- T,G L,-"));
     CHECK(accepts("CGL", "C,- R,G L,-"));
@@ -57,7 +57,7 @@ TEST_CASE("user events match only when they are named", "[renderman]") {
     CHECK_FALSE(accepts("CU2L", "C,- U12,- L,-"));
 }
 
-TEST_CASE("straight-through events leave no trace", "[renderman]") {
+TEST_CASE("pass-through events leave no event", "[renderman]") {
     CHECK(accepts("CDL", "C,- T,s R,D T,s,leaf T,s L,-"));
     CHECK(accepts("CL", "C,- T,s L,-"));
     CHECK_FALSE(accepts("C.L", "C,- T,s L,-"));
@@ -73,7 +73,7 @@ TEST_CASE("| joins only its neighbours", "[renderman]") {
     CHECK(accepts("CD+|S L", "C,- R,D R,D L,-"));
 }
 
-TEST_CASE("labels: first slot, later slots, sets, absent is empty", "[renderman]") {
+TEST_CASE("labels: first slot, later slots, sets; an absent label is empty", "[renderman]") {
     CHECK(accepts("C<RD'floor'>L", "C,- R,D,floor,diffuse L,-"));
     CHECK(accepts("C<RD.'diffuse'>L", "C,- R,D,floor,diffuse L,-"));
     CHECK(accepts("C<RD.'diffuse'>L", "C,- R,D,'',diffuse L,-"));

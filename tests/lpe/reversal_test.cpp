@@ -1,4 +1,4 @@
-// Light subpaths read from the light end, against the same words read forward.
+// Light subpaths read from the light, compared with the same words read forward.
 #include <catch2/catch.hpp>
 
 #include <set>
@@ -23,7 +23,7 @@ void add(std::vector<ChannelSource>& channels, Dialect dialect, const std::strin
     }
 }
 
-/// Any sequence of events; most are words of W.
+/// Any sequence of events, usually a word of W.
 std::vector<Event> random_spelling(oracle::Random& random) {
     std::vector<Event> word;
     if (random.below(30) != 0) { word.push_back({EventType::camera, Scatter::none, 0, {}}); }
@@ -94,7 +94,7 @@ void check_joins(const std::vector<ChannelSource>& channels, const CompileOption
 
 }  // namespace
 
-TEST_CASE("light subpaths joined with camera subpaths match as whole words do", "[reversal]") {
+TEST_CASE("light subpaths connected to camera subpaths match like whole words", "[reversal]") {
     for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
         CAPTURE(dialect == Dialect::osl);
         std::vector<ChannelSource> channels = shipped(dialect);
@@ -113,7 +113,7 @@ TEST_CASE("light subpaths joined with camera subpaths match as whole words do", 
     }
 }
 
-TEST_CASE("a light subpath that nothing can make anything of is dead", "[reversal][law4]") {
+TEST_CASE("a light subpath that no connection can complete is dead", "[reversal][law4]") {
     const ChannelSource channel{.name = "direct", .expression = "C<RD>[<L.'key'>]"};
     const auto program = Program::compile({&channel, 1});
     REQUIRE(program);
@@ -136,7 +136,7 @@ TEST_CASE("a reversal that would be too large is an error", "[reversal]") {
     REQUIRE(program);
     const auto refused = ReversedProgram::build(*program, {.state_cap = 3});
     REQUIRE_FALSE(refused);
-    CHECK(refused.error().message.find("takes more than 3 states") != std::string::npos);
+    CHECK(refused.error().message.find("needs more than 3 states") != std::string::npos);
     CHECK_FALSE(ReversedProgram::build(*program, {.byte_cap = 100}));
     CHECK(ReversedProgram::build(*program));
 }

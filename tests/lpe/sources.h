@@ -1,4 +1,4 @@
-// Channels for tests, from as little text as it takes.
+// Channels for tests in a short notation.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ namespace lpe_test {
 using raylex::lpe::ChannelSource;
 using raylex::lpe::Dialect;
 
-/// Pairs of name and expression.
+/// Channels from pairs of name and expression.
 inline std::vector<ChannelSource> channels_of(const std::vector<std::pair<std::string, std::string>>& list,
                                               Dialect dialect = Dialect::renderman) {
     std::vector<ChannelSource> channels;
@@ -31,7 +31,7 @@ inline ChannelSource channel_of(const std::string& expression, Dialect dialect =
     return channels_of({{"channel", expression}}, dialect).front();
 }
 
-/// An expression without a name, of the renderman dialect unless "osl:" stands in front.
+/// An expression without a name, in the renderman dialect unless it begins with "osl:".
 inline ChannelSource source(const std::string& text) {
     ChannelSource channel;
     channel.expression = text.starts_with("osl:") ? text.substr(4) : text;

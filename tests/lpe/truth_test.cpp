@@ -1,4 +1,4 @@
-// Closed enclosures: what expressions must give, against closed forms and against sums word by word.
+// Closed enclosures: the values of expressions against closed forms and against sums over words.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -31,10 +31,10 @@ EnclosureTruth truth_of(const std::string& text, const Enclosure& of, Dialect di
 
 }  // namespace
 
-TEST_CASE("expressions in an enclosure have their closed forms", "[truth]") {
+TEST_CASE("expressions in an enclosure have the values of closed forms", "[truth]") {
     const Enclosure walls = enclosure(0.5, 0.3);
     const auto value = [&](const char* text) { return truth_of(text, walls, Dialect::osl).value; };
-    // Geometric series, by hand; systems of a few states round some times at 2^-53 of values of at most 5.
+    // Geometric series, computed by hand; systems of a few states round a few times at 2^-53 of values of at most 5.
     const auto near = [](double expected) { return Approx(expected).margin(1e-14).epsilon(0); };
     CHECK(value("CL") == near(1));
     CHECK(value("C.*L") == near(5));
@@ -53,7 +53,7 @@ TEST_CASE("expressions in an enclosure have their closed forms", "[truth]") {
     for (std::size_t k = 0; k < 9; ++k) CHECK(all.by_depth[k] == near(std::pow(0.8, static_cast<double>(k))));
 }
 
-TEST_CASE("a white enclosure has a truth for paths of limited depth only", "[truth][law7]") {
+TEST_CASE("a white enclosure has a value for paths of limited depth only", "[truth][law7]") {
     Enclosure white = enclosure(0.75, 0.25);
     const ChannelSource all{.name = {}, .expression = "C.*L"};
     const auto unbounded = enclosure_truth(all, white);
@@ -62,17 +62,18 @@ TEST_CASE("a white enclosure has a truth for paths of limited depth only", "[tru
     white.max_depth = 10000;
     CHECK(truth_of("C.*L", white).value == Approx(10001).epsilon(1e-12));
     CHECK(truth_of("CD*L", white).value == Approx(4).epsilon(1e-12));
-    // Albedo 1 - 1e-6 without a bound: the system stays exact to the conditioning, 1e6 x 2^-53.
+    // Albedo 1 - 1e-6 without a depth limit: the system is exact up to its condition number, 1e6 x 2^-53.
     CHECK(truth_of("C.*L", enclosure(0.999999, 0)).value == Approx(1e6).epsilon(1e-9));
     CHECK_FALSE(enclosure_truth({.name = {}, .expression = "C(L"}, white));
 }
 
-TEST_CASE("sheets within a spherical enclosure are crossed as flights between its walls cross them", "[truth][law7]") {
+TEST_CASE("flights between the walls of a spherical enclosure cross its sheets with the right probabilities",
+          "[truth][law7]") {
     Enclosure walls = enclosure(0.5, 0.3);
     walls.sheets = {{{EventType::transmission, Scatter::singular, 0, {"", "sheet"}}, 0.8}, {0.5}};
     const auto value = [&](const char* text) { return truth_of(text, walls, Dialect::osl).value; };
     const auto near = [](double expected) { return Approx(expected).margin(1e-14).epsilon(0); };
-    // A quarter of the Lambert flights crosses it; a mirror's does if the one before did.
+    // A quarter of the Lambert flights crosses it; a mirror's flight does if the previous one did.
     CHECK(value("CL") == 0);
     CHECK(value("C<TS>L") == near(0.8));
     CHECK(value("C<TS>DL") == near(0.8 * 0.5 * 0.75));
@@ -97,12 +98,12 @@ TEST_CASE("sheets within a spherical enclosure are crossed as flights between it
     CHECK(enclosure_truth(all, walls).error().message.find("only reflect") != std::string::npos);
 }
 
-TEST_CASE("random expressions have the sum of their words", "[truth]") {
+TEST_CASE("random expressions have the sum over their words", "[truth]") {
     for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
         CAPTURE(dialect == Dialect::osl);
         Enclosure walls = enclosure(0.5, 0.3, 0.125);
         walls.max_depth = 6;
-        // Every path of at most 6 scattering events, with what it carries.
+        // Every path of at most 6 scattering events, with its light.
         std::vector<std::pair<oracle::Path, double>> words{{{Event{}}, 1}};
         for (std::size_t i = 0; i < words.size(); ++i) {
             if (words[i].first.size() > 6) continue;
@@ -134,10 +135,10 @@ TEST_CASE("random expressions have the sum of their words", "[truth]") {
             for (const auto& [word, weight] : words)
                 if (oracle::matches(*tree, word, dialect)) expected += weight;
             INFO(text);
-            // Sums of a thousand products in another order.
+            // The order of sums of a thousand products differs.
             const EnclosureTruth truth = truth_of(text, walls, dialect);
             REQUIRE(truth.value == Approx(expected).margin(1e-13).epsilon(0));
-            // And without a bound on the depth: what longer paths add is at most the tail of the series.
+            // Without a depth limit, longer paths add at most the tail of the series.
             Enclosure unbounded = walls;
             unbounded.max_depth.reset();
             const double longer = truth_of(text, unbounded, dialect).value - expected;
@@ -146,6 +147,6 @@ TEST_CASE("random expressions have the sum of their words", "[truth]") {
             total += expected;
             ++compared;
         }
-        CHECK(total > 1);  // not only of expressions that match nothing here
+        CHECK(total > 1);  // some expressions match
     }
 }

@@ -16,7 +16,7 @@ TEST_CASE("the osl dialect agrees with Open Shading Language on every conformanc
     CHECK(report->agree == 1616);
 }
 
-TEST_CASE("a vector that disagrees is reported with its line and what was found", "[vectors]") {
+TEST_CASE("a failed vector is reported with its line and its result", "[vectors]") {
     const auto report = run_vectors_text(
         "# comment\nCDL\tC,- R,D L,-\t0\nC[\tC,-\t1\nCDL\tC,- R,D L,-\t1\nC()\t\tNOCRASH\n", "mine", Dialect::osl);
     REQUIRE(report);

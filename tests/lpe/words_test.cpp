@@ -33,7 +33,7 @@ bool can_match(const std::string& expression, const Words& words, Dialect dialec
 
 }  // namespace
 
-TEST_CASE("a depth limit cuts W to words of so many scatterings") {
+TEST_CASE("a depth limit restricts W to words with that many scatterings") {
     Words words;
     words.max_depth = 2;
     CHECK(can_match("C..L", words));
@@ -47,7 +47,7 @@ TEST_CASE("a depth limit cuts W to words of so many scatterings") {
     CHECK_FALSE(can_match("C.L", words));
 }
 
-TEST_CASE("straight-through events do not count as scatterings") {
+TEST_CASE("pass-through events do not count as scatterings") {
     Words words;
     words.max_depth = 1;
     CHECK(can_match("CDL", words));
@@ -57,13 +57,13 @@ TEST_CASE("straight-through events do not count as scatterings") {
     CHECK_FALSE(can_match("C<Ts>DL", words, Dialect::osl));
 }
 
-TEST_CASE("a depth limit past the bound is no limit, so that no proof is relative to too few words") {
+TEST_CASE("a depth limit beyond the maximum is ignored, so that proofs never cover too few words") {
     Words words;
     words.max_depth = 1'000'000;
     CHECK(can_match("CD{200}L", words));
 }
 
-TEST_CASE("proofs on an alphabet tell apart what expressions name and no more") {
+TEST_CASE("proofs on an alphabet distinguish only what expressions name") {
     Words words;
     words.alphabet =
         Alphabet{{reflection(Scatter::diffuse, "floor", "diffuse"), reflection(Scatter::diffuse, "wall", "diffuse"),
@@ -78,7 +78,7 @@ TEST_CASE("proofs on an alphabet tell apart what expressions name and no more") 
     const auto word = find_word({"", "C<.G'*'>L"}, words);
     REQUIRE(word.ok());
     REQUIRE(word->has_value());
-    CHECK((*word)->text == "C,- R,G,lamp_1,coat L,-");  // an event that the scene has
+    CHECK((*word)->text == "C,- R,G,lamp_1,coat L,-");  // an event of the scene
 }
 
 TEST_CASE("proofs on ten thousand labels take as long as on the labels that are named", "[performance]") {
@@ -93,7 +93,7 @@ TEST_CASE("proofs on ten thousand labels take as long as on the labels that are 
     const std::clock_t start = std::clock();
     CHECK(verdict({{"one", "C<RD'object_7'>.*"}, {"others", "C<RD[^'object_7']>.*"}, {"coats", "CG.*"}, {"seen", "CL"}},
                   words) == Verdict::partition);
-    // Some 2 ms; without folding the labels the proof is refused (too many kinds of events). The rest is for
+    // About 2 ms; without merging labels the proof is refused (too many kinds of events). The rest of the bound is for
     // sanitizers.
     CHECK(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC < 0.5);
 }

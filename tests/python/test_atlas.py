@@ -106,7 +106,7 @@ class Asked(Case):
         self.assertRaylexError("found 'X'", atlas.ask, {"bad": "C<RX>L"})
         self.assertRaylexError("nothing is asked for", atlas.ask)
         self.assertRaylexError("do not tell techniques apart", atlas.ask, {"t": "s1t3;C.*"})
-        self.assertRaylexError("no path atlas", raylex.Atlas, self.rendered_file())
+        self.assertRaylexError("not a path atlas", raylex.Atlas, self.rendered_file())
         self.assertRaylexError("no-such", raylex.Atlas, "no-such.exr")
         self.assertRaylexError("without an atlas|beauty", raylex.render, CORNELL, spp=1, beauty=False,
                                lpe={"a": "CDL"}, atlas=self.folder / "n.atlas.exr")

@@ -47,14 +47,14 @@ struct Image {
     [[nodiscard]] FilteredImage seen() const { return {buffer, filters}; }
 };
 
-TEST_CASE("without filters an image is seen as it is", "[display_filter]") {
+TEST_CASE("without filters an image is unchanged", "[display_filter]") {
     const Image image;
     for (ChannelId id = 0; id < 4; ++id) CHECK(image.seen().resolve(id) == image.buffer.resolve(id));
     CHECK(image.seen().resolve_alpha() == image.buffer.resolve_alpha());
     CHECK(image.seen().layout() == image.buffer.layout());
 }
 
-TEST_CASE("filters work in their order, by region as on the whole, and leave the frame buffer alone",
+TEST_CASE("filters work in order, equally by region and on the whole, and do not change the frame buffer",
           "[display_filter]") {
     Image image;
     const std::vector<double> before = image.buffer.resolve(0);
@@ -70,7 +70,7 @@ TEST_CASE("filters work in their order, by region as on the whole, and leave the
     CHECK(corner == std::vector<double>(beauty.begin() + 3 * 4, beauty.end()));
     CHECK(image.filters[0]->alters() == std::vector<ChannelId>{0});
 
-    Image other;  // the other order
+    Image other;  // the opposite order
     REQUIRE(other.add("grade:exposure=1").empty());
     REQUIRE(other.add("background:color=1 2 4").empty());
     CHECK(other.seen().resolve(0)[0] == Approx(2 * before[0] + 0.75).epsilon(1e-14));
@@ -92,7 +92,7 @@ TEST_CASE("a grade of all light keeps the sum of resolved layers", "[display_fil
     CHECK(image.seen().resolve(3)[0] == 2 * image.buffer.resolve(3)[0] + 1);
 }
 
-TEST_CASE("display filters that cannot be made say what they expect", "[display_filter][law7]") {
+TEST_CASE("display filters that cannot be made give errors with the expected values", "[display_filter][law7]") {
     Image image;
     CHECK(image.add("grad").find("did you mean 'grade'") != std::string::npos);
     CHECK(image.add("grade:offset=1").find("no longer sum") != std::string::npos);

@@ -1,4 +1,4 @@
-// What can reach an image calls no function whose bits depend on the processor: the sources are read for their names.
+// Code that can affect an image calls no function whose bits depend on the processor: the test searches the sources.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -16,13 +16,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Files that may name them, and why.
+/// Files that can use these names, and the reason.
 const std::pair<const char*, const char*> exempt[] = {
-    {"display/services/elementary.h", "is what takes their place"},
-    {"display/services/elementary.cpp", "is what takes their place"},
+    {"display/services/elementary.h", "replaces them"},
+    {"display/services/elementary.cpp", "replaces them"},
 };
 
-/// Functions that C libraries pick by processor, or give in another last bit in another version.
+/// Functions that C libraries select by processor, or whose last bits depend on the version.
 const std::set<std::string>& forbidden_functions() {
     static const std::set<std::string> all = [] {
         std::set<std::string> names = {"sincos",         "sincosf",      "pow10",    "exp10",
@@ -37,7 +37,7 @@ const std::set<std::string>& forbidden_functions() {
     return all;
 }
 
-/// Types and headers that call them inside.
+/// Types and headers that use them internally.
 const std::set<std::string> forbidden_names = {"normal_distribution",
                                                "lognormal_distribution",
                                                "exponential_distribution",
@@ -50,7 +50,7 @@ bool in_word(char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
 
-/// Without comments and the contents of literals.
+/// The code without comments and without the contents of literals.
 std::string code_of(const std::string& text) {
     std::string code;
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -60,7 +60,7 @@ std::string code_of(const std::string& text) {
         } else if (text.compare(i, 2, "/*") == 0) {
             const std::size_t end = text.find("*/", i + 2);
             i = end == std::string::npos ? text.size() : end + 1;
-        } else if (text[i] == '\'' && (i == 0 || !in_word(text[i - 1]))) {  // else it parts digits
+        } else if (text[i] == '\'' && (i == 0 || !in_word(text[i - 1]))) {  // otherwise it separates digits
             i += text.compare(i + 1, 1, "\\") == 0 ? 3 : 2;
         } else if (text[i] == '"') {
             const bool raw = i > 0 && text[i - 1] == 'R';
@@ -79,7 +79,7 @@ std::string code_of(const std::string& text) {
     return code;
 }
 
-/// The word at `begin` is a call, or a name taken from std or the global namespace.
+/// Returns whether the word at `begin` is a call, or a name from std or the global namespace.
 bool is_library_name(const std::string& code, std::size_t begin, std::size_t end) {
     std::size_t before = begin;
     while (before > 0 && std::isspace(static_cast<unsigned char>(code[before - 1])) != 0) --before;
@@ -95,7 +95,7 @@ bool is_library_name(const std::string& code, std::size_t begin, std::size_t end
     return !member && end < code.size() && code[end] == '(';
 }
 
-/// Approximations whose digits are the maker's choice (rcpps, rsqrtps), and compilers' names of the functions.
+/// Approximations whose digits depend on the manufacturer (rcpps, rsqrtps), and compilers' names of the functions.
 bool is_forbidden_builtin(const std::string& word) {
     const std::string builtin = "__builtin_";
     if (word.starts_with(builtin)) return forbidden_functions().count(word.substr(builtin.size())) != 0;
@@ -103,7 +103,7 @@ bool is_forbidden_builtin(const std::string& word) {
            (word.find("_rcp") != std::string::npos || word.find("_rsqrt") != std::string::npos);
 }
 
-/// "" or the first name in the text that must not be there.
+/// The first forbidden name in the text, or "".
 std::string forbidden_name(const std::string& text) {
     const std::string code = code_of(text);
     for (std::size_t i = 0; i < code.size();) {
@@ -122,7 +122,7 @@ std::string forbidden_name(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("no source of an image names a function that depends on the processor", "[layout]") {
+TEST_CASE("no source that affects images uses a function that depends on the processor", "[layout]") {
     const fs::path root = raylex::test::source_dir();
     std::size_t files = 0, exempted = 0;
     for (const char* top : {"lpe", "display", "geoaovs", "transport"}) {
@@ -146,7 +146,7 @@ TEST_CASE("no source of an image names a function that depends on the processor"
     CHECK(exempted == std::size(exempt));
 }
 
-TEST_CASE("the reader of sources sees every way of naming such a function", "[layout]") {
+TEST_CASE("the search finds every way of naming such a function", "[layout]") {
     for (const char* text :
          {"x = std::sin(y);", "using std::pow;", "f(&std::exp);", "x = sinf(y);", "x = ::log(y);",
           "auto f = std :: cos;", "std::normal_distribution<float> n;", "#include <complex>", "x = __builtin_sin(y);",

@@ -1,5 +1,5 @@
-// Our own elementary functions: their accuracy against the C library in more digits, their limits, and their very bits,
-// which are the same on every processor (display/services/elementary.h).
+// The elementary functions: their accuracy against the C library in higher precision, their limits, and their exact
+// bits, which are the same on every processor (display/services/elementary.h).
 #include <catch2/catch.hpp>
 
 #include <bit>
@@ -20,14 +20,14 @@ namespace elementary = raylex::elementary;
 
 using Range = std::pair<double, double>;
 
-/// A function of one argument in both precisions, with the C library's in one precision more.
+/// A function of one argument in both precisions, and the C library's function in the next higher precision.
 struct Function {
     const char* name;
     float (*single)(float);
     double (*single_reference)(double);
     double (*whole)(double);
     long double (*reference)(long double);
-    double bound;  ///< of the double's error, in ulp: as the header says, rounded up
+    double bound;  ///< largest error of the double function in ulp: that of the header, rounded up
     std::vector<Range> ranges;
 };
 
@@ -59,7 +59,7 @@ const std::vector<Function>& functions() {
     return all;
 }
 
-/// A unit in the last place of a result with this many bits and this smallest exponent.
+/// The unit in the last place of a result with this many bits and this smallest exponent.
 double ulp_of(double result, int bits, int least) {
     int exponent = 0;
     std::frexp(result, &exponent);
@@ -72,7 +72,7 @@ double double_ulp(double result) {
     return ulp_of(result, 53, -1021);
 }
 
-/// Half of them spread over the range, half over its exponents.
+/// Arguments of which half are spread over the range and half over its exponents.
 std::vector<double> arguments(const Range& range, std::size_t count) {
     std::mt19937_64 random(7);
     const auto unit = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
@@ -86,8 +86,8 @@ std::vector<double> arguments(const Range& range, std::size_t count) {
     return result;
 }
 
-/// The largest error of the float function over every `step`th of all floats; -1 where a result must be infinite, NaN
-/// or a zero of that sign and is not.
+/// The largest error of the float function over every `step`th of all floats; -1 if a result that must be infinite, NaN
+/// or a zero with a certain sign is wrong.
 double float_error(const Function& f, std::uint64_t step) {
     double worst = 0;
     for (std::uint64_t bits = 0; bits < std::uint64_t(1) << 32; bits += step) {
@@ -136,7 +136,7 @@ const double special[] = {0.0,
                           std::numeric_limits<double>::denorm_min(),
                           -std::numeric_limits<double>::denorm_min()};
 
-/// The same zero, infinity or NaN; any other number within so many ulp.
+/// Returns whether the values are the same zero, infinity or NaN, or numbers within that many ulp.
 bool agrees(double own, double expected, double ulps, double ulp) {
     if (!std::isfinite(expected) || expected == 0) return same_value(own, expected);
     return std::abs(own - expected) <= ulps * ulp;
@@ -148,7 +148,8 @@ TEST_CASE("float functions are within 0.51 ulp at every float", "[elementary]") 
     for (const Function& f : functions()) {
         INFO(f.name);
         const double error = float_error(f, 19997);  // a prime: all exponents, and mantissas without a pattern
-        CHECK(error >= 0.49);                        // what rounding once costs; less would mean nothing was measured
+        CHECK(error >= 0.49);                        // the error of a single rounding; less would mean that nothing was
+                                                     // measured
         CHECK(error <= 0.51);
     }
 }
@@ -162,7 +163,7 @@ TEST_CASE("float functions are within 0.51 ulp at all 2^32 floats", "[.full]") {
     }
 }
 
-TEST_CASE("double functions are as accurate as they say", "[elementary]") {
+TEST_CASE("double functions have the documented accuracy", "[elementary]") {
     for (const Function& f : functions()) {
         INFO(f.name);
         double worst = 0;
@@ -174,7 +175,7 @@ TEST_CASE("double functions are as accurate as they say", "[elementary]") {
     }
 }
 
-TEST_CASE("double functions of two arguments are as accurate as they say", "[elementary]") {
+TEST_CASE("double functions of two arguments have the documented accuracy", "[elementary]") {
     struct Two {
         const char* name;
         double (*own)(double, double);
@@ -216,7 +217,7 @@ TEST_CASE("sine and cosine next to multiples of pi/2", "[elementary]") {
         CHECK(double_error(x, functions()[0].whole, functions()[0].reference) <= 0.8);
         CHECK(double_error(x, functions()[1].whole, functions()[1].reference) <= 0.8);
     }
-    // The double nearest to a multiple of pi/2 (Muller, table 11.1): 6381956970095103 2^797.
+    // The double closest to a multiple of pi/2 (Muller, table 11.1): 6381956970095103 2^797.
     const double x = std::ldexp(6381956970095103.0, 797);
     CHECK(std::abs(elementary::cos(x)) < 0x1p-60);
     CHECK(double_error(x, functions()[1].whole, functions()[1].reference) <= 0.8);
@@ -268,9 +269,9 @@ TEST_CASE("float powers and angles are within 0.51 ulp", "[elementary]") {
     CHECK(worst_of(Single(elementary::hypot), [](double x, double y) { return std::hypot(x, y); }) <= 0.51);
 }
 
-TEST_CASE("float functions rise or fall where the mathematical ones do", "[elementary]") {
+TEST_CASE("float functions are monotone where the mathematical ones are", "[elementary]") {
     const auto ordered = [](float (*f)(float), float from, float to, float sign) {
-        // Runs of neighbours: rounding decides there and nothing else.
+        // Runs of neighbouring floats, where only rounding matters.
         const int runs = 400;
         for (int run = 0; run < runs; ++run) {
             float x = from + (to - from) * (static_cast<float>(run) / runs), before = f(x);
@@ -299,9 +300,10 @@ TEST_CASE("float functions rise or fall where the mathematical ones do", "[eleme
     CHECK(holds(elementary::acos, -1, 1, -1));
 }
 
-TEST_CASE("bits are what they are everywhere", "[elementary]") {
-    // One number for all results of a function. It was noted on one machine; any other must find it, whatever its
-    // processor has (tests/experiments/masked_features_test.cpp masks features), so it changes with the source only.
+TEST_CASE("the bits of the results are the same on every machine", "[elementary]") {
+    // One hash for all results of a function, recorded on one machine. Any other machine must give the same one,
+    // whatever its processor (tests/experiments/masked_features_test.cpp masks features), so it changes only with the
+    // source.
     const std::pair<const char*, const char*> expected[] = {
         {"sin", "00d2e9d7e417af35"},  {"cos", "b594c0605edf10cc"},  {"tan", "b51e036e55407d08"},
         {"exp", "8d02f22a889fdd20"},  {"exp2", "e1548def93e6218c"}, {"expm1", "7a4a55fe2a1a43ee"},

@@ -1,4 +1,4 @@
-// Sample filters in a chain: order, grades and their sums, shadows, and what a broken filter cannot do.
+// Chains of sample filters: order, grades and their sums, shadows, and the effects of a broken filter.
 #include <limits>
 
 #include <catch2/catch.hpp>
@@ -19,7 +19,7 @@ ParameterSet parameters(const std::string& filter, const std::string& text) {
     return request->parameters;
 }
 
-/// beauty = a + b, a normal, and a channel that is no light.
+/// The channels beauty = a + b, a normal, and a channel that is not light.
 struct Chain {
     std::vector<ChannelDefinition> channels{test::expression_channel("beauty", "C.*"),
                                             test::expression_channel("a", "CDL"), test::expression_channel("b", "CSL"),
@@ -58,7 +58,7 @@ RgbD get(const SampleTable& table, ChannelId id, int row) {
     return {v[0], v[1], v[2]};
 }
 
-TEST_CASE("filters work in the order in which they are declared", "[sample_filter]") {
+TEST_CASE("filters work in the order of their declaration", "[sample_filter]") {
     for (const bool clamp_first : {true, false}) {
         Chain c;
         if (clamp_first) REQUIRE(c.add("clamp", "luminance=2").empty());
@@ -94,14 +94,14 @@ TEST_CASE("a grade of all light keeps sums, whatever its exposure, gain and satu
     for (int row = 0; row < table.row_count(); ++row)
         for (int i = 0; i < 3; ++i) {
             const double sum = get(table, 1, row)[i] + get(table, 2, row)[i], whole = get(table, 0, row)[i];
-            // Law 1's bound for double accumulators; the terms of a saturation are up to 6 times its result here.
+            // Law 1's bound for double accumulators; with saturation the terms are up to 6 times the result here.
             CHECK(std::abs(sum - whole) <= 1e-12 * 6);
         }
     CHECK(get(table, 3, 9) == RgbD(0.6));
-    CHECK(get(table, 4, 9) == RgbD(0.7));  // holds no light
+    CHECK(get(table, 4, 9) == RgbD(0.7));  // not light
 }
 
-TEST_CASE("the grade is the one that its formula says, per component", "[sample_filter]") {
+TEST_CASE("the grade equals its formula, per component", "[sample_filter]") {
     Chain c;
     REQUIRE(c.add("grade", "channels='a b',exposure=1,gain=0.5 1 2,offset=0.25,gamma=2 1 0.5,saturation=0.5").empty());
     CHECK(c.chain.alters() == std::vector<ChannelId>{1, 2});
@@ -109,7 +109,7 @@ TEST_CASE("the grade is the one that its formula says, per component", "[sample_
     const int extra = table.add_row(0);
     set(table, 1, 0, RgbD(2.25, 1.0, 0.5));
     set(table, 0, 0, RgbD(3.0));
-    set(table, 2, 0, RgbD(1.25, 0.75, 0.25));  // with the extra row the same sample as a's
+    set(table, 2, 0, RgbD(1.25, 0.75, 0.25));  // together with the extra row the same sample as that of channel a
     set(table, 2, extra, RgbD(1.0, 0.25, 0.25));
     c.chain.apply(table);
     // (2.25 + 0.25)^(1/2), 1 x 2 + 0.25, (0.5 x 4 + 0.25)^2
@@ -123,7 +123,7 @@ TEST_CASE("the grade is the one that its formula says, per component", "[sample_
     CHECK(get(table, 0, 0) == RgbD(3.0));
 }
 
-TEST_CASE("shadow is what is held back of the light, into alpha and a layer", "[sample_filter]") {
+TEST_CASE("shadow puts the blocked fraction of the light into alpha and a layer", "[sample_filter]") {
     for (const bool held_back : {true, false}) {
         Chain c;
         c.channels = {test::expression_channel("beauty", "C.*"), test::expression_channel("u", "unoccluded;C[DS]+<L.>"),
@@ -151,7 +151,7 @@ TEST_CASE("shadow is what is held back of the light, into alpha and a layer", "[
     }
 }
 
-/// A plugin with a slip.
+/// A plugin with a bug.
 class Broken final : public SampleFilter {
   public:
     void apply(SampleTable& table) const override {
@@ -161,7 +161,7 @@ class Broken final : public SampleFilter {
     }
 };
 
-TEST_CASE("what a filter makes that is not finite is taken out of beauty and layers alike and counted",
+TEST_CASE("values that a filter makes and that are not finite are removed from beauty and layers and counted",
           "[sample_filter][law1][law6]") {
     Chain c;
     c.chain.add(std::make_unique<Broken>());
@@ -185,7 +185,7 @@ TEST_CASE("what a filter makes that is not finite is taken out of beauty and lay
     CHECK(table.invalid_by_channel()[3] == 1);
 }
 
-TEST_CASE("filters that cannot be made say what they expect", "[sample_filter][law7]") {
+TEST_CASE("filters that cannot be made give errors with the expected values", "[sample_filter][law7]") {
     Chain c;
     const auto holds = [](const std::string& error, const char* words) {
         CAPTURE(error, words);
@@ -195,15 +195,15 @@ TEST_CASE("filters that cannot be made say what they expect", "[sample_filter][l
     CHECK(holds(c.add("grade", "gamma=2.2"), "no longer sum to the beauty"));
     CHECK(holds(c.add("grade", "channels=aa"), "did you mean 'a'"));
     CHECK(holds(c.add("grade", "gain=-1"), "negative gain"));
-    CHECK(holds(c.add("grade", "gain=1 2"), "no three of them"));
+    CHECK(holds(c.add("grade", "gain=1 2"), "nor three numbers"));
     CHECK(holds(c.add("grade", "gamma=0,channels=a"), "above 0"));
     CHECK(holds(c.add("grade", "saturation=-1"), "negative saturation"));
     CHECK(holds(c.add("grade", "gian=2"), "did you mean 'gain'"));
     CHECK(holds(c.add("clamp", "limit=2"), "no parameter 'limit'"));
     CHECK(holds(c.add("shadow", "unoccluded=a"), "expected unoccluded=NAME with"));
     CHECK(holds(c.add("shadow", "unoccluded=a,occluded=b,shadows=b"), "expected unoccluded=NAME with"));
-    CHECK(holds(c.add("shadow", "unoccluded=a,occluded=N"), "no light path expression"));
-    CHECK(holds(c.add("shadow", "unoccluded=a,occluded=b,alpha=false"), "nowhere to put"));
+    CHECK(holds(c.add("shadow", "unoccluded=a,occluded=N"), "not a light path expression"));
+    CHECK(holds(c.add("shadow", "unoccluded=a,occluded=b,alpha=false"), "no destination for"));
     CHECK(holds(c.add("shadow", "unoccluded=a,occluded=b,threshold=-1"), "below 0"));
     const auto bad = parse_object_request("grade:gain=big", sample_filter_registry(), "sample filter", chain_location);
     CHECK((!bad && holds(bad.error().to_string(), "three with blanks")));

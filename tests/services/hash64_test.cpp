@@ -1,4 +1,4 @@
-// XXH64 against the values its specification and reference implementation give.
+// XXH64 against the values of its specification and its reference implementation.
 #include <catch2/catch.hpp>
 
 #include <string>
@@ -7,7 +7,7 @@
 
 TEST_CASE("the hash is XXH64", "[hash]") {
     using raylex::hash64;
-    // Published test values: of nothing, and of short and long texts with seed 0.
+    // Published test values: the empty text, and short and long texts with seed 0.
     CHECK(hash64("") == 0xef46db3751d8e999ull);
     CHECK(hash64("a") == 0xd24ec4f1a98c6e5bull);
     CHECK(hash64("abc") == 0x44bc2cf5ad770999ull);
@@ -16,7 +16,7 @@ TEST_CASE("the hash is XXH64", "[hash]") {
     CHECK(raylex::hash_text(1) == "0000000000000001");
 }
 
-TEST_CASE("every byte and the seed count, at every length", "[hash]") {
+TEST_CASE("every byte and the seed affect the hash, at every length", "[hash]") {
     std::string text;
     for (int length = 0; length < 100; ++length) {
         const std::uint64_t hash = raylex::hash64(text);

@@ -1,4 +1,4 @@
-// Shared by the tests of the display services and the frame buffer.
+// Helpers of the tests of the display services and the frame buffer.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,8 @@
 
 namespace raylex::test {
 
-/// The same numbers on every machine: distributions of the standard library are not portable, its engines are.
+/// A generator with the same numbers on every machine: the standard library's distributions are not portable, its
+/// engines are.
 class Random {
   public:
     explicit Random(std::uint64_t seed) : engine_(seed) {}
@@ -30,7 +31,7 @@ class Random {
     std::mt19937_64 engine_;
 };
 
-/// The parts in a row. (`"text" + string` makes g++ 12 warn of an overlap that cannot be: its bug 105651.)
+/// Concatenates the parts. (`"text" + string` makes g++ 12 warn of an impossible overlap: its bug 105651.)
 inline std::string join(std::initializer_list<std::string_view> parts) {
     std::string result;
     for (const std::string_view part : parts) result += part;
@@ -56,7 +57,7 @@ inline display::ChannelDefinition expression_channel(std::string name, std::stri
     return channel;
 }
 
-/// `count` rows of one pixel, samples first, first + 1, ...
+/// Camera rows of one pixel: `count` of them, with the samples first, first + 1, ...
 inline std::vector<display::CameraRow> pixel_rows(int x, int y, std::uint64_t first, int count) {
     std::vector<display::CameraRow> rows(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {

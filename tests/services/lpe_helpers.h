@@ -1,4 +1,4 @@
-// Shared by the tests of the LPE services.
+// Helpers of the tests of the LPE services.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ namespace raylex::test {
 
 using display::LobePart;
 
-/// Event classes of a few kinds of event, without labels.
+/// The event classes of a few kinds of events without labels.
 struct Classes {
     explicit Classes(const display::LpeSetup& setup) {
         using lpe::EventType;
@@ -44,7 +44,7 @@ inline display::LpeSetup build_setup(const std::vector<display::ChannelDefinitio
 
 /// beauty, then one channel for each number of diffuse reflections below `counted`, then the rest.
 ///
-/// A path splits over as many states as it has bounces, so these are what overflows a tracker.
+/// A path splits over as many states as it has bounces, so these channels overflow a tracker.
 inline std::vector<display::ChannelDefinition> count_diffuse(int counted) {
     std::vector<display::ChannelDefinition> channels{plain_channel("beauty", display::ChannelType::rgb)};
     for (int i = 0; i < counted; ++i) {

@@ -35,10 +35,10 @@ ParameterSet sample_set() {
     return set;
 }
 
-TEST_CASE("look-ups return what was written, else the fallback", "[parameters]") {
+TEST_CASE("look-ups return the written value, or else the default", "[parameters]") {
     const ParameterSet set = sample_set();
     CHECK(*set.real_or("sigma", 1) == 0.25);
-    CHECK(*set.real_or("maxdepth", 1) == 7.0);  // an integer is a real
+    CHECK(*set.real_or("maxdepth", 1) == 7.0);  // an integer is accepted as a real
     CHECK(*set.integer_or("maxdepth", 1) == 7);
     CHECK(*set.boolean_or("regularize", false));
     CHECK(*set.string_or("lightsampler", "bvh") == "power");
@@ -59,29 +59,29 @@ TEST_CASE("a wrong type or count is an error that names both, at the parameter",
     const auto wrong_count = set.real_or("scale", 1);
     REQUIRE_FALSE(wrong_count);
     CHECK(wrong_count.error().message == "parameter 'scale' has 2 values; expected one float");
-    // Without a location of its own a parameter is reported at its directive.
+    // An error about a parameter without a position is at its directive.
     const auto flag = set.real_or("regularize", 1);
     REQUIRE_FALSE(flag);
     CHECK(flag.error().line == 3);
 }
 
-TEST_CASE("an integer beyond what a double holds exactly is refused", "[parameters][law7]") {
+TEST_CASE("an integer that a double cannot represent exactly is refused", "[parameters][law7]") {
     ParameterSet set;
     set.parameters.push_back(number("n", ParameterType::integer, {1e300}, 2));
     CHECK_FALSE(set.integer_or("n", 0));
 }
 
-TEST_CASE("near misses are slips, not guesses", "[parameters]") {
+TEST_CASE("near misses are typos, not guesses", "[parameters]") {
     const std::vector<std::string> names{"gaussian", "box", "mitchell"};
     CHECK(nearest_name("gausian", names) == "gaussian");
     CHECK(nearest_name("Mitchell", names) == "mitchell");
-    CHECK(nearest_name("bxo", names) == "box");  // swapped neighbours are one slip
+    CHECK(nearest_name("bxo", names) == "box");  // swapped neighbours are one typo
     CHECK(nearest_name("triangle", names).empty());
-    CHECK(nearest_name("z", {"P"}).empty());  // every letter replaced is another word
+    CHECK(nearest_name("z", {"P"}).empty());  // replacing every letter gives a different word
     CHECK(nearest_name("anything", {}).empty());
 }
 
-TEST_CASE("names of any length are compared in no time, and quoted in part", "[parameters][law7]") {
+TEST_CASE("long names are compared quickly, and quoted in part", "[parameters][law7]") {
     const std::string endless(5'000'000, 'a');
     CHECK(nearest_name(endless, {"gaussian", endless + "b"}).empty());
     CHECK(nearest_name("gaussian", {endless}).empty());
@@ -94,7 +94,7 @@ TEST_CASE("names of any length are compared in no time, and quoted in part", "[p
     CHECK(error.hint.size() < 700);
     CHECK(error.message.starts_with("no filter is called 'aaa"));
     CHECK(error.message.ends_with("aaa'; expected box"));
-    // Cut between characters, each of two bytes here.
+    // The message is cut between characters, which have two bytes here.
     std::string accents = "'";
     for (int i = 0; i < 3000; ++i) accents += "\u00e9";
     const std::string shown = error_at({}, accents).message;
@@ -104,11 +104,11 @@ TEST_CASE("names of any length are compared in no time, and quoted in part", "[p
     CHECK(shown.substr(shown.find("]...") + 4).size() % 2 == 0);
 }
 
-TEST_CASE("an unknown name lists what there is and the near miss", "[registry][law7]") {
+TEST_CASE("an unknown name gives an error with the known names and a similar one", "[registry][law7]") {
     Registry<int> registry("widget");
     registry.add({"cube", "", {}, 1});
     registry.add({"sphere", "", {}, 2});
-    registry.add({"cube", "", {}, 3});  // a plugin shadows an in-tree object
+    registry.add({"cube", "", {}, 3});  // a plugin overrides a built-in object
     CHECK((*registry.require("cube", {}))->factory == 3);
     const auto missing = registry.require("spere", {"job.toml", 9, 2});
     REQUIRE_FALSE(missing);

@@ -10,7 +10,7 @@
 namespace raylex::display {
 namespace {
 
-/// The fewest digits that read back as the value.
+/// The shortest text that parses back to the value.
 std::string number_text(double value) {
     std::array<char, 32> text{};
     return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
@@ -22,7 +22,7 @@ Status check_ranges(const AdaptiveSettings& settings) {
     };
     if (!(settings.error > 0) || !std::isfinite(settings.error))
         return refuse("an error of " + number_text(settings.error), "a relative error above 0, such as 0.01 or 1%");
-    if (settings.max_samples < 2)  // one sample says nothing of its error
+    if (settings.max_samples < 2)  // one sample has no error estimate
         return refuse("at most " + std::to_string(settings.max_samples) + " samples a pixel", "at least 2");
     if (settings.min_samples > settings.max_samples)
         return refuse("at least " + std::to_string(settings.min_samples) + " and at most " +
@@ -36,13 +36,13 @@ Status check_ranges(const AdaptiveSettings& settings) {
     return success();
 }
 
-/// Of as many normal numbers as a neighbourhood of that radius has pixels, the largest one's expectation.
+/// The expected maximum of as many standard normal numbers as a neighbourhood of that radius has pixels.
 double largest_normal(int radius) {
     constexpr std::array<double, 9> expected{0, 1.4850, 1.9653, 2.2412, 2.4313, 2.5750, 2.6897, 2.7849, 2.8658};
     return expected[static_cast<std::size_t>(radius)];
 }
 
-/// invalid_channel when there is none of that name.
+/// Returns the id of the channel with that name, or invalid_channel.
 ChannelId channel_named(std::span<const ChannelDefinition> channels, const std::string& name) {
     for (std::size_t i = 0; i < channels.size(); ++i)
         if (channels[i].name == name) return static_cast<ChannelId>(i);
@@ -69,7 +69,7 @@ Status AdaptiveSampler::check(const AdaptiveSettings& settings, std::span<const 
             }
             return error_at(each.location,
                             "the metric of adaptive sampling names the channel '" + each.name +
-                                "', which is not there; expected one of: " + list,
+                                "', which does not exist; expected one of: " + list,
                             near_miss(each.name, names));
         }
         const ChannelDefinition& channel = channels[static_cast<std::size_t>(id)];
@@ -104,7 +104,7 @@ AdaptiveSampler::AdaptiveSampler(const AdaptiveSettings& settings, std::span<con
 
 PooledErrors AdaptiveSampler::add_errors(const FrameBuffer& buffer, ChannelId id, double weight, double& mean_square) {
     std::vector<PixelMoments> pixels;
-    {  // Of a large image there is no room for these and the pools.
+    {  // free these before the pools are built: a large image has no room for both
         const std::vector<double> values = buffer.resolve(id), variances = buffer.resolve_variance_of_mean(id);
         pixels = pixel_moments(values, variances, values.size() / errors_.size());
     }
@@ -124,7 +124,7 @@ PooledErrors AdaptiveSampler::add_errors(const FrameBuffer& buffer, ChannelId id
 
 std::vector<double> AdaptiveSampler::spread(const std::vector<double>& values) const {
     if (settings_.neighbourhood == 0) return values;
-    // The largest of a square is the largest of its rows' largest.
+    // The maximum over a square is the maximum of its rows' maxima.
     std::vector<double> rows(values.size()), result(values.size());
     for (int y = 0; y < layout_.height; ++y)
         for (int x = 0; x < layout_.width; ++x) {
@@ -181,7 +181,7 @@ void AdaptiveSampler::predict(const FrameBuffer& buffer, const std::vector<doubl
     forecast_.add_level(pools[worst]);
     const double tolerance = settings_.error * settings_.error, deviations = largest_normal(settings_.neighbourhood);
     std::vector<ErrorPoint> points(open_.size());
-    std::vector<double> needed(open_.size());  // 0: more than the pools so far
+    std::vector<double> needed(open_.size());  // 0: more samples than any pool so far reaches
     for (int y = 0; y < layout_.height; ++y)
         for (int x = 0; x < layout_.width; ++x) {
             const std::size_t pixel = index(x, y);
@@ -211,7 +211,7 @@ void AdaptiveSampler::predict(const FrameBuffer& buffer, const std::vector<doubl
             }
     }
     const auto block = static_cast<double>(layout_.block_size), most = static_cast<double>(settings_.max_samples);
-    double next_round = 0;  // samples when every open pixel has a block more
+    double next_round = 0;  // number of samples when every open pixel has one more block
     for (int y = 0; y < layout_.height; ++y)
         for (int x = 0; x < layout_.width; ++x) {
             const std::size_t pixel = index(x, y);
@@ -262,7 +262,7 @@ Status AdaptiveSampler::restore_record(std::string_view bytes) {
     reader.plane({reinterpret_cast<char*>(open_.data()), open_.size()});
     errors_.assign(reader.number<std::uint8_t>() != 0 ? open_.size() : 0, 0.0);
     reader.plane({reinterpret_cast<char*>(errors_.data()), errors_.size() * sizeof(double)});
-    if (!reader.at_end()) return error_at({}, "the record of adaptive sampling does not fit this image");
+    if (!reader.at_end()) return error_at({}, "the record of adaptive sampling does not match this image");
     progress_.open_pixels = static_cast<std::uint64_t>(
         std::count_if(open_.begin(), open_.end(), [](std::uint8_t each) { return each != 0; }));
     return success();

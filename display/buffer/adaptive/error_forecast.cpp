@@ -31,7 +31,7 @@ double darkest(std::span<const PixelMoments> pixels, double floor) {
 
 namespace {
 
-// A black pixel under no floor: as far from any relative error as its deviation is from 0.
+// Guards against division by 0: a black pixel without a floor has a relative error as large as its deviation permits.
 double reference(double mean, double darkest) {
     return std::max({mean, darkest, 1e-30});
 }
@@ -154,7 +154,7 @@ void ErrorForecast::add(PooledErrors pools) {
 }
 
 bool ErrorForecast::few_samples_decide() const {
-    // Of k equal samples: 1 / sqrt(k) of the variance.
+    // For k equal samples the scatter is 1 / sqrt(k) of the variance.
     return scatter_ > 0.5 * squares_.back().sum();
 }
 
@@ -189,7 +189,7 @@ double ErrorForecast::error_after(double samples) const {
     std::size_t at = 0;
     while (at + 1 < levels && points[at + 1].samples <= samples) ++at;
     const ErrorPoint& from = points[at];
-    double slope = -1;  // of the logarithm of the square: E stays
+    double slope = -1;  // slope of the logarithm of the square if E is constant
     if (samples > from.samples && at + 1 < levels && from.square > 0 && points[at + 1].square > 0)
         slope = elementary::log(points[at + 1].square / from.square) /
                 elementary::log(points[at + 1].samples / from.samples);

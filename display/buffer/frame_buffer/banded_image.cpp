@@ -39,15 +39,14 @@ const FrameBuffer& BandedImage::band_of(int y) const {
     const auto holds = [y](const RowRange& rows) { return y >= rows.first && y < rows.end; };
     if (loaded_ && holds({loaded_->layout().first_row, loaded_->layout().first_row + loaded_->layout().height}))
         return *loaded_;
-    loaded_.reset();  // before the next one takes memory
+    loaded_.reset();  // free it before the next band allocates memory
     const auto band = std::find_if(bands_.begin(), bands_.end(), [&](const Band& each) { return holds(each.rows); });
     FrameBufferLayout layout = layout_;
     layout.first_row = band->rows.first;
     layout.height = band->rows.end - band->rows.first;
     auto loaded = band->empty ? FrameBuffer::create(layout, channels_) : load_(band->rows);
     if (!loaded) throw BandFailure(loaded.error());
-    if (!(loaded->layout() == layout))
-        throw BandFailure(error_at({}, "a band of the image does not have the rows that it should have"));
+    if (!(loaded->layout() == layout)) throw BandFailure(error_at({}, "a band of the image has the wrong rows"));
     loaded_ = *std::move(loaded);
     return *loaded_;
 }
@@ -94,7 +93,7 @@ Status BandedImage::append_record(std::string& bytes, const RowRange& rows) cons
     return success();
 }
 
-/// Under the lock.
+/// The caller holds the lock.
 Result<FrameBuffer> BandedImage::joined(const RowRange& rows) const {
     std::optional<FrameBuffer> all;
     try {

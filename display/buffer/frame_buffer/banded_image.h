@@ -1,5 +1,5 @@
-// An image in bands of rows, one of which is in memory at a time: what is larger than memory is written and shown by
-// this door. Where the bands come from, a loader knows: buckets on disk, shards that are added up.
+// An image in bands of rows, one of which is in memory at a time. Images larger than memory are written and shown this
+// way. A loader provides the bands: buckets on disk, or merged shards.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace raylex::display {
 
-/// What PixelImage::resolve() throws where a band cannot be had.
+/// PixelImage::resolve() throws this when a band cannot be loaded.
 class BandFailure : public std::runtime_error {
   public:
     explicit BandFailure(Error error) : std::runtime_error(error.message), error_(std::move(error)) {}
@@ -31,10 +31,10 @@ struct RowRange {
 
 class BandedImage final : public PixelImage {
   public:
-    /// A frame buffer of these rows, with layout().first_row; called for one band after another, never twice at once.
+    /// Loads a frame buffer of these rows, with layout().first_row. Called for one band at a time, never concurrently.
     using Load = std::function<Result<FrameBuffer>(const RowRange& rows)>;
 
-    /// `bands` are in order and share no row; rows that are in none are pixels without samples.
+    /// `bands` are in order and do not overlap. Rows outside all bands have no samples.
     BandedImage(const FrameBufferLayout& layout, std::vector<ChannelDefinition> channels,
                 const std::vector<RowRange>& bands, Load load);
 
@@ -43,18 +43,18 @@ class BandedImage final : public PixelImage {
     [[nodiscard]] int band_end(int y) const override;
     using PixelImage::resolve;
     using PixelImage::resolve_alpha;
-    /// Throw BandFailure.
+    /// These throw BandFailure.
     [[nodiscard]] std::vector<double> resolve(ChannelId id, const PixelRegion& region) const override;
     [[nodiscard]] std::vector<double> resolve_alpha(const PixelRegion& region) const override;
 
-    /// The sums of these rows, taken from the bands that have them, as FrameBuffer::append_record() writes them. Rows
-    /// of one band are packed as they are.
+    /// Appends the sums of these rows, loaded from their bands, in the format of FrameBuffer::append_record(). Rows of
+    /// a single band are written as loaded.
     Status append_record(std::string& bytes, const RowRange& rows) const;
 
   private:
     struct Band {
         RowRange rows;
-        bool empty = false;  // there is nothing to load
+        bool empty = false;  // nothing to load
     };
     template <class Resolve>
     [[nodiscard]] std::vector<double> by_bands(const PixelRegion& region, std::size_t components,
@@ -64,13 +64,13 @@ class BandedImage final : public PixelImage {
 
     FrameBufferLayout layout_;
     std::vector<ChannelDefinition> channels_;
-    std::vector<Band> bands_;  // all rows
+    std::vector<Band> bands_;  // cover all rows
     Load load_;
-    mutable std::mutex mutex_;  // of what follows
+    mutable std::mutex mutex_;  // guards the members below
     mutable std::optional<FrameBuffer> loaded_;
 };
 
-/// Rows from `from.first` to `from.end` in bands of `rows`, the last of what is left.
+/// Divides the rows [from.first, from.end) into bands of `rows` rows; the last band has the remaining rows.
 [[nodiscard]] std::vector<RowRange> bands_of(const RowRange& from, int rows);
 
 }  // namespace raylex::display

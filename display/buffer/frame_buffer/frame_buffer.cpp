@@ -18,7 +18,7 @@ Status check_layout(const FrameBufferLayout& layout) {
     if (layout.block_size <= 0 || !std::has_single_bit(static_cast<unsigned>(layout.block_size)))
         return error_at({},
                         "frame buffer block size " + std::to_string(layout.block_size) + "; expected a power of two");
-    // So that sums with the channels' scales are exponents, too: records say what they like.
+    // The limit keeps sums that include the channels' scales within range: records from outside can contain any value.
     constexpr int largest_exponent = 512;
     if (layout.quantum_exponent < -largest_exponent || layout.quantum_exponent > largest_exponent)
         return error_at(
@@ -30,17 +30,18 @@ Status check_scales(std::span<const ChannelDefinition> channels) {
     const ChannelDefinition* light = nullptr;
     for (const ChannelDefinition& channel : channels) {
         const int scale = channel.scale_exponent;
-        if (scale < -largest_scale_exponent || scale > largest_scale_exponent)  // abs(INT_MIN) is below 0
+        if (scale < -largest_scale_exponent || scale > largest_scale_exponent)  // abs(INT_MIN) is negative
             return error_at({}, "channel '" + channel.name + "' has values of the order of 2^" + std::to_string(scale) +
                                     "; expected -256 to 256");
         if (channel.source != invalid_channel && static_cast<std::size_t>(channel.source) < channels.size() &&
             channels[static_cast<std::size_t>(channel.source)].scale_exponent != scale)
-            return error_at({}, "layer '" + channel.name + "' has another scale than its source; expected the same");
+            return error_at({},
+                            "layer '" + channel.name + "' and its source have different scales; expected equal ones");
         if (channel.style != ChannelStyle::expression) continue;
         if (light == nullptr) light = &channel;
         if (light->scale_exponent != scale)
             return error_at({}, "channels '" + light->name + "' and '" + channel.name +
-                                    "' of light have different scales; expected the same");
+                                    "' of light have different scales; expected equal ones");
     }
     return success();
 }
@@ -69,9 +70,10 @@ Status check_splat(std::span<const ChannelDefinition> channels) {
     for (const ChannelDefinition& channel : channels)
         if (channel.statistics || !keeps_pixels(channel))
             return error_at(
-                {}, "channel '" + channel.name +
-                        "' has statistics, and splatted samples are shared by "
-                        "neighbouring pixels, whose errors they therefore cannot tell; expected importance mode");
+                {},
+                "channel '" + channel.name +
+                    "' has statistics, but in splat mode "
+                    "neighbouring pixels share samples, so their errors cannot be estimated; expected importance mode");
     return success();
 }
 
@@ -79,14 +81,14 @@ Status check_raster(std::span<const ChannelDefinition> channels) {
     for (const ChannelDefinition& channel : channels) {
         if (channel.statistic == Statistic::even || channel.statistic == Statistic::odd)
             return error_at({}, "channel '" + channel.name +
-                                    "' is one half of a pixel's samples, and splats that land "
-                                    "anywhere belong to neither; expected channels without");
+                                    "' is one half of a pixel's samples, but raster splats "
+                                    "belong to neither half; expected channels without halves");
         const ChannelDefinition& source =
             takes_samples(channel) ? channel : channels[static_cast<std::size_t>(channel.source)];
         if (source.style == ChannelStyle::expression && channel.rule != FilterRule::filter)
             return error_at({}, "channel '" + channel.name +
-                                    "' takes splats that land anywhere, which have no rule but the "
-                                    "pixel filter; expected rule filter");
+                                    "' takes raster splats, which have no rule but the "
+                                    "pixel filter; expected the rule filter");
     }
     return success();
 }
@@ -197,8 +199,8 @@ Result<FrameBuffer> FrameBuffer::create(const FrameBufferLayout& layout, std::sp
 
 namespace {
 
-/// Behind the camera rows from `begin` on that are of one pixel and at most `most_blocks` blocks of samples, and where
-/// each of these blocks ends.
+/// Returns the end of the run of camera rows from `begin` on: rows of one pixel and at most `most_blocks` blocks of
+/// samples. `ends` gets the end of each of these blocks.
 int end_of_run(const SampleTable& table, int begin, int block_bits, std::size_t most_blocks, std::vector<int>& ends) {
     const CameraRow& first = table.camera_row(begin);
     ends.clear();
@@ -214,7 +216,7 @@ int end_of_run(const SampleTable& table, int begin, int block_bits, std::size_t 
     return end;
 }
 
-/// None outside the image, or the band of it.
+/// The index of the row's pixel; none if it is outside the image or its band.
 std::optional<std::size_t> pixel_of(const FrameBufferLayout& layout, const CameraRow& row) {
     const int y = row.pixel_y - layout.first_row;
     if (row.pixel_x < 0 || y < 0 || row.pixel_x >= layout.width || y >= layout.height) return {};
@@ -244,7 +246,8 @@ void FrameBuffer::accumulate(const SampleTable& table) {
     }
 
     const FrameBufferLayout& layout = storage_->layout;
-    const int block = std::countr_zero(static_cast<unsigned>(layout.block_size));  // a power of two: see check_layout()
+    const int block = std::countr_zero(static_cast<unsigned>(layout.block_size));  // block_size is a power of two: see
+                                                                                   // check_layout()
     for (int begin = 0, end = 0; begin < cameras; begin = end) {
         const CameraRow& first = table.camera_row(begin);
         end = end_of_run(table, begin, block, storage_->kernel ? 1 : Run::most_blocks, scratch.block_ends);
@@ -305,7 +308,7 @@ void FrameBuffer::accumulate_run(const SampleTable& table, const Run& run) {
     accumulate_channels(table, run);
 }
 
-/// What add_filtered() comes to where nothing but the weighted sum is kept and no sample has further rows.
+/// A special case of add_filtered(): only the weighted sum is kept, and no sample has extra rows.
 template <std::size_t components>
 inline void FrameBuffer::Storage::add_sum(const Accumulator& accumulator, const SampleTable& table, const Run& run) {
     const double* const values = table.values(static_cast<ChannelId>(accumulator.from));
@@ -321,7 +324,7 @@ void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) 
     Storage& storage = *storage_;
     std::uint64_t stripes = table.stripes_of(run.begin, run.end);
     const bool extra = run.rays->any_extra(), partial = run.rays->any_partial();
-    if (extra)  // which stand anywhere behind the camera rows
+    if (extra)  // extra rows can be anywhere after the camera rows
         run.for_each_row([&](int row) { stripes |= table.stripes_of(row, row + 1); });
     const std::span<const std::uint64_t> touched = table.touched_stripes();
     const auto accumulates = [&](const Storage::Accumulator& accumulator) {
@@ -332,8 +335,8 @@ void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) 
     const std::span<const Storage::Accumulator> accumulators(
         storage.accumulators.data(),
         by_sets && !table.sent_apart() ? storage.own_accumulators : storage.accumulators.size());
-    // A pixel of each channel lies on a memory page of its own: asked for one run ahead it is there in time. The next
-    // run mostly reaches the same channels.
+    // A pixel of each channel is on a different memory page. Prefetching it one run ahead hides the latency; the next
+    // run mostly uses the same channels.
     const auto prefetch = [&](const Storage::Accumulator& accumulator, std::size_t pixel) {
         for (const Storage::Accumulator::Place& place : accumulator.places) {
             if (place.first == nullptr) continue;

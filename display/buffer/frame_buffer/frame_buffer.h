@@ -1,50 +1,48 @@
-// The frame buffer and its one canonical record.
+// The frame buffer and its record.
 //
-// Canonical summation. The samples of a pixel are summed in double, in sample order (light of channels that sets of a
-// SampleTable stand for: in the order that it was contributed in), over aligned blocks of
-// `block_size` samples; each block sum is then added exactly, in 128-bit fixed point with quantum 2^quantum_exponent.
-// Integer addition is associative, so the sum does not depend on which thread, session or shard brought a block, nor in
-// which order (Law 3). The quantum is 2^-80 by default: relative to a pixel of 1e-12 still below 1e-12 (Law 1), with
-// room for sums up to 2^47; a channel whose values are of the order of 2^scale_exponent has both that much higher.
-// A block sum out of range is rejected and counted like a non-finite value, never wrapped.
+// Canonical summation. Double arithmetic sums the samples of a pixel in sample order over aligned blocks of
+// `block_size` samples (light of channels that sets of a SampleTable represent: in the order of contribution). Each
+// block sum is then added exactly, in 128-bit fixed point with quantum 2^quantum_exponent. Integer addition is
+// associative, so the sum does not depend on the thread, session or shard of a block, or on the order of blocks (Law
+// 3). The default quantum is 2^-80: below 1e-12 relative to a pixel of 1e-12 (Law 1), with room for sums up to 2^47. A
+// channel with values of the order of 2^scale_exponent shifts both by that factor. A block sum out of range is rejected
+// and counted like a non-finite value, never wrapped.
 //
-// Two modes of the pixel filter. Importance mode (the usual one): samples are drawn as the kernel says, each belongs to
-// one pixel and counts by CameraRow::filter_weight. Splat mode (create() is given the kernel): samples are drawn
-// evenly, in the image and as far around it as the kernel reaches, and count by the kernel for every pixel in reach of
-// their CameraRow::screen_x and screen_y. Each block of samples goes to each such pixel as one exact addition.
-// Neighbouring pixels then share samples, so a pixel's own scatter says nothing of its error: statistics are refused.
-// Rules other than `filter` take the samples of the pixel itself in both modes.
+// The pixel filter has two modes. Importance mode (the default): samples are distributed according to the kernel; each
+// belongs to one pixel and has the weight CameraRow::filter_weight. Splat mode (create() gets the kernel): samples are
+// distributed evenly over the image and over a border as wide as the kernel's reach; a sample counts, weighted by the
+// kernel, for every pixel within reach of its CameraRow::screen_x and screen_y. Each block of samples is added to each
+// such pixel as one exact addition. Neighbouring pixels then share samples, so the scatter of a pixel's samples does
+// not give its error: statistics are refused. Rules other than `filter` use the pixel's own samples in both modes.
 //
-// Raster splats: light that a path brings to a raster position of its own (a light tracer's, a Markov chain's).
-// create() is given the kernel by which it counts for the pixels in reach; a pixel of an expression channel that is
-// filtered then is
-//     what its camera samples come to, by either mode + sum(kernel x value) / light paths a pixel,
-// the kernel being of integral 1 and the light paths those that count_light_paths() was told. Each splat goes to each
-// pixel in one exact addition, so splats have no order at all (Law 3). A light path may reach a pixel more than once or
-// never: what one pixel's splats scatter by says nothing of its error without the paths that missed it, so moments are
-// of camera samples alone, and halves are refused.
-//
-// What a channel's samples become:
+// Raster splats are light that a path brings to an arbitrary raster position (from a light tracer, a Markov chain).
+// create() gets the kernel that weights them for the pixels in reach. A filtered pixel of an expression channel then is
+//     value of its camera samples, in either mode + sum(kernel x value) / light paths per pixel,
+// where the kernel has integral 1 and count_light_paths() counts the light paths. Each splat is one exact addition per
+// pixel, so the order of splats is irrelevant (Law 3). A light path can reach a pixel several times or never, so the
+// scatter of a pixel's splats does not give its error without the paths that missed the pixel. So moments are those of
+// camera samples alone, and half buffers are refused.
+// How a rule combines a channel's samples:
 //   filter     sum of weight x value over the sum of weights, both kept exactly (weight: CameraRow::filter_weight)
-//   average    mean of the rows that were written, unweighted
-//   sum        sum of the rows that were written, unweighted (an expression channel: all rows)
-//   min, max   per component, over the rows that were written
-//   zmin, zmax the value of the written row with the smallest / largest SampleTable::depth; among equals the one with
-//              the smallest sample index, within a sample the first row
-// Every row of an expression channel counts as written. A pixel to which no row was written has the miss value, but a
-// kernel counts misses as samples with the miss value (0 when that is not finite).
+//   average    mean of the written rows, unweighted
+//   sum        sum of the written rows, unweighted (an expression channel: all rows)
+//   min, max   per component, over the written rows
+//   zmin, zmax the value of the written row with the smallest / largest SampleTable::depth; ties go to the smallest
+//              sample index, within a sample to the first row
+// Every row of an expression channel counts as written. A pixel without written rows has the miss value; in a kernel
+// misses count as samples with the miss value (0 if it is not finite).
 //
 // Extra rows (AddSample: surfaces and volumes behind one another) belong to the sample of their camera ray:
-//   rules      see every row, so that zmin takes the nearest written surface
+//   rules      use every row, so that zmin picks the nearest written surface
 //   filter     splatted values of a sample's rows add up; written ones count as ray_rows.h defines
 //   alpha      1 - (1 - o_1)(1 - o_2)... per colour over the sample's rows, then the mean of the colours
 //
-// Layers of statistics (ChannelDefinition::statistic) are resolved from what their source keeps: moments for variance
-// and mse, two more sums for even and odd. Samples of even and of odd index are independent where sample numbers are;
-// with scrambled Sobol' points they balance each other, so the two halves differ by more than the whole is off.
+// Layers of statistics (ChannelDefinition::statistic) are computed from sums of their source: moments for variance and
+// mse, two more sums for even and odd. Samples of even and odd index are independent if sample numbers are. Scrambled
+// Sobol' points balance each other, so the two halves differ by more than the error of the whole.
 //
-// Memory: 48 bytes per pixel of an rgb channel, 144 with moments, 96 more with half buffers, taken from the system as
-// zero pages, so what no contribution reaches costs address space only.
+// Memory: 48 bytes per pixel of an rgb channel, 144 with moments, 96 more with half buffers. The system provides zero
+// pages, so pixels without contributions cost only address space.
 #pragma once
 
 #include <cstdint>
@@ -63,94 +61,94 @@ namespace raylex::display {
 
 class PixelFilter;
 
-/// In splat mode: how many pixels away a sample can still count under a kernel of this radius.
+/// Splat mode: the distance in pixels at which a sample can still count, for a kernel of this radius.
 [[nodiscard]] int splat_reach(float radius);
 
 class FrameBuffer final : public PixelImage {
   public:
-    /// Throws std::bad_alloc when the system refuses the address space; create() is the checked door.
-    /// `splat`, the kernel of splat mode, is copied; null for importance mode. So is `raster`, the kernel of raster
-    /// splats; null when there will be none.
+    /// Throws std::bad_alloc if the system refuses the address space; create() returns an error instead. `splat` is the
+    /// kernel of splat mode, null for importance mode. `raster` is the kernel of raster splats, null for none. Both are
+    /// copied.
     FrameBuffer(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels,
                 const PixelFilter* splat = nullptr, const PixelFilter* raster = nullptr);
     ~FrameBuffer() override;
     FrameBuffer(FrameBuffer&&) noexcept;
     FrameBuffer& operator=(FrameBuffer&&) noexcept;
 
-    /// A frame buffer, or an error: a layout that makes no sense, statistics that the mode does not allow, or not
-    /// enough memory.
+    /// Creates a frame buffer. Errors: an invalid layout, statistics that the mode does not support, not enough memory.
     static Result<FrameBuffer> create(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels,
                                       const PixelFilter* splat = nullptr, const PixelFilter* raster = nullptr);
 
-    /// [channel] 1 for those of whose samples only the weighted sum of a block is kept: sets of a SampleTable may stand
-    /// for them.
+    /// [channel] 1 for channels that keep only the weighted sum of each block; sets of a SampleTable can represent
+    /// them.
     [[nodiscard]] std::vector<std::uint8_t> sums_only() const;
-    /// Announces the sets of the tables to come, of this buffer's block size, so that their channels are not looked
-    /// through one by one.
+    /// Prepares for tables with these sets, whose block size is that of this buffer, so that accumulate() need not
+    /// visit the channels of the sets one by one.
     void expect(const SplatSets& sets);
 
-    /// Takes in one batch: rows of one pixel that stand together must be in ascending sample order and whole aligned
-    /// blocks, but for the last of the budget. Sets of the table must be of this block size: a batch with others is
-    /// rejected. Threads may call at once for different pixels; in splat mode, for pixels farther apart than twice
-    /// splat_reach().
+    /// Adds one batch. Consecutive rows of one pixel must be in ascending sample order and form whole aligned blocks,
+    /// except for the last block of the budget. The sets of the table must have this block size; otherwise the batch is
+    /// rejected. Threads can call this concurrently for different pixels; in splat mode, for pixels that are farther
+    /// apart than twice splat_reach().
     void accumulate(const SampleTable& table);
 
-    /// Takes in raster splats: of every row in `rows`, what its expression channels hold, times
-    /// CameraRow::filter_weight and the kernel about CameraRow::screen_x and screen_y. Threads may call at once for
-    /// different pixels. Needs a raster kernel.
+    /// Adds raster splats: for every row in `rows` the values of its expression channels, times
+    /// CameraRow::filter_weight, weighted by the kernel around CameraRow::screen_x and screen_y. Threads can call this
+    /// concurrently for different pixels. Requires a raster kernel.
     void splat(const SampleTable& table, std::span<const int> rows);
-    /// That many more light paths are in, whether or not they splatted anything. Any thread, any time.
+    /// Adds to the number of light paths, including paths without splats. Any thread, at any time.
     void count_light_paths(std::uint64_t paths);
     [[nodiscard]] std::uint64_t light_path_count() const;
     [[nodiscard]] bool takes_raster_splats() const;
 
-    /// Adds the record of another buffer of the same layout and channels: exact, in any order (Law 3). The samples of
-    /// the two must be disjoint and whole blocks. On error this buffer is unchanged.
+    /// Adds the record of another buffer with equal layout and channels: exactly, in any order (Law 3). The two must
+    /// have disjoint samples in whole blocks. An error leaves this buffer unchanged.
     Status merge(const FrameBuffer& other);
 
-    /// The whole record as bytes, appended to `bytes`: layout, channels, every plane. What from_record() takes; shards,
-    /// checkpoints and experiment cells are this. Not while samples are being added.
+    /// Appends the whole record: layout, channels, every plane. from_record() reads it. Shards, checkpoints and
+    /// experiment cells use this format. Do not call it while samples are being added.
     void append_record(std::string& bytes) const;
-    /// The same of rows [first, end) alone, counted in this buffer: the record of a frame buffer of that band, with
+    /// Appends the record of rows [first, end) of this buffer: the record of a frame buffer of that band, with
     /// layout().first_row.
     void append_record(std::string& bytes, int first, int end) const;
-    /// The frame buffer that append_record() was called on: the same bits in every respect. An Error when the bytes are
-    /// no record of this version or end too early; damage within is for the file around them to find (checkpoint/). The
-    /// kernels of splat mode and raster splats are there by name only: what is to take in samples again adopts them.
+    /// Reads a record of append_record() and returns a bit-identical frame buffer. An Error if the bytes are not a
+    /// record of this version or end early; the surrounding file (checkpoint/) detects damage. A record contains only
+    /// the names of kernels, so a buffer that will get more samples needs adopt_kernels().
     static Result<FrameBuffer> from_record(std::string_view bytes);
-    /// An empty one of another size, with this one's channels and ways of taking samples in.
+    /// An empty buffer of another size, with the channels and modes of this one.
     [[nodiscard]] Result<FrameBuffer> like(const FrameBufferLayout& layout) const;
-    /// Puts a band of this image where it belongs, in place of what is there; counts of refused sums are added up. An
-    /// Error when it is none.
+    /// Replaces the rows of a band of this image, and adds its counts of rejected sums. An Error if it is not such a
+    /// band.
     Status place(const FrameBuffer& band);
-    /// After from_record(): the kernels of a buffer from which this one does not differ.
+    /// After from_record(): takes the kernels from a buffer with equal layout and channels.
     void adopt_kernels(const FrameBuffer& other);
 
-    /// What of layout and channels is not the same, or empty: merge() takes equals only.
+    /// The first difference in layout or channels, or empty; merge() requires that there is none.
     [[nodiscard]] std::string difference_from(const FrameBuffer& other) const;
 
     [[nodiscard]] const FrameBufferLayout& layout() const override;
     [[nodiscard]] std::span<const ChannelDefinition> channels() const override;
     [[nodiscard]] std::uint64_t sample_count(int x, int y) const;
-    [[nodiscard]] std::uint64_t rejected_count() const;              ///< block sums out of range or not finite, in all
-    [[nodiscard]] std::uint64_t rejected_count(ChannelId id) const;  ///< of one channel
-    /// The largest magnitude of light that a pixel's mean can be the difference of, where filter weights may be
-    /// negative and cancel; 0 where they are not. A double's rounding of that is what sums of layers may be off by.
+    [[nodiscard]] std::uint64_t rejected_count() const;              ///< block sums out of range or not finite, over
+                                                                     ///< all channels
+    [[nodiscard]] std::uint64_t rejected_count(ChannelId id) const;  ///< for one channel
+    /// For filters with negative weights that can cancel: the largest magnitude of light whose difference can be a
+    /// pixel's mean; otherwise 0. Sums of layers can deviate by the double rounding of this magnitude.
     [[nodiscard]] double light_magnitude() const;
 
     using PixelImage::resolve;
     using PixelImage::resolve_alpha;
-    /// The pixels of a channel: filtered value, or what its rule picks. The region's pixels must not be added to
-    /// meanwhile; others may.
+    /// The pixels of a channel: the filtered value, or the result of its rule. No sample can be added to the region's
+    /// pixels meanwhile; other pixels are free.
     [[nodiscard]] std::vector<double> resolve(ChannelId id, const PixelRegion& region) const override;
-    /// Coverage: filtered mean of the samples' opacity.
+    /// Coverage: the filtered mean of the samples' opacity.
     [[nodiscard]] std::vector<double> resolve_alpha(const PixelRegion& region) const override;
-    /// Variance of the pixel mean (Statistic::mse) of a channel that keeps moments, whether or not it has a layer;
-    /// empty when it keeps none, 0 for pixels with fewer than two samples. With weights w and mean m:
+    /// Variance of the pixel mean (Statistic::mse) for a channel that keeps moments, even without a layer of
+    /// statistics; empty if it keeps none, 0 for pixels with fewer than two samples. With weights w and mean m:
     ///     sum(w^2) sum((v - m)^2) / ((n - 1) sum(w)^2),
-    /// which is sample variance / n for unit weights and exact for weights of one size and either sign.
+    /// which equals sample variance / n for unit weights and is exact for weights of equal size and either sign.
     [[nodiscard]] std::vector<double> resolve_variance_of_mean(ChannelId id) const;
-    /// Of a part; its pixels must not be added to meanwhile.
+    /// Variance of the pixel mean in a region. No sample can be added to the region's pixels meanwhile.
     [[nodiscard]] std::vector<double> resolve_variance_of_mean(ChannelId id, const PixelRegion& region) const;
 
   private:

@@ -1,4 +1,4 @@
-// Raster splats: light that lands where its path says, not where a camera sample was drawn.
+// Raster splats: light that lands where its path leads, not where a camera sample was drawn.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -11,7 +11,7 @@
 namespace raylex::display {
 long double FrameBuffer::Storage::raster_scale() const {
     if (light_paths.empty()) return 0;
-    // Live views read while threads count; atomic_ref wants no const.
+    // Live views read while other threads count; atomic_ref needs a non-const object.
     const std::uint64_t paths =
         std::atomic_ref(const_cast<std::uint64_t&>(light_paths[0])).load(std::memory_order_relaxed);
     if (paths == 0) return 0;
@@ -41,7 +41,7 @@ void FrameBuffer::splat(const SampleTable& table, std::span<const int> rows) {
         std::size_t index;
         const double* values;
     };
-    std::vector<Part> parts;  // few of many channels take a splat: asked once, not for every pixel
+    std::vector<Part> parts;  // only few channels take a splat: find them once, not for every pixel
     parts.reserve(storage.raster_channels.size());
     for (const int row : rows) {
         parts.clear();

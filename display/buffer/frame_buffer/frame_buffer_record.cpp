@@ -1,4 +1,4 @@
-// The record as bytes and back: what checkpoints, shards and experiment cells are made of.
+// Writes and reads the record, the format of checkpoints, shards and experiment cells.
 #include "display/buffer/frame_buffer/frame_buffer_storage.h"
 #include "display/buffer/record_bytes.h"
 #include "display/services/parameters.h"
@@ -8,10 +8,10 @@
 namespace raylex::display {
 namespace {
 
-/// Raise it with every change of what stands in a record, but for planes: those have names.
+/// Increase it with every change of the content of a record, except for planes, which have names.
 constexpr std::uint32_t record_version = 6;
 
-/// A binding that no longer fits says that ChannelDefinition has a member which no record holds yet.
+/// If this binding no longer compiles, ChannelDefinition has a new member that records do not contain yet.
 void write_channel(RecordWriter& writer, const ChannelDefinition& definition) {
     const auto& [name, style, type, declared, expression, dialect, rest_of, rule, space, statistics, source, statistic,
                  miss_value, scale_exponent, origin, origin_line, origin_column] = definition;
@@ -28,7 +28,7 @@ void write_channel(RecordWriter& writer, const ChannelDefinition& definition) {
     writer.number(statistic);
     writer.number(miss_value);
     writer.number(scale_exponent);
-    // Who declared the channel decides how a render finds it; where it was written (origin...) is for error messages.
+    // `declared` only affects how a render finds the channel; the origin only appears in error messages.
     static_cast<void>(declared);
     static_cast<void>(origin), static_cast<void>(origin_line), static_cast<void>(origin_column);
 }
@@ -60,11 +60,11 @@ ChannelDefinition read_channel(RecordReader& reader) {
 }
 
 Error record_error(const std::string& found) {
-    return error_at({}, "this is no record of a frame buffer that this raylex reads: " + found);
+    return error_at({}, "not a frame buffer record that this version of raylex supports: " + found);
 }
 
-/// visit(name, plane, like) for every plane that is there, in the order of the storage's lists. `like` is a plane
-/// before it that may well hold the same, or empty: where all weights are 1, the weighted sums are the unweighted ones.
+/// Calls visit(name, plane, like) for every plane that exists, in the order of the storage's lists. `like` is an
+/// earlier plane that often has equal content, or empty: if all weights are 1, weighted and unweighted sums are equal.
 template <class Storage, class Visit>
 void visit_planes(Storage& storage, Visit visit) {
     const std::span<const Int128> none;
@@ -90,13 +90,14 @@ void FrameBuffer::append_record(std::string& bytes) const {
 void FrameBuffer::append_record(std::string& bytes, int first, int end) const {
     const Storage& storage = *storage_;
     const auto rows = static_cast<std::size_t>(storage.layout.height);
-    // A plane's numbers of the rows; what is kept once stands in every band, so that each can be resolved alone.
+    // The numbers of a plane for these rows. Numbers that exist once are in every band, so that each band can be
+    // resolved.
     const auto of_rows = [&]<class T>(std::span<const T> values) {
         if (static_cast<const void*>(values.data()) == storage.light_paths.values().data()) return values;
         const std::size_t a_row = values.size() / rows;
         return values.subspan(static_cast<std::size_t>(first) * a_row, static_cast<std::size_t>(end - first) * a_row);
     };
-    // Address space for all of it, so that nothing is copied twice; pages that stay zero are not written.
+    // Reserve address space for everything, so that nothing is copied twice; pages that stay zero cost no memory.
     std::size_t most = bytes.size() + 4096 * (storage.channels.size() + 1);
     visit_planes(storage, [&]<class T>(const std::string& name, const Plane<T>& plane, auto) {
         most += name.size() + of_rows(plane.values()).size_bytes() * 257 / 256 + 64;
@@ -113,7 +114,7 @@ void FrameBuffer::append_record(std::string& bytes, int first, int end) const {
     writer.text(storage.raster_kernel_name);
     writer.number(static_cast<std::uint64_t>(storage.channels.size()));
     for (const ChannelDefinition& definition : storage.definitions) write_channel(writer, definition);
-    // Counted once, in the band that has the first row.
+    // The band with the first row has the counts, so that they count once.
     for (std::size_t i = 0; i <= storage.channels.size(); ++i)
         writer.number(first == 0 ? storage.rejected[i].load() : std::uint64_t{0});
     writer.number(storage.largest_light.load());
@@ -125,7 +126,7 @@ void FrameBuffer::append_record(std::string& bytes, int first, int end) const {
     });
 }
 
-/// Planes and checks are those of the mode, whatever the kernel.
+/// Planes and checks depend on the modes, not on the kernels.
 Result<FrameBuffer> FrameBuffer::of_kernels_by_name(const FrameBufferLayout& layout,
                                                     std::span<const ChannelDefinition> channels,
                                                     const std::string& kernel, const std::string& raster_kernel) {
@@ -151,7 +152,7 @@ Status FrameBuffer::place(const FrameBuffer& band) {
     const auto alike = band.like(layout);
     const int first = layout.first_row - mine.layout.first_row;
     if (!alike || !alike->difference_from(band).empty() || first < 0 || first + layout.height > mine.layout.height)
-        return error_at({}, "a band that is none of this image");
+        return error_at({}, "the band is not part of this image");
     const auto put = [&]<class T>(Plane<T>& to, const Plane<T>& from) {
         if (from.empty()) return;
         const auto rows = static_cast<std::size_t>(layout.height);
@@ -170,7 +171,7 @@ Status FrameBuffer::place(const FrameBuffer& band) {
 Result<FrameBuffer> FrameBuffer::from_record(std::string_view bytes) {
     RecordReader reader(bytes);
     if (const auto version = reader.number<std::uint32_t>(); version != record_version)
-        return record_error("version " + std::to_string(version) + ", expected " + std::to_string(record_version));
+        return record_error("version " + std::to_string(version) + "; expected " + std::to_string(record_version));
     FrameBufferLayout layout;
     layout.width = reader.number<int>();
     layout.height = reader.number<int>();
@@ -185,7 +186,7 @@ Result<FrameBuffer> FrameBuffer::from_record(std::string_view bytes) {
     const auto count = reader.number<std::uint64_t>();
     std::vector<ChannelDefinition> channels;
     for (std::uint64_t i = 0; i < count && reader.ok(); ++i) channels.push_back(read_channel(reader));
-    if (!reader.ok()) return record_error("it ends or goes wrong among the channels");
+    if (!reader.ok()) return record_error("its list of channels is damaged or ends early");
     auto buffer = of_kernels_by_name(layout, channels, kernel, raster_kernel);
     if (!buffer) return buffer.error();
     Storage& storage = *buffer->storage_;
@@ -196,7 +197,7 @@ Result<FrameBuffer> FrameBuffer::from_record(std::string_view bytes) {
         if constexpr (std::is_same_v<T, Int128>) reader.sums(plane.values(), like);
         else reader.plane(plane.bytes());
     });
-    if (!reader.at_end()) return record_error("its planes are others, end too early or go on too long");
+    if (!reader.at_end()) return record_error("its planes are different, end early or have extra bytes");
     return buffer;
 }
 

@@ -1,4 +1,4 @@
-// From the record to pixels, and from two records to one.
+// Computes pixels from the record, and merges records.
 #include "display/buffer/frame_buffer/frame_buffer_storage.h"
 
 #include "display/services/parameters.h"
@@ -11,10 +11,10 @@
 namespace raylex::display {
 namespace {
 
-/// Empty when the two channels have the same record, else what differs.
+/// Describes the difference between the records of two channels; empty when they are equal.
 std::string difference(const ChannelDefinition& a, const ChannelDefinition& b) {
     if (a.name != b.name) return "'" + a.name + "' against '" + b.name + "'";
-    const std::string channel = "channel '" + a.name + "' has another ";
+    const std::string channel = "channel '" + a.name + "' has a different ";
     if (a.style != b.style || a.type != b.type) return channel + "style or type";
     if (a.expression != b.expression || a.dialect != b.dialect || a.rest_of != b.rest_of) return channel + "expression";
     if (a.rule != b.rule) return channel + "filter rule";
@@ -51,7 +51,7 @@ std::uint64_t FrameBuffer::rejected_count(ChannelId id) const {
     return storage_->rejected[static_cast<std::size_t>(id)].load();
 }
 
-/// Channels that sets stand for have the same sums as others, whatever these are rounded to.
+/// Channels that sets represent have the same sums as channels without sets, up to rounding.
 void FrameBuffer::Storage::note_lights(const SampleTable& table, std::span<const double> weights) {
     double heaviest = 0;
     bool negative = kernel && kernel->has_negative_lobes();
@@ -76,7 +76,7 @@ double FrameBuffer::light_magnitude() const {
     const Storage& storage = *storage_;
     const double largest = storage.largest_light.load();
     if (largest == 0) return 0;
-    // What a mean is divided by is less than the number of its samples where weights cancel.
+    // If weights cancel, the divisor of a mean is smaller than the number of its samples.
     double most = 1;
     for (std::size_t pixel = 0; pixel < storage.samples.size(); ++pixel)
         if (storage.weight[pixel] != 0)
@@ -106,7 +106,7 @@ std::vector<double> FrameBuffer::resolve(ChannelId id, const PixelRegion& region
         if (rule == FilterRule::filter) {
             Int128 any = 0;
             for (std::size_t c = 0; c < components; ++c) any |= channel.sum[in + c];
-            if (any != 0) {  // else no division: most layers are black in most pixels
+            if (any != 0) {  // skips the division: most layers are black in most pixels
                 const Divisor divisor(storage.weight[pixel], storage.samples[pixel], exponent, scale);
                 for (std::size_t c = 0; c < components; ++c) out[c] = divisor.mean_of(channel.sum[in + c]);
             }
@@ -155,7 +155,7 @@ Status FrameBuffer::merge(const FrameBuffer& other) {
     Storage& mine = *storage_;
     const Storage& theirs = *other.storage_;
 
-    // Sums add exactly; what a rule picked is merged by the rule.
+    // Sums are added exactly; picked values are merged by the rule of the channel.
     const auto add_plane = [&]<class T>(Plane<T>& to, const Plane<T>& from, std::size_t channel) {
         for (std::size_t i = 0; i < to.size(); ++i) {
             if constexpr (std::is_same_v<T, Int128>) {

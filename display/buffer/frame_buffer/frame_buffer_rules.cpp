@@ -1,4 +1,4 @@
-// How one run of samples enters the record of one channel, by its rule.
+// Adds one run of samples to the record of one channel, according to its rule.
 #include "display/buffer/frame_buffer/frame_buffer_storage.h"
 
 #include <array>
@@ -9,7 +9,7 @@ namespace {
 
 using RowState = SampleTable::RowState;
 
-/// The value of one camera sample under a kernel: see ray_rows.h. Misses count by the miss value where it is finite.
+/// The filtered value of one camera sample: see ray_rows.h. Misses have the miss value if it is finite.
 void fold_sample(const SampleTable& table, ChannelId id, int components, int row, const RayRows& rays, double* out) {
     const std::span<const int> rows = rays.of(row);
     const bool plain = table.channel(id).style == ChannelStyle::name;
@@ -17,7 +17,7 @@ void fold_sample(const SampleTable& table, ChannelId id, int components, int row
     std::fill_n(out, components, 0.0);
     for (const int r : rows) {
         const RowState state = plain ? table.row_state(id, r) : RowState::splatted;
-        // LPE services leave the rows of a plain beauty untouched; where a row holds a miss value, it counts below.
+        // LPE services leave the rows of a plain beauty untouched; a row with a miss value counts below.
         if (state == RowState::written || (state == RowState::untouched && fill != 0)) continue;
         const double* v = table.values(id) + static_cast<std::size_t>(r) * static_cast<std::size_t>(components);
         for (int c = 0; c < components; ++c) out[c] += v[c];
@@ -32,7 +32,7 @@ void fold_sample(const SampleTable& table, ChannelId id, int components, int row
     if (!mean.set && fill != 0 && std::isfinite(fill)) std::fill_n(out, components, fill);
 }
 
-/// Sums over the rows of a block: of the values, and of the squares of how far they are from their mean.
+/// Sums over the rows of a block: the values, and their squared deviations from the block's mean.
 template <std::size_t components>
 void sum_block(std::size_t rows, const double* values, std::array<double, components>& plain,
                std::array<double, components>& square) {
@@ -51,14 +51,14 @@ void sum_block(std::size_t rows, const double* values, std::array<double, compon
         }
 }
 
-/// plain^2 / count to twice the precision of double, as high + low.
+/// plain^2 / count in twice the precision of double, as high + low.
 void mean_part(double plain, double count, double& high, double& low) {
     const double square = plain * plain, square_error = std::fma(plain, plain, -square);
     high = square / count;
     low = (std::fma(-high, count, square) + square_error) / count;
 }
 
-/// The first of the camera rows nearest to the camera: samples of a block are in ascending order.
+/// The first of the camera rows with the smallest depth; samples of a block are in ascending order.
 int nearest_row(const SampleTable& table, int begin, int end) {
     const float* const depth = table.depth.data();
     float least = depth[begin];
@@ -68,7 +68,7 @@ int nearest_row(const SampleTable& table, int begin, int end) {
     return row;
 }
 
-/// Whether a rule takes in this row: every row of an expression channel, the rows that were written of a plain one.
+/// Returns whether a rule uses this row: every row of an expression channel, and the written rows of a plain one.
 bool counts(const SampleTable& table, ChannelId id, int row) {
     return table.channel(id).style == ChannelStyle::expression || table.written(id, row);
 }
@@ -103,8 +103,8 @@ void FrameBuffer::Storage::add_filtered(Channel& channel, std::size_t index, con
     else add.template operator()<1>();
 }
 
-/// `values` from the run's first row on. The squares of a block are those about its mean plus the mean's part, so that
-/// what is added has the digits of the deviations.
+/// `values` begin at the run's first row. A block adds the squares about its mean plus the part of the mean, which
+/// preserves the digits of the deviations.
 template <std::size_t components>
 void FrameBuffer::Storage::add_moments(Channel& channel, std::size_t index, const Run& run, const double* values) {
     std::array<std::array<double, components>, Run::most_blocks> plain, square;
@@ -168,8 +168,8 @@ void FrameBuffer::Storage::add_picked(Channel& channel, std::size_t index, const
         });
         return;
     }
-    // A block's own choice first: what is kept lies in memory that is slow to reach. Where the nearest sample of all
-    // counts here, as it mostly does, the others need no look.
+    // Each block picks a row first, because access to the record is slow. If the nearest sample over all channels
+    // counts here, which is usual, the others need not be tested.
     run.for_each_block([&](int first, int last, std::size_t block) {
         int picked = -1;
         float depth = 0;

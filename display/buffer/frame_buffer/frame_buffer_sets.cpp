@@ -1,4 +1,4 @@
-// Sums that channels have in common: a block of samples is added up once for each set of channels that took its light.
+// Sums shared by channels: each block of samples is summed once per set of channels that took its light.
 #include "display/buffer/frame_buffer/frame_buffer_storage.h"
 
 #include <bit>
@@ -16,7 +16,7 @@ std::vector<std::uint8_t> FrameBuffer::sums_only() const {
                     takes_samples(channel) && keeps_pixels(channel) && channel.rule == FilterRule::filter &&
                     !kept.moments && !kept.halves;
     }
-    for (const ChannelDefinition& channel : channels)  // further outputs look at samples by rules of their own
+    for (const ChannelDefinition& channel : channels)  // further outputs use samples by rules of their own
         if (!takes_samples(channel)) result[static_cast<std::size_t>(channel.source)] = 0;
     return result;
 }
@@ -59,11 +59,11 @@ void FrameBuffer::Storage::add_sets(const SampleTable& table, const Run& run) {
     of_run.channels.clear();
 }
 
-/// The blocks' sums of one set, to the run's sum of each of its channels.
+/// Adds the block sums of one set to the run's sum of each of its channels.
 inline void FrameBuffer::Storage::add_set(const SampleTable& table, const Run& run, std::size_t place,
                                           std::span<const ChannelId> set) {
     SetSums& of_run = *run.set_sums;
-    const int exponent = exponents[static_cast<std::size_t>(set.front())];  // of all channels of light
+    const int exponent = exponents[static_cast<std::size_t>(set.front())];  // equal for all channels of light
     FixedSum<3> of_set(exponent);
     run.for_each_block([&](int first, int, std::size_t) {
         const std::array<double, 3> sum = table.set_sum(first, place);

@@ -1,7 +1,7 @@
-// Splat mode: samples drawn evenly over the image, each counting by the kernel for every pixel in whose reach it lies.
+// Splat mode: samples are distributed evenly over the image, and the kernel weights each for all pixels in its reach.
 //
-// What a pixel gets from one block of one neighbour is summed in double, in sample order, and added exactly; so sums
-// have no order beyond that, as in importance mode (Law 3).
+// The contribution of one block of one neighbour to a pixel is summed in double, in sample order, and added exactly.
+// So, as in importance mode, sums do not depend on any other order (Law 3).
 #include "display/buffer/frame_buffer/frame_buffer_storage.h"
 
 #include <array>
@@ -35,7 +35,7 @@ void SplatWeights::gather(const SampleTable& table, const PixelFilter& kernel, c
         }
 }
 
-/// Weight and alpha of the run, to every pixel in reach.
+/// Adds weight and alpha of the run to every pixel in reach.
 void FrameBuffer::Storage::splat_weights(const Run& run) {
     for (std::size_t target = 0; target < run.splat->pixels.size(); ++target) {
         const double* w = run.splat->of(target);
@@ -50,7 +50,7 @@ void FrameBuffer::Storage::splat_weights(const Run& run) {
     }
 }
 
-/// `values` as add_filtered took them: component-interleaved from the run's first row on.
+/// `values` as in add_filtered(): component-interleaved, from the run's first row on.
 void FrameBuffer::Storage::splat_values(Channel& channel, std::size_t index, const Run& run, const double* values) {
     const auto components = static_cast<std::size_t>(channel.components);
     for (std::size_t target = 0; target < run.splat->pixels.size(); ++target) {

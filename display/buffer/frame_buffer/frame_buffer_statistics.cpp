@@ -1,4 +1,4 @@
-// Half buffers and moments: how samples enter them, and the layers of statistics made of them.
+// Half buffers and moments: adds samples to them, and computes the layers of statistics from them.
 #include "display/buffer/frame_buffer/frame_buffer_storage.h"
 
 #include <algorithm>
@@ -28,8 +28,8 @@ void FrameBuffer::Storage::add_half_weights(const SampleTable& table, const Run&
     }
 }
 
-/// `values` as add_filtered took them: component-interleaved from the run's first row on. Both halves are summed by
-/// themselves, so that neither holds what rounding leaves of the other.
+/// `values` as in add_filtered(): component-interleaved, from the run's first row on. The halves are summed separately,
+/// so that neither contains rounding errors of the other.
 void FrameBuffer::Storage::add_halves(Channel& channel, std::size_t index, const SampleTable& table, const Run& run,
                                       const double* values) {
     const auto halves = [&]<std::size_t components>() {
@@ -78,7 +78,7 @@ std::vector<double> FrameBuffer::Storage::statistic(const Channel& source, Stati
             const std::size_t i = pixel * components + c;
             if ((source.sum[i] | source.plain_sum[i] | source.square_sum[i]) == 0) continue;
             const long double mean = to_long_double(source.sum[i], value_exponent) / weight_sum;
-            // sum(v^2) is exact to 2^-56, so nothing is lost but what these 64-bit mantissas round off: 2^-63 sum(v^2).
+            // sum(v^2) is exact to 2^-56, so the only loss is the rounding of these 64-bit mantissas: 2^-63 sum(v^2).
             const long double about_mean = to_long_double(source.square_sum[i], square_exponent(source)) -
                                            mean * (2 * to_long_double(source.plain_sum[i], value_exponent) - n * mean);
             result[at * components + c] = static_cast<double>(std::max(0.0L, about_mean) * scale);

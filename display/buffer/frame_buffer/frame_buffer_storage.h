@@ -1,4 +1,4 @@
-// Private to the frame buffer: how its record lies in memory.
+// Private to the frame buffer: the layout of its record in memory.
 #pragma once
 
 #include "display/buffer/fixed_point.h"
@@ -21,34 +21,34 @@
 
 namespace raylex::display {
 
-/// What a batch is worked out into before it is summed up. Scratch of one thread.
+/// Intermediate values of a batch before it is summed. Scratch memory of one thread.
 struct BatchScratch {
     RayRows rays;
-    std::vector<double> folded;            // one channel's samples, each of all rows of its ray
+    std::vector<double> folded;            // samples of one channel, each over all rows of its ray
     std::vector<double> weights;           // [camera row]
-    std::vector<int> block_ends, nearest;  // of one run
+    std::vector<int> block_ends, nearest;  // for one run
 };
 
-/// What each sample of a run counts for in the pixels around it, in splat mode. Scratch of one thread.
+/// Splat mode: the weights of a run's samples for the pixels around it. Scratch memory of one thread.
 struct SplatWeights {
-    std::vector<std::size_t> pixels;  // in reach: [target]
+    std::vector<std::size_t> pixels;  // pixels in reach: [target]
     std::vector<double> weights;      // [target * count + row of the run]
-    std::size_t count = 0;            // rows of the run
+    std::size_t count = 0;            // number of rows of the run
 
     void gather(const SampleTable& table, const PixelFilter& kernel, const FrameBufferLayout& layout, int begin,
                 int end);
     [[nodiscard]] const double* of(std::size_t target) const { return weights.data() + target * count; }
 };
 
-/// One run's sums of the channels that sets stand for, in fixed point: the order of sets, which is that of their coming
-/// up in the batch, does not show. What is added is below 2^110 a set and block, and of those there are far fewer than
-/// 2^16 with something in them, so none overflows. Scratch of one thread.
+/// Sums of one run for the channels that sets represent, in fixed point, so the order of the sets does not matter. Each
+/// set and block adds less than 2^110, and there are far fewer than 2^16 non-empty ones, so nothing overflows. Scratch
+/// memory of one thread.
 struct SetSums {
     using Sum = std::array<Int128, 3>;
     std::vector<Sum> sums;                // [channel] 0 between runs
     std::vector<std::uint8_t> taken;      // [channel] 0 between runs
-    std::vector<std::uint32_t> channels;  // taken
-    /// What the run before came to. Its memory was asked for then and has had the time of this run to come.
+    std::vector<std::uint32_t> channels;  // channels that were used
+    /// Totals of the previous run. Their memory was prefetched then, and arrives during the current run.
     struct Addend {
         std::uint32_t channel;
         Sum sum;
@@ -57,26 +57,26 @@ struct SetSums {
     std::size_t waiting_pixel = 0;
 };
 
-/// Camera rows of one pixel that stand together: one block or, in importance mode, as many as there are. Doubles are
-/// summed within a block alone; the blocks' sums are exact, so they go to memory, which is slow to reach, as one.
+/// Consecutive camera rows of one pixel: one block or, in importance mode, all of its blocks. Doubles are summed only
+/// within a block. Block sums are exact, so all blocks go to memory, which is slow, in one addition.
 struct FrameBuffer::Run {
-    static constexpr std::size_t most_blocks = 64;  // of sums that cannot overflow: see FixedSum and SetSums
+    static constexpr std::size_t most_blocks = 64;  // blocks whose sums cannot overflow: see FixedSum and SetSums
     static constexpr std::size_t no_pixel = ~std::size_t{0};
     std::size_t pixel = 0;
-    std::size_t next_pixel = no_pixel;    // the next run's, where there is one
-    bool inside = true;                   // the image; splat mode takes samples from around it too
+    std::size_t next_pixel = no_pixel;    // pixel of the next run, if there is one
+    bool inside = true;                   // in the image; splat mode also takes samples around it
     int begin = 0, end = 0;               // camera rows
-    std::span<const int> block_ends;      // where its blocks end, in order; the last is `end`
+    std::span<const int> block_ends;      // ends of its blocks, in order; the last is `end`
     const SplatWeights* splat = nullptr;  // null in importance mode
     const RayRows* rays = nullptr;
     std::vector<double>* scratch = nullptr;
     SetSums* set_sums = nullptr;
     std::span<const double> alpha;        // [camera row]
     const double* weights = nullptr;      // [row of the run]
-    bool unit_weights = false;            // all of them 1, as a filter's are whose samples are drawn by it
-    std::vector<int>* nearest = nullptr;  // [block] camera row, negative until somebody asks; without extra rows alone
+    bool unit_weights = false;            // all weights are 1, as for a filter that draws its samples
+    std::vector<int>* nearest = nullptr;  // [block] camera row, negative until computed; only without extra rows
 
-    /// What weighted_sum() takes, from a camera row on.
+    /// Weights for weighted_sum() from a camera row on; null if all are 1.
     [[nodiscard]] const double* sum_weights(int row) const { return unit_weights ? nullptr : weights + (row - begin); }
     template <class Visit>
     void for_each_row(Visit visit) const {
@@ -88,7 +88,7 @@ struct FrameBuffer::Run {
             for (const int r : rays->of(row)) visit(r);
         }
     }
-    /// visit(first camera row, one past the last, number of the block).
+    /// Calls visit(first camera row, one past the last, number of the block) for each block.
     template <class Visit>
     void for_each_block(Visit visit) const {
         int first = begin;
@@ -97,22 +97,22 @@ struct FrameBuffer::Run {
     }
 };
 
-/// The record of one channel. Planes that its rule does not need stay empty.
+/// The record of one channel. Planes that its rule does not use stay empty.
 struct FrameBuffer::Channel {
     ChannelDefinition definition;
-    ChannelId samples_of = invalid_channel;  // whose samples it takes in: its own, or its source's
+    ChannelId samples_of = invalid_channel;  // the channel whose samples it adds: itself, or its source
     int components = 1;
     Plane<Int128> sum;                // [pixel, component] filter: weighted; average, sum: unweighted
-    Plane<Int128> raster_sum;         // [pixel, component] raster splats: by the kernel
+    Plane<Int128> raster_sum;         // [pixel, component] raster splats, weighted by the kernel
     Plane<Int128> plain_sum;          // [pixel, component] statistics: unweighted
     Plane<Int128> square_sum;         // [pixel, component] statistics: squares, quantum 2^square_exponent()
-    Plane<Int128> even_sum, odd_sum;  // [pixel, component] half buffers: weighted, of the samples of that parity
+    Plane<Int128> even_sum, odd_sum;  // [pixel, component] half buffers: weighted sums of even and odd samples
     Plane<double> picked;             // [pixel, component] zmin, zmax, min, max
-    Plane<float> depth;               // [pixel] zmin, zmax: of the row picked
-    Plane<std::uint64_t> seen;        // [pixel] zmin, zmax: sample index picked + 1; else: rows taken in
+    Plane<float> depth;               // [pixel] zmin, zmax: depth of the picked row
+    Plane<std::uint64_t> seen;        // [pixel] zmin, zmax: picked sample index + 1; else: number of rows
 
-    /// The one list of what is kept per channel: calls visit("name", pointer to member) for each plane, empty ones too.
-    /// Whoever saves, loads or merges a record goes by it.
+    /// The only list of planes per channel: calls visit("name", pointer to member) for each plane, including empty
+    /// ones. Saving, loading and merging use it.
     template <class Visit>
     static void for_each_plane(Visit visit) {
         visit("sum", &Channel::sum);
@@ -128,43 +128,42 @@ struct FrameBuffer::Channel {
 };
 
 struct FrameBuffer::Storage {
-    // Squares need more room upwards (2^71) and less below than values do.
+    // Squares need more range upwards (2^71) and less precision below than values.
     static constexpr int unscaled_square_exponent = -56;
 
     FrameBufferLayout layout;
     std::optional<PixelFilter> kernel;            // splat mode
     std::optional<PixelFilter> raster_kernel;     // raster splats
-    std::string kernel_name, raster_kernel_name;  // empty without; of a record, all that there is
-    std::vector<std::size_t> raster_channels;     // which have a raster_sum
+    std::string kernel_name, raster_kernel_name;  // empty without kernels; records contain only the names
+    std::vector<std::size_t> raster_channels;     // channels that have a raster_sum
     std::vector<ChannelDefinition> definitions;
     std::vector<Channel> channels;
-    /// The channels that take samples in, close together: every run of samples goes through all of them, and most of
-    /// many channels get nothing from it.
+    /// The channels that take samples, stored compactly: every run visits all of them, and usually most get nothing.
     struct Accumulator {
-        std::uint32_t channel, from;  // whose samples
-        bool reads_untouched;         // whether samples of which nothing was sent to it still change it
-        bool sums_only;               // whether a block's weighted sum is all that is kept of it, in importance mode
-        bool plain;                   // of a channel that values are written to
+        std::uint32_t channel, from;  // from: the channel whose samples it takes
+        bool reads_untouched;         // untouched samples change it, too
+        bool sums_only;               // importance mode: it keeps only the weighted sum of each block
+        bool plain;                   // a channel that values are written to
         std::uint32_t components;
-        /// What of the channel a run of samples reaches: null where it keeps none.
+        /// The memory of the channel that a run writes to; null where it keeps none.
         struct Place {
             const char* first = nullptr;
             std::uint32_t pixel_bytes = 0;
         };
         std::array<Place, 3> places;
     };
-    std::vector<Accumulator> accumulators;  // those of channels that sets stand for come last
-    std::size_t own_accumulators = 0;       // the others
-    std::vector<Int128*> sum_of;            // [channel] null where its rule keeps none
-    std::vector<int> exponents;             // [channel] of its sums' quantum; the last entry for weight and alpha
+    std::vector<Accumulator> accumulators;  // channels that sets represent come last
+    std::size_t own_accumulators = 0;       // number of accumulators without sets
+    std::vector<Int128*> sum_of;            // [channel] null if its rule keeps no sum
+    std::vector<int> exponents;             // [channel] exponent of its quantum; the last entry is for weight and alpha
     Plane<std::uint64_t> samples;           // [pixel]
     Plane<Int128> weight, alpha;            // [pixel] sums of weight, weight x alpha
-    Plane<Int128> weight_square;            // [pixel] only when a channel keeps statistics
-    Plane<std::uint64_t> even_samples, odd_samples;  // [pixel] only when a channel keeps half buffers
+    Plane<Int128> weight_square;            // [pixel] only if a channel keeps statistics
+    Plane<std::uint64_t> even_samples, odd_samples;  // [pixel] only if a channel keeps half buffers
     Plane<Int128> even_weight, odd_weight;
-    Plane<std::uint64_t> light_paths;                        // one number: how many the raster splats are of
-    std::unique_ptr<std::atomic<std::uint64_t>[]> rejected;  // [channel], the last entry for weight and alpha
-    std::atomic<double> largest_light{0};  // |weight x value| of a sample, of filters with negative lobes alone
+    Plane<std::uint64_t> light_paths;                        // one number: the light paths of the raster splats
+    std::unique_ptr<std::atomic<std::uint64_t>[]> rejected;  // [channel]; the last entry is for weight and alpha
+    std::atomic<double> largest_light{0};  // |weight x value| of a sample, only for filters with negative lobes
 
     void note_light(double magnitude) {
         for (double known = largest_light.load(); magnitude > known;)
@@ -172,7 +171,7 @@ struct FrameBuffer::Storage {
     }
     void note_lights(const SampleTable& table, std::span<const double> weights);
 
-    /// The same list for what all channels share.
+    /// The list of planes that all channels share.
     template <class Visit>
     static void for_each_plane(Visit visit) {
         visit("samples", &Storage::samples);
@@ -194,27 +193,26 @@ struct FrameBuffer::Storage {
         raster_kernel = filter;
         raster_kernel_name = filter.name();
     }
-    /// What every run of a pixel reaches, so that it is there in time.
+    /// Prefetches the memory that every run of a pixel uses.
     void prefetch(std::size_t pixel) {
         __builtin_prefetch(&samples[pixel], 1);
         __builtin_prefetch(&weight[pixel], 1);
         __builtin_prefetch(&alpha[pixel], 1);
         if (!weight_square.empty()) __builtin_prefetch(&weight_square[pixel], 1);
     }
-    /// What makes a pixel of a raster sum; 0 before there are light paths.
-    /// What raster sums in quanta of the weights' size are multiplied by.
+    /// The factor from raster sums, in quanta of the weights' size, to pixel values; 0 before there are light paths.
     [[nodiscard]] long double raster_scale() const;
     [[nodiscard]] static int square_exponent(const Channel& channel) {
         return unscaled_square_exponent + 2 * channel.definition.scale_exponent;
     }
     void reject(std::size_t channel) { rejected[channel].fetch_add(1, std::memory_order_relaxed); }
-    /// sum[at ..] += the terms, all of them or (counted against `channel`) none.
+    /// Adds the terms to sum[at ..]: all of them, or none if one does not fit, which is counted against `channel`.
     void add(Plane<Int128>& sum, std::size_t at, const double* terms, int count, int exponent, std::size_t channel) {
         const bool fits =
             count == 3 ? add_terms<3>(&sum[at], terms, exponent) : add_terms<1>(&sum[at], terms, exponent);
         if (!fits) reject(channel);
     }
-    /// All or, where one would not fit, none and false.
+    /// Adds all terms, or none if one would not fit; then returns false.
     template <std::size_t count>
     [[nodiscard]] static bool add_terms(Int128* to, const double* terms, int exponent) {
         Int128 result[count];
@@ -229,8 +227,8 @@ struct FrameBuffer::Storage {
             for (std::size_t c = 0; c < count; ++c) to[c] = result[c];
         return fits;
     }
-    /// to[..] += the total of several blocks: all of it or, where it does not fit, none and false. A total of nothing
-    /// is not added, so that its memory page is not needed either.
+    /// Adds the total of several blocks, or nothing if it does not fit; then returns false. A total of 0 is not added,
+    /// so its memory page is not needed.
     template <std::size_t count>
     [[nodiscard]] static bool add_total(Int128* to, const std::array<Int128, count>& total) {
         Int128 any = 0;
@@ -238,7 +236,8 @@ struct FrameBuffer::Storage {
         if (any == 0) return true;
         bool fits = true;
         for (std::size_t c = 0; c < count; ++c) {
-            Int128 ignored;  // a sum that were kept would be copied in other pieces than it was made in: much slower
+            Int128 ignored;  // keeping the sums would copy them in other pieces than they were made in, which is much
+                             // slower
             fits &= !__builtin_add_overflow(to[c], total[c], &ignored);
         }
         if (!fits) [[unlikely]]
@@ -246,14 +245,15 @@ struct FrameBuffer::Storage {
         for (std::size_t c = 0; c < count; ++c) to[c] += total[c];
         return true;
     }
-    /// to[..] += one block's sums, counted against `channel` where they do not fit.
+    /// Adds the sums of one block; counts a sum that does not fit against `channel`.
     template <std::size_t count>
     [[gnu::noinline]] void add_block(Int128* to, const std::array<double, count>& sum, int exponent,
                                      std::size_t channel) {
         if (!add_terms<count>(to, sum.data(), exponent)) reject(channel);
     }
-    /// to[..] += terms of every block of the run: `terms(add, first row, one past the last, block)` calls add(sums) for
-    /// each, the same ones whenever it is called. What does not fit is counted against `channel`, block by block.
+    /// Adds the terms of every block of the run. `terms(add, first row, one past the last, block)` calls add(sums) for
+    /// each, with equal sums whenever it is called. A sum that does not fit is counted against `channel`, block by
+    /// block.
     template <std::size_t count, class Terms>
     void add_each(Int128* to, const Run& run, int exponent, std::size_t channel, Terms terms) {
         using Sums = std::array<double, count>;
@@ -270,7 +270,7 @@ struct FrameBuffer::Storage {
         };
         run.for_each_block([&](int first, int last, std::size_t block) { terms(add_again, first, last, block); });
     }
-    /// The same of one array of sums a block: term(first row, one past the last), without other effects.
+    /// Adds one array of sums per block: term(first row, one past the last), which must have no side effects.
     template <std::size_t count, class Term>
     void add_blocks(Int128* to, const Run& run, int exponent, std::size_t channel, Term term) {
         add_each<count>(to, run, exponent, channel,
@@ -299,7 +299,7 @@ struct FrameBuffer::Storage {
     }
 };
 
-/// What a channel keeps beside its value, for itself or for a layer of statistics made of it.
+/// The sums that a channel keeps beside its value, for itself or for a layer of statistics.
 struct KeptStatistics {
     bool moments = false;  // plain_sum and square_sum
     bool halves = false;   // even_sum and odd_sum
@@ -316,8 +316,8 @@ struct KeptStatistics {
     return kept;
 }
 
-/// The sum of weight x value over rows; without weights, of the values: the same bits as with weights of 1. Even and
-/// odd rows make sums of their own, so that two numbers are added at once.
+/// The sum of weight x value over rows. Without weights it sums the values, with the same bits as weights of 1. Even
+/// and odd rows have separate sums, so that two numbers are added at once.
 template <std::size_t components>
 [[nodiscard]] inline std::array<double, components> weighted_sum(const double* values, const double* weights,
                                                                  std::size_t rows) {
@@ -356,16 +356,16 @@ void for_each_pixel(const PixelRegion& region, int width, Visit visit) {
     return static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height());
 }
 
-/// What sums of one pixel are divided by, all in quanta. A pixel whose weights cancel is divided by its sample count:
-/// weights have mean 1. The reciprocal costs at most 1.5 units in the last of 64 bits before rounding to 53, so a mean
-/// of equal values is that value.
+/// The divisor of one pixel's sums, in quanta. A pixel whose weights cancel is divided by its sample count, because
+/// weights have mean 1. The reciprocal adds an error of at most 1.5 units in the last of 64 bits before rounding to 53,
+/// so the mean of equal values is that value.
 struct Divisor {
     long double reciprocal = 0;
     std::uint64_t samples = 0;
     int exponent = 0;
     long double scale = 1;  // a power of two: products with it are exact
 
-    /// `quantum_exponent` is of the weights, `scale_exponent` what the sums' own is more.
+    /// `quantum_exponent` is that of the weights; `scale_exponent` is the difference of the sums' exponent to it.
     Divisor(Int128 weight_sum, std::uint64_t sample_count, int quantum_exponent, int scale_exponent = 0)
         : samples(sample_count), exponent(quantum_exponent), scale(power_of_two(scale_exponent)) {
         if (weight_sum != 0) reciprocal = 1.0L / as_long_double(weight_sum) * scale;
@@ -385,7 +385,7 @@ struct Divisor {
     return rule == FilterRule::min || rule == FilterRule::max;
 }
 
-/// Whether (depth, sample) beats what a z rule has picked so far.
+/// Returns whether a z rule prefers (depth, sample) to its current pick.
 inline bool z_rule_prefers(FilterRule rule, float depth, std::uint64_t sample, float best_depth,
                            std::uint64_t best_seen) {
     if (best_seen == 0) return true;
@@ -393,7 +393,7 @@ inline bool z_rule_prefers(FilterRule rule, float depth, std::uint64_t sample, f
     return sample + 1 < best_seen;
 }
 
-/// The smaller or larger of two values; +0 stands for both zeros, so that no order of merging shows.
+/// The smaller or larger of two values. Both zeros become +0, so that the order of merging does not matter.
 [[nodiscard]] inline double pick_extremum(FilterRule rule, bool first, double best, double value) {
     value += 0.0;
     if (first) return value;

@@ -18,7 +18,7 @@ bool of_expression(std::span<const ChannelDefinition> channels, std::size_t inde
     return source.style == ChannelStyle::expression;
 }
 
-/// As FrameBuffer's constructor lays it out.
+/// Follows the layout of FrameBuffer's constructor.
 std::uint64_t bytes_per_pixel(std::span<const ChannelDefinition> channels, std::size_t index, bool raster) {
     const ChannelDefinition& channel = channels[index];
     if (!keeps_pixels(channel)) return 0;
@@ -71,7 +71,7 @@ Result<std::uint64_t> parse_memory_size(const std::string& text, const SourceLoc
     const double bytes = found == units.end() ? 0 : std::ldexp(number, found->second);
     if (failed != std::errc() || !(bytes >= 1) || !(bytes < 0x1p63))
         return error_at(where,
-                        "'" + text + "' is no amount of memory; expected a number with k, M, G or T, such as 8G");
+                        "'" + text + "' is not an amount of memory; expected a number with k, M, G or T, such as 8G");
     return static_cast<std::uint64_t>(bytes);
 }
 

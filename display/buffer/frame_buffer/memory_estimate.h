@@ -1,4 +1,4 @@
-// What a frame buffer will take, before any of it is taken.
+// Estimates the memory of a frame buffer before it is allocated.
 #pragma once
 
 #include <cstdint>
@@ -12,26 +12,26 @@
 namespace raylex::display {
 
 struct MemoryItem {
-    std::string name;  ///< a channel's, or what else takes memory: "weights", "deep"
+    std::string name;  ///< name of a channel, or another use of memory: "weights", "deep"
     std::uint64_t bytes = 0;
 };
 
-/// One item per channel, in order, after "weights" for what they share. The sum is an upper bound that is reached when
-/// every pixel of every channel gets something: pages that nothing touches are never taken from the system.
-/// `raster`: with room for raster splats.
+/// One item per channel, in order, after "weights" for the shared planes. The sum is an upper bound. It is reached when
+/// every pixel of every channel gets a contribution, because untouched pages cost no memory. `raster`: include raster
+/// splats.
 std::vector<MemoryItem> frame_buffer_memory(const FrameBufferLayout& layout,
                                             std::span<const ChannelDefinition> channels, bool raster = false);
 
-/// Bytes in all.
+/// The total in bytes.
 [[nodiscard]] std::uint64_t total_bytes(std::span<const MemoryItem> items);
 
-/// "8G", "512M", "1.5G", "800k" or plain bytes, powers of 1024 (an "iB" or "B" may follow). Errors at `where`.
+/// Parses "8G", "512M", "1.5G", "800k" or plain bytes; powers of 1024; "iB" or "B" can follow. Errors are at `where`.
 Result<std::uint64_t> parse_memory_size(const std::string& text, const SourceLocation& where);
 
-/// An error when the items exceed `limit` bytes (0 = no limit), naming the largest of them, and with that hint.
+/// An error when the items exceed `limit` bytes (0: no limit). It names the largest items and includes `hint`.
 Status check_memory(std::span<const MemoryItem> items, std::uint64_t limit, const std::string& hint = {});
 
-/// "12.3 MiB", "950 KiB".
+/// Formats bytes: "12.3 MiB", "950 KiB".
 std::string memory_text(std::uint64_t bytes);
 
 }  // namespace raylex::display

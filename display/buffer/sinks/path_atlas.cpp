@@ -20,7 +20,7 @@ std::size_t part_of(const CameraRow& row) {
 
 }  // namespace
 
-/// What the words of a batch come to, block by block, before any of it is rounded. One thread's.
+/// The exact sums of the words of a batch, block by block, before rounding. Used by one thread.
 class PathAtlas::Batch {
   public:
     struct Sum {
@@ -44,7 +44,7 @@ class PathAtlas::Batch {
     }
     [[nodiscard]] std::span<const Sum> sums() const { return sums_; }
 
-    std::vector<std::uint32_t> block_of;  ///< [camera row] place in block_pixel
+    std::vector<std::uint32_t> block_of;  ///< [camera row] index into block_pixel
     std::vector<std::size_t> block_pixel;
 
   private:
@@ -74,9 +74,9 @@ PathAtlas::PathAtlas(const Settings& settings)
 
 PathAtlas::~PathAtlas() = default;
 
-/// Words come up for the first time ever more rarely: then, and only then, threads wait for each other.
+/// Finds the atlas's number of a word. New words become ever rarer, and only they make threads wait for each other.
 std::uint32_t PathAtlas::known_as(PathWords& words, std::uint32_t word) {
-    constexpr std::uint32_t unknown = 0;  // the camera alone is no word
+    constexpr std::uint32_t unknown = 0;  // the camera alone is not a word
     if (word < words.known_as.size() && words.known_as[word] != unknown) return words.known_as[word];
     const std::lock_guard lock(words_mutex_);
     std::uint32_t known = WordTree::root;
@@ -89,7 +89,7 @@ std::uint32_t PathAtlas::known_as(PathWords& words, std::uint32_t word) {
     return known;
 }
 
-/// Before a batch: events and merges that are news to one side or the other.
+/// Before a batch: exchanges new events and merges between the words and the atlas.
 void PathAtlas::note_events(PathWords& words) {
     if (words.atlas_generation != generation_) words.known_as.clear();
     words.atlas_generation = generation_;
@@ -105,8 +105,8 @@ std::uint32_t PathAtlas::survivor(std::uint32_t word) const {
     return word;
 }
 
-/// What is added depends on `light` alone, and light of one eighth is added as R + G + B were: so it is still known
-/// when a second eighth needs it (Law 3). Sums out of range: the frame buffer rejects them, and counts.
+/// The stored sums depend on `light` alone. Light of a single eighth is added as R + G + B were, so the eighth is still
+/// exact when a second eighth is added (Law 3). The frame buffer rejects and counts sums out of range.
 void PathAtlas::add(std::size_t pixel, std::uint32_t word, const Sums& light, Reserves& reserves) {
     if (std::all_of(light.begin(), light.end(), [](double each) { return each == 0; })) return;
     std::uint32_t lit = 0, last = 0;
@@ -204,7 +204,7 @@ void PathAtlas::splat(const SampleTable& table, std::span<const int> rows) {
     if (words == nullptr || settings_.raster == nullptr) return;
     note_events(*words);
     Reserves reserves(*pools_);
-    // Entries of a row stand in the order of contributions, and so do rows.
+    // Entries of a row are in the order of contributions, and rows are in the same order.
     const std::span<const PathWords::Entry> entries = words->entries();
     for (const int row : rows) {
         const auto of_row = static_cast<std::uint32_t>(row);
@@ -228,7 +228,7 @@ void PathAtlas::resolve(std::size_t pixel, std::uint64_t light_paths, std::vecto
     const Pixel& of = pixels_[pixel];
     std::uint64_t count = 0;
     for (const std::uint32_t samples : of.samples) count += samples;
-    // The frame buffer's rule: weights that cancel leave the sample count.
+    // The rule of the frame buffer: if weights cancel, the divisor is the sample count.
     const long double weight = to_long_double(of.weight, quantum_exponent);
     const long double divisor = weight != 0 ? weight : static_cast<long double>(count);
     const long double by_samples = divisor != 0 ? 1 / divisor : 0;
@@ -264,7 +264,7 @@ std::span<const std::uint32_t, PathAtlas::parts> PathAtlas::samples(std::size_t 
 }
 
 std::size_t PathAtlas::expected_bytes() const {
-    constexpr std::size_t likely_words = 24;  // what the ready scenes have, more or less
+    constexpr std::size_t likely_words = 24;  // approximate number in the ready scenes
     constexpr std::size_t word = sizeof(Entry) + sizeof(Eighths) + 2 * sizeof(Slot);
     const std::uint64_t all = pixels_.size() * (sizeof(Pixel) + likely_words * word);
     return static_cast<std::size_t>(settings_.budget > 0 ? std::min(all, settings_.budget) : all);
@@ -282,11 +282,11 @@ std::uint64_t PathAtlas::memory_bytes() const {
 }
 
 std::vector<double> PathAtlas::light_of_words() const {
-    // Exact sums, so that the order of words of nearly the same light depends on nothing but the light.
+    // The sums are exact, so the order of words with nearly equal light depends only on the light.
     std::vector<Int128> sums(words_.size(), 0);
     pools_->for_each([&](const Entry& entry) {
         for (const Int128 sum : entry.light) {
-            sums[entry.word >> 1] += (sum < 0 ? -sum : sum) >> 24;  // room for 2^24 pixels' largest sums
+            sums[entry.word >> 1] += (sum < 0 ? -sum : sum) >> 24;  // leaves room for the largest sums of 2^24 pixels
         }
     });
     std::vector<double> light;

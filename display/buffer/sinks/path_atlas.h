@@ -1,23 +1,23 @@
-// The path atlas: per pixel, the light of every distinct word. Whatever expression one thinks of afterwards is a sum of
-// some of these words, so it is answered without a ray.
+// The path atlas stores, per pixel, the light of every distinct word. The layer of any expression is the sum of some of
+// these words, so it can be computed later without tracing rays.
 //
-// Sums. The light of a word in the samples of one pixel of a batch (a block) is summed in double, in the order of
-// contributions, and added exactly as the frame buffer adds (frame_buffer.h): what is kept does not depend on threads
-// or order (Law 3). Beside R, G and B a word keeps the luminance ((R + G + B) / 3) of its light in eight parts, by the
-// sample index modulo 8: their scatter, words of one layer added up first, says what the layer's error is.
+// Sums. The light of a word in one pixel of a batch (a block) is summed in double in the order of contributions. Block
+// sums are added exactly, as in the frame buffer (frame_buffer.h), so the content does not depend on threads or order
+// (Law 3). Beside R, G and B a word stores its luminance ((R + G + B) / 3) in eight parts, by the sample index modulo
+// 8. The scatter of the parts, summed over the words of a layer, gives the layer's error.
 //
-// Raster splats are kept apart from the light of camera samples, which is divided by another number of samples.
+// Raster splats are stored separately from the light of camera samples, because their divisor differs.
 //
-// Budget. Words number what the scene and their length make of them. Where the memory exceeds the budget, words with
-// least light are merged: a word gives up its last scattering and becomes one of the class "these scatterings, then one
-// or more, then that terminal", as words beyond the length are; classes give up one more. Last of all go the first
-// scattering and whether light is direct: most expressions ask for these. A class is honest: its light is of words that
-// it describes. Merging happens between phases of a render, when what is in the atlas depends on nothing but the
-// samples, so the merges do not depend on threads either; until then memory may pass the budget by what one phase
-// brings. Light that arrives later of a word that was merged goes to its class.
+// Budget. The number of words depends on the scene and on their maximum length. If the memory exceeds the budget, the
+// words with least light are merged: a word loses its last scattering and becomes part of the class "these scatterings,
+// then one or more, then that terminal", like words beyond the maximum length; a class loses one more scattering. The
+// first scattering and the distinction of direct light are lost last, because most expressions use them. A class
+// contains only light of words that it describes. Merging happens between phases of a render, when the content depends
+// only on the samples, so merges do not depend on threads. Until then memory can exceed the budget by the words of one
+// phase. Later light of a merged word goes to its class.
 //
-// Memory: 32 bytes a pixel and word whose light came once, 64 one whose came more often, 128 more where it is of more
-// than one eighth, 11 to 22 for finding it, 80 a pixel.
+// Memory: 32 bytes per pixel and word whose light came once, 64 if it came more often, 128 more if it belongs to more
+// than one eighth, 11 to 22 for the index, 80 per pixel.
 #pragma once
 
 #include <array>
@@ -44,8 +44,8 @@ class PathAtlas final : public SampleSink {
     struct Settings {
         int width = 0, height = 0;
         int scale_exponent = 0;               ///< ChannelDefinition::scale_exponent of the beauty
-        std::uint64_t budget = 0;             ///< bytes; 0: none
-        const PixelFilter* raster = nullptr;  ///< the kernel of raster splats, which must outlive this; null: none come
+        std::uint64_t budget = 0;             ///< bytes; 0: unlimited
+        const PixelFilter* raster = nullptr;  ///< the kernel of raster splats, which must outlive this; null: no splats
     };
     explicit PathAtlas(const Settings& settings);
     ~PathAtlas() override;
@@ -57,24 +57,24 @@ class PathAtlas final : public SampleSink {
     [[nodiscard]] bool reads_channels() const override { return false; }
     [[nodiscard]] std::size_t expected_bytes() const override;
 
-    /// One word of one pixel, as the image has it.
+    /// The resolved light of one word in one pixel.
     struct Light {
-        std::uint32_t word = 0;  ///< in words()
+        std::uint32_t word = 0;  ///< index in words()
         std::array<double, 3> rgb{};
-        std::array<double, parts> eighths{};  ///< R + G + B of the parts
+        std::array<double, parts> eighths{};  ///< R + G + B of each part
     };
-    /// What the words of a pixel come to, in no order; `light_paths`: FrameBuffer's.
+    /// Resolves the words of a pixel, in no particular order. `light_paths`: FrameBuffer::light_path_count().
     void resolve(std::size_t pixel, std::uint64_t light_paths, std::vector<Light>& words) const;
-    /// How many of the pixel's samples each part had.
+    /// The number of the pixel's samples in each part.
     [[nodiscard]] std::span<const std::uint32_t, parts> samples(std::size_t pixel) const;
 
     [[nodiscard]] const WordTree& words() const { return words_; }
     /// [column] whether some word had light through this event.
     [[nodiscard]] std::span<const std::uint8_t> seen() const { return seen_; }
     [[nodiscard]] bool dropped_straight() const { return dropped_straight_; }
-    /// Words that gave up a scattering for the budget.
+    /// The number of words that lost a scattering because of the budget.
     [[nodiscard]] std::uint64_t merged_words() const { return merged_words_; }
-    /// [word] the sum over the image of |R| + |G| + |B|, of words that no other took in.
+    /// [word] the sum of |R| + |G| + |B| over the image, for words that were not merged into others.
     [[nodiscard]] std::vector<double> light_of_words() const;
     [[nodiscard]] std::uint64_t entry_count() const;
     [[nodiscard]] std::uint64_t memory_bytes() const;
@@ -106,7 +106,7 @@ class PathAtlas final : public SampleSink {
     std::unique_ptr<Pools> pools_;
     std::mutex words_mutex_;
     WordTree words_;
-    std::vector<std::uint32_t> merged_into_;  // [word] itself, or the class that took it in
+    std::vector<std::uint32_t> merged_into_;  // [word] itself, or the class that contains it
     std::vector<std::uint8_t> seen_;
     bool dropped_straight_ = false;
     std::uint64_t merged_words_ = 0, generation_ = 0;

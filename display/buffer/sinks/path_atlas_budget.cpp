@@ -1,5 +1,5 @@
-// The atlas within its budget: words with least light give up their last scattering. A file of its own, for the rest
-// of the atlas does not know of it but by merged_into_.
+// Keeps the atlas within its budget: words with the least light lose their last scattering. The rest of the atlas
+// depends on this only through merged_into_.
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -12,9 +12,9 @@ void PathAtlas::end_phase() {
     if (settings_.budget > 0 && memory_bytes() > settings_.budget) fit_budget();
 }
 
-/// What takes a word in: its class, without its last scattering and with "one or more" in its place, or what took that
-/// in before. Itself where there is none to give up. Cutouts that words keep (--atlas-by straight) count as
-/// scatterings.
+/// The class that contains a word: without its last scattering, and with "one or more" instead; or the class that
+/// already contains that one. A word with no scattering to lose returns itself. Cutouts in words (--atlas-by straight)
+/// count as scatterings.
 std::uint32_t PathAtlas::class_above(std::uint32_t word) {
     const WordTree::Node last = words_.node(word);
     const bool found_by = WordAlphabet::is_technique(last.letter);
@@ -25,7 +25,7 @@ std::uint32_t PathAtlas::class_above(std::uint32_t word) {
     if (before == WordTree::root || words_.node(before).letter == WordAlphabet::open) return word;
     const std::uint32_t prefix = words_.node(before).parent;
     std::uint32_t merged = words_.child(prefix, WordAlphabet::open);
-    // Of two scatterings or more, that much is known to the end: direct light stays apart from indirect.
+    // A word with at least two scatterings keeps that fact, so direct and indirect light remain separate.
     if (prefix == WordTree::root && words_.letters_in(terminal.parent) > 1)
         merged = words_.child(merged, WordAlphabet::open);
     merged = words_.child(merged, terminal.letter);
@@ -37,8 +37,9 @@ std::uint32_t PathAtlas::class_above(std::uint32_t word) {
 
 void PathAtlas::fit_budget() {
     const std::uint64_t fixed = pixels_.size() * sizeof(Pixel);
-    const std::uint64_t room = settings_.budget > fixed ? (settings_.budget - fixed) / 8 * 7 : 0;  // phases are to come
-    // What takes others in has light of more eighths than they had: what an entry takes is asked anew each time.
+    const std::uint64_t room = settings_.budget > fixed ? (settings_.budget - fixed) / 8 * 7 : 0;  // further phases
+                                                                                                   // will follow
+    // A class has light of more eighths than its words had, so its size is computed again each time.
     for (bool merges = true; merges;) {
         const auto bytes = static_cast<double>(memory_bytes() - fixed), entries = static_cast<double>(entry_count());
         merges = bytes > static_cast<double>(room) &&
@@ -49,9 +50,9 @@ void PathAtlas::fit_budget() {
 
 namespace {
 
-/// Words in the order in which they are given up: those with least light first, but the first scattering, and whether
-/// light is direct, as late as can be, for most expressions ask for these. Numbers of words are threads' doing, letters
-/// are not.
+/// Candidates in the order of merging: least light first; words that lose the first scattering or the distinction of
+/// direct light last, because most expressions use these. Ties are decided by letters, because numbers of words depend
+/// on threads.
 struct Candidate {
     bool loses_first = false;
     double light = 0;
@@ -66,7 +67,8 @@ struct Candidate {
 
 }  // namespace
 
-/// Merges as few words as will do, by one scattering each, and at most half of them. False when none has one left.
+/// Merges as few words as necessary by one scattering each, and at most half of them. Returns false if none can be
+/// merged.
 bool PathAtlas::merge_round(std::uint64_t most_entries) {
     const std::vector<double> light = light_of_words();
     std::vector<Candidate> candidates;
@@ -97,8 +99,8 @@ bool PathAtlas::merge_round(std::uint64_t most_entries) {
         }
         return count;
     };
-    // Of words that are many, the darker half at a time: what they come to may be bright, and is then left alone. For
-    // the same reason none gives up its first scattering in a round in which others still take words in.
+    // Merges at most the darker half at a time, because the resulting class can be bright and is then kept. For the
+    // same reason no word loses its first scattering in a round in which other merges are possible.
     const auto keep_first =
         std::partition_point(candidates.begin(), candidates.end(), [](const Candidate& c) { return !c.loses_first; });
     std::size_t few = 0, enough = (candidates.size() + 1) / 2;
@@ -115,7 +117,7 @@ bool PathAtlas::merge_round(std::uint64_t most_entries) {
     return true;
 }
 
-/// Light of both, which is of one eighth only where it is the same.
+/// Adds the light of `more` to `entry`; the result has a single eighth only if both have the same one.
 void PathAtlas::take_in(Entry& entry, const Entry& more, Reserves& reserves) {
     if (more.is_spread() || more.eighth != entry.eighth) reserves.spread(entry);
     if (entry.is_spread())

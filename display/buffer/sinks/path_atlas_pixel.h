@@ -1,4 +1,4 @@
-// What a path atlas keeps of a pixel. Private to the atlas.
+// The content of one pixel of a path atlas. Private to the atlas.
 #pragma once
 
 #include <algorithm>
@@ -18,28 +18,28 @@
 
 namespace raylex::display {
 
-/// Begins the way to memory that is going to be needed. The empty statement is for GCC 12, which takes functions that
-/// do nothing else for ones without effect, and leaves their calls out.
+/// Prefetches memory. The empty asm statement is for GCC 12, which treats functions that only prefetch as having no
+/// effect, and removes their calls.
 inline void prefetch(const void* memory) {
     __builtin_prefetch(memory);
     asm volatile("");
 }
 
-/// R + G + B of the samples of each eighth.
+/// R + G + B of the samples in each eighth.
 struct PathAtlas::Eighths {
     std::array<Int128, parts> sums{};
 };
 
-/// Where parts of entries lie: side by side in large pages, in the order in which they came up, and known by numbers.
-/// Each in a heap block of its own, a third of what an atlas cost at 32 samples were page faults.
+/// Storage for parts of entries: contiguous in large pages, in order of creation, referenced by numbers. With one heap
+/// block per part, page faults caused a third of the cost of an atlas at 32 samples.
 template <class Item>
 class PathAtlas::Pool {
   public:
     using Number = std::uint32_t;
-    static constexpr Number none = 0;                                       ///< of no item
-    static constexpr Number most = std::numeric_limits<Number>::max() / 2;  ///< the highest bit is Slot's
+    static constexpr Number none = 0;                                       ///< refers to no item
+    static constexpr Number most = std::numeric_limits<Number>::max() / 2;  ///< Slot uses the highest bit
 
-    /// One thread's share of a pool for a while: items are taken by the hundred, what is left is given back.
+    /// Items reserved by one thread: taken by the hundred; unused ones are returned.
     class Reserve {
       public:
         explicit Reserve(Pool& pool) : pool_(pool) {}
@@ -48,7 +48,7 @@ class PathAtlas::Pool {
         ~Reserve() {
             if (count_ > 0) pool_.put_back({numbers_.data(), count_});
         }
-        /// Of an item that is all zeros.
+        /// The number of a zeroed item.
         Number take() {
             if (count_ == 0) {
                 pool_.take(numbers_);
@@ -72,13 +72,16 @@ class PathAtlas::Pool {
         std::size_t count_ = 0;
     };
 
-    Pool() { slabs_.reserve(std::size_t{most} / slab_items + 1); }  // so that no slab moves while others are read
+    Pool() {
+        slabs_.reserve(std::size_t{most} / slab_items + 1);
+    }  // so that slabs do not move while other threads
+       // read
     [[nodiscard]] Item& operator[](Number number) { return slabs_[number / slab_items][number % slab_items]; }
     [[nodiscard]] const Item& operator[](Number number) const {
         return slabs_[number / slab_items][number % slab_items];
     }
 
-    /// Not thread-safe, nor is what follows.
+    /// This and the following functions are not thread-safe.
     [[nodiscard]] std::uint64_t live() const { return made_ - free_.size(); }
     template <class Function>
     void for_each(Function function) const {
@@ -89,7 +92,7 @@ class PathAtlas::Pool {
     static constexpr std::size_t slab_items = (std::size_t{8} << 20) / sizeof(Item);
     void take(std::span<Number> taken) {
         const std::lock_guard lock(mutex_);
-        // From the end on, as they are handed out.
+        // From the end, the order in which they are handed out.
         for (std::size_t i = taken.size(); i-- > 0;) {
             if (!free_.empty()) {
                 taken[i] = free_.back();
@@ -107,18 +110,18 @@ class PathAtlas::Pool {
     }
     std::mutex mutex_;
     std::vector<Plane<Item>> slabs_;
-    std::uint64_t made_ = 0;  // the number of the last
+    std::uint64_t made_ = 0;  // the number of the last item
     std::vector<Number> free_;
 };
 
-/// One word of one pixel. Most words of most pixels have light of one eighth alone, and their eighths need no memory.
+/// One word of one pixel. In most pixels most words have light of a single eighth, and need no memory for eighths.
 struct PathAtlas::Entry {
-    static constexpr std::uint32_t unused = 0;  // the camera alone is no word; and memory comes as zeros
+    static constexpr std::uint32_t unused = 0;  // the camera alone is not a word; new memory is zero
     static constexpr std::uint32_t no_eighth = 0;
     std::array<Int128, 3> light{};
-    std::uint32_t eighths = Pool<Eighths>::none;  ///< none: all light is of one eighth
-    std::uint32_t word = unused;                  ///< twice the word's number, and one more for raster splats
-    std::uint32_t eighth = no_eighth;             ///< one more than that eighth's number
+    std::uint32_t eighths = Pool<Eighths>::none;  ///< none: all light belongs to one eighth
+    std::uint32_t word = unused;                  ///< twice the word's number, plus one for raster splats
+    std::uint32_t eighth = no_eighth;             ///< the number of that eighth plus one
 
     [[nodiscard]] bool is_spread() const { return eighths != Pool<Eighths>::none; }
     [[nodiscard]] Int128 all_light() const {
@@ -126,7 +129,7 @@ struct PathAtlas::Entry {
         for (const Int128 each : light) static_cast<void>(add_fixed(sum, each));
         return sum;
     }
-    /// `of`: where eighths lie, here and below.
+    /// `of`: the storage of eighths, here and below.
     template <class Pool>
     void prefetch_eighths(const Pool& of) const {
         if (!is_spread()) return;
@@ -141,37 +144,37 @@ struct PathAtlas::Entry {
     }
 };
 
-/// A word whose light came once, and of one eighth: as it came, for half the memory of an entry. Half of the words of a
-/// foggy scene stay like this.
+/// A word whose light came once and in one eighth, stored unrounded in half the memory of an entry. In a foggy scene
+/// half of the words stay like this.
 struct PathAtlas::Single {
     std::array<double, 3> light{};
-    std::uint32_t word = Entry::unused;       ///< Entry's
-    std::uint32_t eighth = Entry::no_eighth;  ///< Entry's
+    std::uint32_t word = Entry::unused;       ///< as in Entry
+    std::uint32_t eighth = Entry::no_eighth;  ///< as in Entry
 
     [[nodiscard]] Entry as_entry(int exponent) const {
         Entry entry;
         entry.word = word;
         entry.eighth = eighth;
-        // Light out of range: the frame buffer rejects it, and counts.
+        // The frame buffer rejects and counts light out of range.
         for (std::size_t c = 0; c < 3; ++c) static_cast<void>(to_fixed(light[c], exponent, entry.light[c]));
         return entry;
     }
 };
 
-/// A way to where a word of a pixel is kept.
+/// The location of a word of a pixel.
 struct PathAtlas::Slot {
     static constexpr std::uint32_t of_single = std::uint32_t{1} << 31;
-    std::uint32_t word = Entry::unused;       ///< Entry's; unused: free
-    std::uint32_t place = Pool<Entry>::none;  ///< in entries; with of_single: in singles
+    std::uint32_t word = Entry::unused;       ///< as in Entry; unused: the slot is free
+    std::uint32_t place = Pool<Entry>::none;  ///< index into entries, or with of_single into singles
 
     [[nodiscard]] bool is_single() const { return (place & of_single) != 0; }
     [[nodiscard]] std::uint32_t single() const { return place & ~of_single; }
 };
 
-/// Where the ways to a pixel's entries lie, in large pages as well; what was outgrown serves others.
+/// Storage for the slots of pixels, in large pages too. Slot arrays that a pixel has outgrown are reused.
 class PathAtlas::SlotPool {
   public:
-    /// All free. `count` is a power of two. Thread-safe, as is the other.
+    /// Returns `count` free slots; `count` is a power of two. Thread-safe, like give_back().
     std::span<Slot> take(std::size_t count) {
         const std::lock_guard lock(mutex_);
         std::vector<Slot*>& outgrown = outgrown_[size_class(count)];
@@ -204,7 +207,7 @@ class PathAtlas::SlotPool {
 };
 
 struct PathAtlas::Pools {
-    const int exponent;  ///< the light's quantum is 2 to that
+    const int exponent;  ///< the quantum of light is 2^exponent
     Pool<Single> singles;
     Pool<Entry> entries;
     Pool<Eighths> eighths;
@@ -215,7 +218,7 @@ struct PathAtlas::Pools {
     [[nodiscard]] std::uint64_t bytes() const {
         return singles.live() * sizeof(Single) + entries.live() * sizeof(Entry) + eighths.live() * sizeof(Eighths);
     }
-    /// Of all pixels, in the order in which they lie. Not thread-safe.
+    /// Visits the entries of all pixels in order of storage. Not thread-safe.
     void for_each(auto function) const {
         singles.for_each([&](const Single& single) { function(single.as_entry(exponent)); });
         entries.for_each(function);
@@ -235,7 +238,7 @@ struct PathAtlas::Reserves {
           slots(pools.slots),
           exponent(pools.exponent) {}
 
-    /// The word's entry, made from its single light where that was all.
+    /// The word's entry; converts its single light if necessary.
     Entry& entry(Slot& slot) {
         if (slot.is_single()) {
             const std::uint32_t single = slot.single();
@@ -246,7 +249,7 @@ struct PathAtlas::Reserves {
         return entries[slot.place];
     }
 
-    /// Gives eighths of its own to an entry that has none.
+    /// Gives an entry memory for eighths if it has none.
     void spread(Entry& entry) {
         if (entry.is_spread()) return;
         const std::uint32_t own = eighths.take();
@@ -255,20 +258,20 @@ struct PathAtlas::Reserves {
     }
 };
 
-/// The words of a pixel, found by open addressing.
+/// The words of a pixel in a hash table with open addressing.
 struct PathAtlas::Pixel {
     std::span<Slot> slots;
     std::uint32_t count = 0;
     std::array<std::uint32_t, parts> samples{};
     Int128 weight = 0;
 
-    /// The way to a word; null when the pixel has no such word.
+    /// The slot of a word; null if the pixel does not have it.
     [[nodiscard]] Slot* find(std::uint32_t word) const {
         if (slots.empty()) return nullptr;
         Slot& slot = slots[slot_of(word)];
         return slot.word == Entry::unused ? nullptr : &slot;
     }
-    /// A word that the pixel has not.
+    /// Inserts a word that the pixel does not have.
     Slot& insert(Slot slot, SlotPool& pool) {
         if (4 * (std::size_t{count} + 1) > 3 * slots.size()) {
             const std::span<Slot> before = slots;
@@ -280,7 +283,7 @@ struct PathAtlas::Pixel {
         ++count;
         return slots[slot_of(slot.word)] = slot;
     }
-    /// Entries and their eighths are all over the memory: the ways to them are begun before the first is needed.
+    /// Entries and their eighths are scattered in memory, so all are prefetched before the first one is used.
     void for_each(const Pools& pools, auto function) const {
         const auto for_each_slot = [&](auto of_single, auto of_entry) {
             for (const Slot slot : slots) {
@@ -296,11 +299,11 @@ struct PathAtlas::Pixel {
     }
     [[nodiscard]] std::uint64_t bytes() const { return sizeof(Pixel) + slots.size_bytes(); }
 
-    /// Begins the way to a word that is going to be looked for.
+    /// Prefetches the slot of a word that will be looked up.
     void prefetch_slot(std::uint32_t word) const {
         if (!slots.empty()) display::prefetch(&slots[mix64(word) & (slots.size() - 1)]);
     }
-    /// When that is there, further, to the word's light.
+    /// Prefetches the word's light, once its slot is loaded.
     void prefetch_entry(std::uint32_t word, const Pools& pools) const {
         const Slot* const slot = find(word);
         if (slot == nullptr) return;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double unit = 4294967296.0;  // 2^32
 
-/// The finaliser of MurmurHash3: a bijection, so that different ids never tie.
+/// The finaliser of MurmurHash3: a bijection, so different ids are never equal.
 std::uint32_t mixed(std::uint32_t h) {
     h ^= h >> 16;
     h *= 0x85ebca6bU;
@@ -22,8 +22,8 @@ std::uint32_t mixed(std::uint32_t h) {
     return h ^ (h >> 16);
 }
 
-/// A weight that is negative or no number counts for nothing; more than a pixel can hold stops there. To the nearest,
-/// halves up; without a call of the C library.
+/// Converts a weight to units, rounded to nearest, halves up, without a call of the C library. Negative weights and NaN
+/// become 0; weights that are too large are clamped to the maximum of a pixel.
 std::uint64_t to_units(double weight) {
     if (!(weight > 0)) return 0;
     const double units = std::min(weight * unit, 9.0e18);
@@ -48,8 +48,8 @@ void RankedCoverage::add_to(Pixel& pixel, std::uint32_t id, std::uint64_t weight
     if (id == 0) return add_saturated(pixel.remainder, weight);
     Entry* const begin = pixel.entries.get();
     Entry* const end = begin + pixel.count;
-    // Short lists, and nearly always the id of the sample before: the order by mixed id only matters when one
-    // overflows.
+    // The list is short, and usually the id is that of the previous sample. The order by mixed id only matters when a
+    // list overflows.
     Entry* const at = std::lower_bound(
         begin, end, id, [](const Entry& entry, std::uint32_t other) { return mixed(entry.id) < mixed(other); });
     if (at != end && at->id == id) return add_saturated(at->weight, weight);
@@ -83,7 +83,7 @@ void RankedCoverage::accumulate(const SampleTable& table) {
     if (table.discarded()) return;
     thread_local RayRows rays;
     rays.gather(table);
-    // Samples of a pixel stand together and mostly see one thing: what they see of it goes to the pixel once.
+    // Samples of a pixel are consecutive and usually see one object: its coverage is added to the pixel once.
     std::size_t at = 0;
     Entry seen;
     const auto put = [&] {
@@ -160,8 +160,8 @@ Status RankedCoverage::restore_record(std::string_view bytes) {
     bool fits = reader.number<int>() == width_;
     fits = reader.number<int>() == height_ && fits;
     if (!fits)
-        return error_at({}, "this is no record of coverage of " + std::to_string(width_) + " x " +
-                                std::to_string(height_) + " pixels");
+        return error_at(
+            {}, "not a record of coverage of " + std::to_string(width_) + " x " + std::to_string(height_) + " pixels");
     std::vector<Entry> entries;
     for (std::size_t i = 0; i < pixels_.size() && reader.ok(); ++i) {
         Record record;
@@ -177,7 +177,7 @@ Status RankedCoverage::restore_record(std::string_view bytes) {
         record.entries = entries;
         restore(i, record);
     }
-    if (!reader.at_end()) return error_at({}, "the record of coverage ends too early, or goes on too long");
+    if (!reader.at_end()) return error_at({}, "the record of coverage ends early, or has extra bytes");
     return success();
 }
 
@@ -191,7 +191,7 @@ double RankedCoverage::resolve(std::size_t pixel, std::span<Rank> ranks) const {
     std::fill(ranks.begin(), ranks.end(), Rank());
     const Record all = record(pixel);
     if (all.weight == 0) return 0;
-    std::array<const Entry*, ids_per_pixel> sorted;  // uninitialised: most pixels hold one id or two
+    std::array<const Entry*, ids_per_pixel> sorted;  // uninitialised: most pixels have one or two ids
     const auto end = std::transform(all.entries.begin(), all.entries.end(), sorted.begin(),
                                     [](const Entry& entry) { return &entry; });
     std::sort(sorted.begin(), end, [](const Entry* a, const Entry* b) {

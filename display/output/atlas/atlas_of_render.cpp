@@ -1,4 +1,4 @@
-// An atlas as it leaves the render: its words in an order that depends on their light alone.
+// The atlas of a render, with its words in an order that depends only on their light.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -19,11 +19,11 @@ class RenderAtlas final : public AtlasSource {
         std::vector<std::vector<WordTable::Letter>> letters(light.size());
         std::vector<std::uint32_t> order;
         for (std::uint32_t word = 0; word < light.size(); ++word) {
-            if (light[word] <= 0) continue;  // prefixes of words, and words that others took in
+            if (light[word] <= 0) continue;  // prefixes of words, and merged words
             letters[word] = atlas.words().letters(word);
             order.push_back(word);
         }
-        // Numbers of words are threads' doing; their letters are not.
+        // Numbers of words depend on threads; their letters do not.
         std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
             return light[a] != light[b] ? light[a] > light[b] : letters[a] < letters[b];
         });
@@ -62,7 +62,7 @@ class RenderAtlas final : public AtlasSource {
         row.counts.resize(columns);
         for (std::size_t x = 0; x < columns; ++x) {
             const std::size_t pixel = static_cast<std::size_t>(y) * columns + x;
-            Repairs repairs;  // check_atlas() counts
+            Repairs repairs;  // check_atlas() counts them
             for (std::size_t c = 0; c < 3; ++c)
                 row.rgba[x][c] = repairs.to_stored(beauty[3 * x + c], 0, StoredType::single_float);
             row.rgba[x][3] = static_cast<float>(alpha[x]);
@@ -82,7 +82,7 @@ class RenderAtlas final : public AtlasSource {
   private:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
     void add(const PathAtlas::Light& light, AtlasRow& row) {
-        if (number_[light.word] == none) return;  // nothing but zeros
+        if (number_[light.word] == none) return;  // a word without light
         WordSample& sample = row.samples.emplace_back();
         sample.word = number_[light.word];
         double all = 0;
@@ -98,7 +98,7 @@ class RenderAtlas final : public AtlasSource {
     const FrameBuffer& image_;
     ChannelId beauty_;
     WordTable table_;
-    std::vector<std::uint32_t> number_;  // [word of the atlas]
+    std::vector<std::uint32_t> number_;  // [word of the atlas] number in the file
     std::vector<PathAtlas::Light> light_;
 };
 

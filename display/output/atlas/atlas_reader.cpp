@@ -36,7 +36,7 @@ Error atlas_error(const std::string& path, const std::string& message) {
 
 Error no_atlas(const std::string& path) {
     return atlas_error(path,
-                       "this is no path atlas: it has no parts 'rgba', 'words' and 'parts' as raylex render "
+                       "not a path atlas; expected parts 'rgba', 'words' and 'parts', as raylex render "
                        "--atlas writes them");
 }
 
@@ -50,7 +50,7 @@ int part_named(const Imf::MultiPartInputFile& file, const char* name, bool deep)
     return -1;
 }
 
-/// The planes of the three parts, -1 where there is none; -1 of what is needed makes a file no atlas.
+/// The planes of the three parts, -1 for a missing one. A file that lacks a required plane is not an atlas.
 struct AtlasPlanes {
     std::array<int, 4 + PathAtlas::parts> flat{};
     int word = -1, eighth = -1;
@@ -77,7 +77,7 @@ struct AtlasPlanes {
     }
 };
 
-/// A row of each part; one thread's, as long as it lives.
+/// One row of each part; one thread uses it throughout its life.
 struct AtlasRowPlanes {
     PackedRows::Row flat, words, parts;
 };
@@ -125,7 +125,7 @@ Status AtlasFile::Impl::take_words(const AtlasRowPlanes& from, AtlasRow& row) co
     for (std::size_t i = 0; i < row.samples.size(); ++i) {
         WordSample& sample = row.samples[i];
         sample.word = value_of<std::uint32_t>(from.words, planes.word, i);
-        if (sample.word >= known) return damaged("it names a word that its table does not have");
+        if (sample.word >= known) return damaged("it uses a word that is not in its table");
         for (std::size_t c = 0; c < 3; ++c)
             sample.rgb[c] = static_cast<double>(value_of<float>(from.words, planes.colors[c], i));
     }
@@ -136,7 +136,7 @@ Status AtlasFile::Impl::take_words(const AtlasRowPlanes& from, AtlasRow& row) co
 }
 
 Status AtlasFile::Impl::take_parts(const AtlasRowPlanes& from, AtlasRow& row) const {
-    const Error differ = damaged("its parts 'words' and 'parts' differ in their samples");
+    const Error differ = damaged("its parts 'words' and 'parts' have different samples");
     std::size_t spread = 0;
     for (std::size_t x = 0; x + 1 < row.begin.size(); ++x) {
         for (std::size_t i = row.begin[x]; i < row.begin[x + 1]; ++i) {
@@ -144,7 +144,7 @@ Status AtlasFile::Impl::take_parts(const AtlasRowPlanes& from, AtlasRow& row) co
             shares.fill(0);
             const float eighth = half_of(from.words, planes.eighth, i);
             if (!(eighth >= 0 && eighth <= AtlasLayout::several_eighths))
-                return damaged("it has a word of an eighth that there is not");
+                return damaged("it has a word with an invalid eighth");
             if (eighth >= AtlasLayout::several_eighths) {
                 if (spread == from.parts.sample_count()) return differ;
                 for (std::size_t k = 0; k < shares.size(); ++k)

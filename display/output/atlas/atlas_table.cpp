@@ -19,7 +19,7 @@ Error damaged_table(const std::string& path, const std::string& what) {
     return error;
 }
 
-/// Numbers with blanks between; `*` is WordAlphabet::open.
+/// Reads numbers separated by blanks; `*` is WordAlphabet::open.
 bool read_letters(std::string_view text, std::vector<WordTable::Letter>& letters) {
     while (!text.empty()) {
         const std::size_t end = std::min(text.find(' '), text.size());
@@ -36,7 +36,7 @@ bool read_letters(std::string_view text, std::vector<WordTable::Letter>& letters
     return true;
 }
 
-/// Cuts off what stands behind the last blank, "s1t3".
+/// Removes and parses the text after the last blank, such as "s1t3".
 bool take_technique(std::string_view& line, Technique& technique) {
     const std::size_t blank = line.rfind(' ');
     if (blank == std::string_view::npos) return false;
@@ -61,7 +61,7 @@ bool is_terminal(const lpe::Event& event) {
            event.type == lpe::EventType::emission;
 }
 
-/// Every word is scatterings, behind the first `*` no other letters, and a terminal.
+/// Every word has scatterings, no other letters after the first `*`, and a terminal.
 Status check_words(const WordTable& table, const std::string& path) {
     std::set<WordTable::Letter> scatterings, terminals;
     for (std::size_t i = 0; i < table.events.size(); ++i)
@@ -71,12 +71,13 @@ Status check_words(const WordTable& table, const std::string& path) {
         for (std::size_t i = 0; good && i + 1 < word.size(); ++i)
             good = word[i] == WordAlphabet::open ? i + 2 == word.size() || word[i + 1] == WordAlphabet::open
                                                  : scatterings.count(word[i]) > 0;
-        if (!good) return damaged_table(path, "'" + letters_text(word) + "' in atlas/words is no word of its events");
+        if (!good)
+            return damaged_table(path, "'" + letters_text(word) + "' in atlas/words is not a word over its events");
     }
     return success();
 }
 
-/// Labels that to_text() leaves out: scatterings have two slots, terminals one.
+/// Restores the labels that to_text() omits: scatterings have two slots, terminals one.
 void restore_labels(lpe::Event& event) {
     event.labels.resize(is_terminal(event) ? 1 : 2);
 }
@@ -120,10 +121,10 @@ Result<WordTable> read_table(const std::map<std::string, std::string>& attribute
     const char* const end_of_length = length.data() + length.size();
     if (std::from_chars(length.data(), end_of_length, table.rules.length).ptr != end_of_length ||
         table.rules.length < 0 || table.rules.length > WordRules::most_length)
-        return damaged_table(
-            path, "'" + length + "' in atlas/length is no length from 0 to " + std::to_string(WordRules::most_length));
+        return damaged_table(path, "'" + length + "' in atlas/length is not a length from 0 to " +
+                                       std::to_string(WordRules::most_length));
     auto events = lpe::parse_events(text("atlas/events"));
-    if (!events) return damaged_table(path, "atlas/events does not read: " + events.error().message);
+    if (!events) return damaged_table(path, "atlas/events cannot be parsed: " + events.error().message);
     table.events = *std::move(events);
     for (lpe::Event& event : table.events) restore_labels(event);
     if (!read_letters(text("atlas/letters"), table.letters) || table.letters.size() != table.events.size())
@@ -131,11 +132,11 @@ Result<WordTable> read_table(const std::map<std::string, std::string>& attribute
     const std::string words = text("atlas/words");
     for (std::size_t begin = 0; begin < words.size();) {
         const std::size_t end = words.find('\n', begin);
-        if (end == std::string::npos) return damaged_table(path, "atlas/words does not end in the end of a line");
+        if (end == std::string::npos) return damaged_table(path, "atlas/words does not end with a line end");
         std::string_view line = std::string_view(words).substr(begin, end - begin);
         if ((table.rules.techniques && !take_technique(line, table.techniques.emplace_back())) ||
             !read_letters(line, table.words.emplace_back()))
-            return damaged_table(path, "'" + words.substr(begin, end - begin) + "' in atlas/words is no word");
+            return damaged_table(path, "'" + words.substr(begin, end - begin) + "' in atlas/words is not a word");
         begin = end + 1;
     }
     table.dropped_straight = text("atlas/straight") == "dropped";

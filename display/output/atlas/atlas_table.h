@@ -1,4 +1,4 @@
-// The words of an atlas as texts of a header, and back. Private to the atlas's files.
+// Converts the words of an atlas to header attributes and back. Private to the atlas's files.
 #pragma once
 
 #include <map>
@@ -9,7 +9,7 @@
 namespace raylex::display {
 
 std::map<std::string, std::string> table_attributes(const WordTable& table);
-/// Errors name `path` and what is wrong.
+/// Parses the attributes. Errors name `path` and the problem.
 Result<WordTable> read_table(const std::map<std::string, std::string>& attributes, const std::string& path);
 
 }  // namespace raylex::display

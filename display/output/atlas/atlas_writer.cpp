@@ -30,11 +30,11 @@ std::vector<Imf::Header> atlas_headers(const AtlasSource& source, const ImageDes
     for (const char* name : AtlasLayout::parts) {
         Imf::Header header = base_header(name, source.width(), source.height(), description);
         header.setType(headers.empty() ? Imf::SCANLINEIMAGE : Imf::DEEPSCANLINE);
-        header.setVersion(
-            1);  // of data's layout, which files with deep parts must name; OpenEXR's core reads no others
-        // Numbers of words have zero bytes, and eighths are zeros for the most part: runs find these. zip took a sixth
-        // of what an atlas costs in fog. It saved 6 % of coloured scenes' files and 7 % in fog, where rows have 256
-        // pixels; more only where its window of 32 KB reaches from a row's G to an R that is the same.
+        header.setVersion(1);  // the version of the data's layout, which files with deep parts must declare; OpenEXR's
+                               // core supports only this one
+        // Numbers of words have zero bytes, and eighths are mostly zeros: run-length coding compresses these. zip took
+        // a sixth of the cost of an atlas in fog. It saved 6 % of the file for coloured scenes and 7 % in fog with rows
+        // of 256 pixels; it saves more only if its window of 32 KB reaches from a row's G to an identical R.
         header.compression() = Imf::RLE_COMPRESSION;
         headers.push_back(header);
     }
@@ -54,7 +54,7 @@ std::vector<Imf::Header> atlas_headers(const AtlasSource& source, const ImageDes
     return headers;
 }
 
-/// A band of rows as OpenEXR wants it; one after the other, in the same memory.
+/// A band of rows in OpenEXR's layout; all bands use the same memory.
 class AtlasBand {
   public:
     explicit AtlasBand(AtlasSource& source)
@@ -163,8 +163,8 @@ class AtlasBand {
     std::ptrdiff_t width_;
     int y0_ = 0;
     bool is_signed_;
-    Repairs repairs_;                               // check_atlas() counts
-    std::vector<unsigned> counts_, spread_counts_;  // of part `words`, of part `parts`
+    Repairs repairs_;                               // check_atlas() counts them
+    std::vector<unsigned> counts_, spread_counts_;  // for part `words`, for part `parts`
     std::vector<std::uint32_t> words_;
     std::vector<Imath::half> eighths_;
     std::array<std::vector<float>, 3> colors_, rests_;

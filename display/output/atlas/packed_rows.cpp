@@ -13,8 +13,8 @@
 namespace raylex::display {
 namespace {
 
-/// A damaged row must not ask for memory that no row needs: deflate packs 1,032 bytes into one at best (zlib's
-/// technical details), runs 64.
+/// A damaged row must not allocate memory that no valid row needs: deflate packs at most 1,032 bytes into one (zlib's
+/// technical details), run-length coding 64.
 constexpr std::uint64_t most_row_bytes = std::uint64_t{1} << 30, most_packing = 1032;
 
 Error row_error(const std::string& path, const std::string& message) {
@@ -28,7 +28,7 @@ Error damaged(const std::string& path, const std::string& what) {
     return row_error(path, "the file is truncated or damaged: " + what);
 }
 
-/// What is wrong is told by results, and by us.
+/// Suppresses OpenEXR's messages: results carry the errors, and this file reports them.
 void say_nothing(exr_const_context_t, exr_result_t, const char*) {}
 
 /// A decoder of one row, freed on every way out.
@@ -36,13 +36,13 @@ class Decoder {
   public:
     Decoder(exr_const_context_t context, int part, const exr_chunk_info_t& chunk) : context_(context), part_(part) {
         result_ = exr_decoding_initialize(context, part, &chunk, &pipeline_);
-        // OpenEXR 3.1.5 asks for the processor's kind when it first chooses, and notes it without a lock.
+        // OpenEXR 3.1.5 detects the processor's features on first use and stores them without a lock.
         static std::mutex choosing;
         if (result_ == EXR_ERR_SUCCESS) {
             const std::lock_guard lock(choosing);
             result_ = exr_decoding_choose_default_routines(context, part, &pipeline_);
         }
-        pipeline_.unpack_and_convert_fn = nullptr;  // planes are left where they were unpacked
+        pipeline_.unpack_and_convert_fn = nullptr;  // leave planes where they were unpacked
         pipeline_.decode_flags |= EXR_DECODE_SAMPLE_COUNTS_AS_INDIVIDUAL;
     }
     ~Decoder() { exr_decoding_destroy(context_, &pipeline_); }
@@ -82,7 +82,7 @@ class PackedRows::File {
 
 struct PackedRows::Impl {
     Status find_channels();
-    /// Where a row stands, which is all in the file; what is read of it later is not looked at.
+    /// Finds a row and checks that it is inside the file; does not check the content that is read later.
     [[nodiscard]] Status find(int y, exr_chunk_info_t& chunk) const;
     [[nodiscard]] Status check(const exr_chunk_info_t& chunk) const;
     void place_planes(Row& row) const;
@@ -114,7 +114,7 @@ Status PackedRows::Impl::find_channels() {
                                    " together; expected each by itself, as raylex writes them (rle or zips)");
     deep = storage == EXR_STORAGE_DEEP_SCANLINE;
     packed = compression != EXR_COMPRESSION_NONE;
-    // OpenEXR 3.1.5's core takes their counts, which are right, for damaged.
+    // OpenEXR 3.1.5's core rejects the counts of such rows as damaged, although they are correct.
     if (deep && !packed)
         return row_error(path, "its deep rows are not packed; expected rle, as raylex writes them, or zips");
     width = static_cast<std::size_t>(std::int64_t{window.max.x} - window.min.x + 1);
@@ -153,7 +153,7 @@ Result<std::shared_ptr<const PackedRows::File>> PackedRows::open_file(const std:
     how.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     const exr_result_t result = exr_start_read(&file->context, path.c_str(), &how);
     if (result == EXR_ERR_FILE_ACCESS) return row_error(path, std::string("cannot be opened: ") + std::strerror(errno));
-    if (result == EXR_ERR_OUT_OF_MEMORY) return row_error(path, "there is no memory for its header");
+    if (result == EXR_ERR_OUT_OF_MEMORY) return row_error(path, "not enough memory for its header");
     if (result != EXR_ERR_SUCCESS) return damaged(path, exr_get_default_error_message(result));
     return std::shared_ptr<const File>(std::move(file));
 }
@@ -163,7 +163,8 @@ Result<std::unique_ptr<PackedRows>> PackedRows::open(std::shared_ptr<const File>
     impl->file = std::move(file);
     impl->part = part;
     if (Status found = impl->find_channels(); !found) return found.error();
-    // All rows, whichever a question reads: an answer from a file that is cut would be one without a word about it.
+    // Checks all rows, not only those that a question reads: otherwise a truncated file could give an answer without an
+    // error.
     exr_chunk_info_t chunk{};
     for (int y = impl->first; y <= impl->last; ++y)
         if (Status found = impl->find(y, chunk); !found) return found.error();
@@ -180,16 +181,17 @@ int PackedRows::plane(const std::string& name, Type type) const {
     return -1;
 }
 
-/// What OpenEXR 3.1.5's core takes from a row's leader without a look, and then leaves memory as it was.
+/// Checks the fields of a row's leader that OpenEXR 3.1.5's core uses unchecked, which could leave memory
+/// uninitialised.
 Status PackedRows::Impl::check(const exr_chunk_info_t& chunk) const {
     if (chunk.data_offset > file->size || chunk.packed_size > file->size - chunk.data_offset)
-        return damaged(file->path, "a row ends behind it");
+        return damaged(file->path, "a row ends after the end of the file");
     if (chunk.unpacked_size > std::min(most_row_bytes, most_packing * chunk.packed_size))
-        return damaged(file->path, "a row claims more than any has");
+        return damaged(file->path, "a row claims more bytes than any row can have");
     if (!packed && chunk.packed_size != chunk.unpacked_size)
-        return damaged(file->path, "a row has another size than its pixels");
+        return damaged(file->path, "the size of a row does not match its pixels");
     if (deep && (chunk.sample_count_table_size == 0 || chunk.sample_count_table_size > 4 * width))
-        return damaged(file->path, "a row has another size than its counts");
+        return damaged(file->path, "the size of a row does not match its counts");
     return success();
 }
 
@@ -213,11 +215,11 @@ Status PackedRows::read(int y, Row& row) const {
     for (std::size_t x = 0; x < impl.width; ++x) {
         const std::int32_t count = impl.deep ? decoder.sample_counts()[x] : 1;
         samples += static_cast<std::uint64_t>(std::max(count, 0));
-        if (count < 0 || samples > most_row_bytes) return damaged(path, "a row's counts are no counts");
+        if (count < 0 || samples > most_row_bytes) return damaged(path, "a row's counts are invalid");
         row.begin_.push_back(static_cast<std::uint32_t>(samples));
     }
     impl.place_planes(row);
-    if (row.bytes_.size() != chunk.unpacked_size) return damaged(path, "a row has another size than its samples");
+    if (row.bytes_.size() != chunk.unpacked_size) return damaged(path, "the size of a row does not match its samples");
     if (!row.bytes_.empty()) std::memcpy(row.bytes_.data(), decoder.planes(), row.bytes_.size());
     return success();
 }

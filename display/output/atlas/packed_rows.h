@@ -1,6 +1,6 @@
-// Rows of OpenEXR parts as they stand in the file: for each channel the values of a row side by side, no copies made by
-// sample. OpenEXR's C++ interface hands deep samples over one by one, which took most of the time of asking an atlas.
-// Includes nothing of OpenEXR's.
+// Reads rows of OpenEXR parts in their file layout: the values of a row are contiguous per channel, without per-sample
+// copies. OpenEXR's C++ interface returns deep samples one by one, which took most of the time of a question to an
+// atlas. This header includes no OpenEXR headers.
 #pragma once
 
 #include <cstddef>
@@ -27,10 +27,10 @@ class PackedRows {
     /// One row of a part.
     class Row {
       public:
-        /// [pixel + 1] where its samples begin; those of a flat part are its pixels.
+        /// [pixel + 1] The begin of each pixel's samples; in a flat part each pixel has one.
         [[nodiscard]] std::span<const std::uint32_t> begin() const { return begin_; }
         [[nodiscard]] std::size_t sample_count() const { return begin_.empty() ? 0 : begin_.back(); }
-        /// `plane`: of PackedRows::plane(), whose type is Value's; halves are std::uint16_t.
+        /// `plane` is an index from PackedRows::plane() with the type Value; halves are std::uint16_t.
         template <class Value>
         [[nodiscard]] Value value(std::size_t plane, std::size_t sample) const {
             Value read;
@@ -45,20 +45,21 @@ class PackedRows {
         std::vector<std::byte> bytes_;
     };
 
-    /// A file that is held open, by all of its parts together.
+    /// An open file, shared by all of its parts.
     class File;
-    /// Of a file that has been looked at (check_exr_file). Errors: it cannot be opened; it is damaged.
+    /// Opens a file that check_exr_file() accepted. Errors: it cannot be opened; it is damaged.
     static Result<std::shared_ptr<const File>> open_file(const std::string& path);
-    /// `part`: its number in the file. Errors: no such part; rows that are packed several together, and deep ones that
-    /// are not packed, neither of which raylex writes.
+    /// Opens the part with the number `part`. Errors: no such part; several rows packed together, or unpacked deep
+    /// rows; raylex writes neither.
     static Result<std::unique_ptr<PackedRows>> open(std::shared_ptr<const File> file, int part);
     ~PackedRows();
 
-    /// In the order of planes.
+    /// The channels in the order of planes.
     [[nodiscard]] std::span<const Channel> channels() const;
-    /// The plane of a channel; -1 where the part has none of this name and type.
+    /// The index of a channel's plane; -1 if the part has none with this name and type.
     [[nodiscard]] int plane(const std::string& name, Type type) const;
-    /// `y` in the part's data window. May be called by several threads at once. Errors: what is truncated or damaged.
+    /// Reads row `y` of the part's data window. Several threads can call it at once. Errors: the row is truncated or
+    /// damaged.
     Status read(int y, Row& row) const;
 
   private:

@@ -25,7 +25,7 @@ namespace raylex::display {
 
 namespace {
 
-// Brighter than any view distinguishes; the ACES views turn values near the end of float range into black.
+// Brighter than any view can show; the ACES views turn values near the end of the float range into black.
 constexpr float largest_value = 1e6f;
 
 std::string list(const std::vector<std::string>& names) {
@@ -38,7 +38,7 @@ bool holds(const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// OpenColorIO's text is in its own words; the file and what was expected are ours.
+// OpenColorIO provides its own text; this function adds the file and what was expected.
 Error config_error(const std::string& file, const std::string& what, const std::string& why) {
     Error error;
     error.file = file;
@@ -54,7 +54,7 @@ Error unknown_name(const std::string& file, const std::string& kind, const std::
     error.message =
         "the OpenColorIO config has no " + kind + " '" + name + "'" + where + "; expected one of: " + list(known);
     std::string near = nearest_name(name, known);
-    // Names of configs are long ("sRGB - Display"): a part of one is a near miss too.
+    // Names in configs are long ("sRGB - Display"), so a part of a name counts as a near miss, too.
     for (const std::string& each : known)
         if (near.empty() && !name.empty() && lower_case(each).find(lower_case(name)) != std::string::npos) near = each;
     if (!near.empty()) error.hint = "did you mean '" + near + "'?";
@@ -67,9 +67,9 @@ std::array<double, 3> through(const ocio::ConstCPUProcessorRcPtr& processor, std
     return {rgb[0], rgb[1], rgb[2]};
 }
 
-// The processor as a matrix; nothing when it is not linear, which probes on and off the axes show.
+// The processor as a matrix; nothing if it is not linear, which probes on and off the axes test.
 std::optional<Matrix3> as_matrix(const ocio::ConstProcessorRcPtr& processor) {
-    // Lossless: the fast approximations would cost digits.
+    // Lossless, because the fast approximations would lose digits.
     const auto cpu = processor->getOptimizedCPUProcessor(ocio::OPTIMIZATION_LOSSLESS);
     Matrix3 matrix{};
     for (std::size_t j = 0; j < 3; ++j) {
@@ -89,7 +89,8 @@ std::optional<Matrix3> as_matrix(const ocio::ConstProcessorRcPtr& processor) {
     return matrix;
 }
 
-// Runs `part(first, last)` over [0, count) on as many threads as pay: the ACES views take about 0.2 s per megapixel.
+// Runs `part(first, last)` over [0, count) on as many threads as are worthwhile: ACES views take about 0.2 s per
+// megapixel.
 void in_parallel(std::size_t count, const std::function<void(std::size_t, std::size_t)>& part) {
     const std::size_t worthwhile = count / 65536 + 1;
     const std::size_t threads = std::min<std::size_t>(std::max(1u, std::thread::hardware_concurrency()), worthwhile);
@@ -109,10 +110,10 @@ void in_parallel(std::size_t count, const std::function<void(std::size_t, std::s
 
 struct ColorManager::Config {
     ocio::ConstConfigRcPtr config;
-    std::string file;              // for messages: the path, or what the shipped one is called
+    std::string file;              // for messages: the path, or the name of the shipped config
     std::string interchange;       // a scene-linear (or XYZ) space of the config ...
     Matrix3 interchange_to_xyz{};  // ... and its matrix to XYZ D65
-    bool assumed = false;          // the interchange is a guess
+    bool assumed = false;          // the interchange is an assumption
 
     void find_interchange();
     [[nodiscard]] bool has_space(const std::string& name) const {
@@ -120,9 +121,9 @@ struct ColorManager::Config {
     }
     [[nodiscard]] bool is_scene_linear(const ocio::ConstColorSpaceRcPtr& space) const;
     [[nodiscard]] std::vector<std::string> scene_linear_spaces() const;
-    /// From XYZ D65 to a space.
+    /// The matrix from XYZ D65 to a space.
     [[nodiscard]] Result<Matrix3> from_xyz(const std::string& space) const;
-    /// Runs `action`, turning what OpenColorIO throws into an Error about `what`.
+    /// Runs `action` and converts OpenColorIO's exceptions to an Error about `what`.
     template <class Action>
     auto guarded(const std::string& what, Action action) const -> decltype(action()) {
         try {
@@ -157,11 +158,11 @@ bool ColorManager::Config::is_scene_linear(const ocio::ConstColorSpaceRcPtr& spa
     if (!space || space->isData() || space->getReferenceSpaceType() != ocio::REFERENCE_SPACE_SCENE) return false;
     const std::string encoding = space->getEncoding();
     if (!encoding.empty()) return encoding == "scene-linear";
-    // Version 1 configs do not say: look at the numbers.
+    // Version 1 configs have no such field, so the numbers decide.
     try {
         return as_matrix(config->getProcessor(space->getName(), interchange.c_str())).has_value();
     } catch (const std::exception&) {
-        return false;  // a missing look-up table makes a space unusable, not the config
+        return false;  // a missing look-up table makes only this space unusable
     }
 }
 
@@ -204,7 +205,7 @@ struct NamedConfig {
     std::string file;  // for messages
 };
 
-// `config_path`, else $OCIO, else the config that ships with raylex; never one without a colour space.
+// Reads `config_path`, or else $OCIO, or else the shipped config. A config without a colour space is an error.
 Result<NamedConfig> read_config(const std::string& config_path) {
     const char* environment = std::getenv("OCIO");
     const std::string path = !config_path.empty() ? config_path : environment != nullptr ? environment : "";
@@ -233,7 +234,7 @@ Result<NamedConfig> read_config(const std::string& config_path) {
             read.config = ocio::Config::CreateFromFile(path.c_str());
         }
         if (read.config->getNumColorSpaces() > 0) return read;
-        return config_error(read.file, "the OpenColorIO config is of no use",
+        return config_error(read.file, "the OpenColorIO config cannot be used",
                             "it defines no colour space; expected at least one");
     } catch (const std::exception& exception) { return failed(exception); }
 }
@@ -249,7 +250,7 @@ Result<ColorManager> ColorManager::open(const std::string& config_path) {
     try {
         config->find_interchange();
     } catch (const std::exception& exception) {
-        return config_error(config->file, "the OpenColorIO config is of no use", exception.what());
+        return config_error(config->file, "the OpenColorIO config cannot be used", exception.what());
     }
     return ColorManager(std::move(config));
 }
@@ -287,7 +288,7 @@ std::string ColorManager::description() const {
     const std::string name = config_->config->getName();
     std::string text = config_->file + (name.empty() ? "" : " (" + name + ")");
     if (config_->assumed)
-        text += ", which has no interchange role: '" + config_->interchange + "' is taken to have Rec. 709 primaries";
+        text += ", which has no interchange role: '" + config_->interchange + "' is assumed to have Rec. 709 primaries";
     return text;
 }
 
@@ -338,7 +339,7 @@ Result<Chromaticities> ColorManager::chromaticities(const std::string& space) co
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t j = 0; j < 3; ++j)
                 difference = std::max(difference, std::abs(to_xyz[i][j] - expected[i][j]));
-        // Configs carry such matrices to four digits or more; the published sets differ in the second.
+        // Configs give such matrices to at least four digits; the published sets differ in the second.
         if (difference < 5e-4) return known;
     }
     const auto xy = [&to_xyz](const std::array<double, 3>& colour) {
@@ -366,7 +367,7 @@ Result<FileColor> ColorManager::file_color(const std::string& path, const Chroma
             };
             return result;
         }
-        // One step in double from the interchange space to the primaries: the processor is only asked to linearise.
+        // A single step in double from the interchange space to the primaries: the processor only linearises.
         const auto processor = config->getProcessor(result.space.c_str(), config_->interchange.c_str())
                                    ->getOptimizedCPUProcessor(ocio::OPTIMIZATION_LOSSLESS);
         const Matrix3 matrix = multiply(inverse(rgb_to_xyz_d65(to)), config_->interchange_to_xyz);
@@ -394,7 +395,7 @@ std::vector<std::string> ColorManager::warnings() const {
         const std::string extension = text != nullptr ? text : "";
         if (extension.find_first_of("()|\\+^$") == std::string::npos) continue;
         found.push_back(config_->file + ": file rule '" + rules->getName(i) + "' has the extension '" + extension +
-                        "', which is a glob (* ? [a-z]) and so fits no file; expected a 'regex' for alternatives");
+                        "', which is a glob (* ? [a-z]) and matches no file; expected a 'regex' for alternatives");
     }
     return found;
 }
@@ -423,7 +424,7 @@ Result<std::vector<unsigned char>> ColorManager::to_display(std::span<const floa
         const std::size_t pixels = rgb.size() / 3;
         std::vector<unsigned char> result(pixels * 3);
         in_parallel(pixels, [&](std::size_t first, std::size_t last) {
-            constexpr std::size_t strip = 4096;  // pixels: the copy stays in the cache
+            constexpr std::size_t strip = 4096;  // pixels; the copy stays in the cache
             std::vector<float> linear(std::min(strip, last - first) * 3);
             for (std::size_t begin = first; begin < last; begin += strip) {
                 const std::size_t count = std::min(strip, last - begin);

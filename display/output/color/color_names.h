@@ -1,4 +1,4 @@
-// The names that a colour config has, for lists and for options that take them.
+// The names in a colour config, for lists and for options.
 #pragma once
 
 #include <string>
@@ -16,15 +16,15 @@ struct ColorSpaceEntry {
 };
 
 struct ConfigNames {
-    std::vector<ColorSpaceEntry> spaces;  ///< in the config's order
+    std::vector<ColorSpaceEntry> spaces;  ///< in the order of the config
     std::vector<std::string> looks;
 };
-/// Of the config that ColorManager::open takes for this path, with the same errors. Displays and views are the
-/// manager's.
+/// The names in the config that ColorManager::open() opens for this path, with the same errors. ColorManager itself
+/// lists displays and views.
 Result<ConfigNames> config_names(const std::string& config_path);
 
-/// Whether the config has this display, and this view of it; an empty name is the default's. Errors name near misses,
-/// and the display that has the view.
+/// Checks that the config has this display and this view of it; an empty name means the default. Errors suggest similar
+/// names, and the display that has the view.
 Status check_view(const ColorManager& color, const std::string& display, const std::string& view);
 
 }  // namespace raylex::display

@@ -26,7 +26,7 @@ std::array<unsigned char, 3> scale_color(std::span<const ScaleAnchor> scale, dou
     const double t = std::clamp((position - p.at) / (q.at - p.at), 0.0, 1.0);
     const double lightness = std::lerp(p.lightness, q.lightness, t), a = std::lerp(p.a, q.a, t),
                  b = std::lerp(p.b, q.b, t);
-    // Oklab to linear sRGB, matrices of the publication.
+    // Oklab to linear sRGB, with the matrices of the publication.
     const auto cube = [](double x) { return x * x * x; };
     const double l = cube(lightness + 0.3963377774 * a + 0.2158037573 * b),
                  m = cube(lightness - 0.1055613458 * a - 0.0638541728 * b),

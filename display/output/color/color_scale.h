@@ -1,4 +1,4 @@
-// Scales of colour for pictures of numbers.
+// Colour scales for images of numbers.
 #pragma once
 
 #include <array>
@@ -6,13 +6,13 @@
 
 namespace raylex::display {
 
-/// A place on a scale and its colour in Oklab (B. Ottosson 2020). Scales whose lightness rises all along tell the order
-/// also without colour vision.
+/// A position on a scale and its colour in Oklab (B. Ottosson 2020). If lightness rises monotonically, the order is
+/// visible without colour vision, too.
 struct ScaleAnchor {
     double at, lightness, a, b;
 };
 
-/// 8-bit sRGB at a position of a scale: at least two anchors, their places ascending.
+/// The 8-bit sRGB colour at a position of a scale with at least two anchors in ascending order.
 std::array<unsigned char, 3> scale_color(std::span<const ScaleAnchor> scale, double position);
 
 }  // namespace raylex::display

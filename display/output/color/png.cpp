@@ -1,4 +1,4 @@
-// PNG through libpng's simplified interface (8-bit sRGB, which it marks with an sRGB chunk).
+// Writes PNG with libpng's simplified interface (8-bit sRGB with an sRGB chunk).
 #include <png.h>
 
 #include "display/output/atomic_file.h"

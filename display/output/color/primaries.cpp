@@ -12,7 +12,7 @@ std::array<double, 3> xyz_of(const std::array<double, 2>& xy) {
     return {xy[0] / xy[1], 1.0, (1.0 - xy[0] - xy[1]) / xy[1]};
 }
 
-// A primary's direction in XYZ. Not divided by y: that is zero or negative for imaginary primaries (AP0).
+// The direction of a primary in XYZ, not divided by y, which is zero or negative for imaginary primaries (AP0).
 std::array<double, 3> direction_of(const std::array<double, 2>& xy) {
     return {xy[0], xy[1], 1.0 - xy[0] - xy[1]};
 }

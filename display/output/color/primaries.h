@@ -1,4 +1,4 @@
-// Conversions between linear RGB spaces, from their chromaticities alone.
+// Conversions between linear RGB spaces that are given by their chromaticities.
 #pragma once
 
 #include <array>
@@ -7,27 +7,27 @@
 
 namespace raylex::display {
 
-/// Row-major; colours are columns.
+/// Row-major; multiplies column vectors.
 using Matrix3 = std::array<std::array<double, 3>, 3>;
 
 [[nodiscard]] Matrix3 identity_matrix();
-[[nodiscard]] Matrix3 multiply(const Matrix3& a, const Matrix3& b);  ///< a after b
-/// Inverse by the adjugate; a singular matrix (primaries on one line) gives the zero matrix.
+[[nodiscard]] Matrix3 multiply(const Matrix3& a, const Matrix3& b);  ///< applies b, then a
+/// The inverse by the adjugate; a singular matrix (collinear primaries) gives the zero matrix.
 [[nodiscard]] Matrix3 inverse(const Matrix3& m);
 [[nodiscard]] std::array<double, 3> transform_colour(const Matrix3& m, const std::array<double, 3>& colour);
 
-/// Linear RGB to CIE XYZ, RGB (1, 1, 1) becoming the white with Y = 1 (SMPTE RP 177-1993, section 3.3).
+/// Linear RGB to CIE XYZ; RGB (1, 1, 1) becomes the white with Y = 1 (SMPTE RP 177-1993, section 3.3).
 [[nodiscard]] Matrix3 rgb_to_xyz(const Chromaticities& primaries);
 /// Adapts XYZ from one white to another by the linear Bradford transform (Lam 1985; ICC.1:2022, annex E.3).
 [[nodiscard]] Matrix3 bradford(const std::array<double, 2>& from_white, const std::array<double, 2>& to_white);
 /// Linear RGB to XYZ adapted to D65 (0.3127, 0.3290).
 [[nodiscard]] Matrix3 rgb_to_xyz_d65(const Chromaticities& primaries);
-/// Linear RGB to linear RGB, whites adapted by Bradford. Exactly the identity for `equivalent` primaries.
+/// Linear RGB to linear RGB, with whites adapted by Bradford. Exactly the identity for `equivalent` primaries.
 [[nodiscard]] Matrix3 rgb_to_rgb(const Chromaticities& from, const Chromaticities& to);
 
-/// Equal but for rounding in files (every coordinate within 1e-4).
+/// Returns whether the primaries are equal up to rounding in files (every coordinate within 1e-4).
 [[nodiscard]] bool equivalent(const Chromaticities& a, const Chromaticities& b);
-/// Weights of R, G, B in relative luminance; for Rec. 709 the standard's own four digits (0.2126, 0.7152, 0.0722).
+/// The weights of R, G, B in relative luminance; for Rec. 709 the four digits of the standard (0.2126, 0.7152, 0.0722).
 [[nodiscard]] std::array<double, 3> luminance_weights(const Chromaticities& primaries);
 
 /// Published primaries: ITU-R BT.709, BT.2020, SMPTE EG 432-1 (P3-D65), Adobe RGB (1998), SMPTE ST 2065-1 (AP0),

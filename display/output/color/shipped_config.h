@@ -1,4 +1,4 @@
-// The text of display/ocio/raylex.ocio, compiled in so that a program finds it wherever it is installed.
+// The text of display/ocio/raylex.ocio, compiled in, so that a program does not depend on its installation path.
 #pragma once
 
 namespace raylex::display {

@@ -28,8 +28,8 @@ Result<const ImageLayer*> comparable_layer(const ExrImage& image, const std::str
                                          " channels are neither R G B nor X Y Z nor a single one");
 }
 
-/// How many of `values` are no finite numbers, those aside that are the same infinity in `others` when these are
-/// allowed: metrics of values leave them out.
+/// Counts the values that are not finite, because metrics of values exclude them. If `equal_allowed`, infinities that
+/// are equal in `others` do not count.
 std::size_t count_not_finite(const std::vector<double>& values, const std::vector<double>& others, bool equal_allowed) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -73,7 +73,7 @@ std::vector<AnyMetric> all_metrics() {
 }
 
 std::optional<AnyMetric> find_metric(std::string_view name) {
-    std::string hyphens(name);  // Python's names have underscores
+    std::string hyphens(name);  // names in Python have underscores
     std::replace(hyphens.begin(), hyphens.end(), '_', '-');
     for (AnyMetric& each : all_metrics())
         if (each.name == hyphens) return std::move(each);
@@ -141,7 +141,7 @@ Result<LayerPair::Values> LayerPair::values_of(char component) const {
     return values;
 }
 
-/// Why a metric of these values is no number: one of the images holds what is no number itself.
+/// An error if the metric of these values is not a number, because one of the images has values that are not.
 std::optional<Error> LayerPair::not_finite(const std::string& metric, const Values& values, bool equal_allowed) const {
     const std::size_t of_image = count_not_finite(values.image, values.reference, equal_allowed),
                       of_reference = count_not_finite(values.reference, values.image, equal_allowed);
@@ -176,10 +176,10 @@ Result<double> LayerPair::value(const AnyMetric& metric, char component) const {
 
 Result<ImageErrors> LayerPair::look(const AnyMetric& metric, char component) const {
     if (component != 'A')
-        return compare_error(image_path_, metric.name + " is of colours as they are seen, not of component " +
+        return compare_error(image_path_, metric.name + " needs whole colours, not component " +
                                               std::string(1, component) + "; expected no --channel with it");
     if (!color_ && !single_)
-        return compare_error(image_path_, metric.name + " is of colours, and layer '" + layer_ +
+        return compare_error(image_path_, metric.name + " needs colours, and layer '" + layer_ +
                                               "' has none; expected a layer of R G B, or of a single channel");
     if (auto why = not_finite(metric.name, {image_, reference_, 3}, false)) return std::move(*why);
     const Chromaticities from = color_ ? primaries_ : rec709_primaries();
@@ -195,9 +195,9 @@ Result<ImageErrors> LayerPair::errors(const AnyMetric& metric, char component) c
     if (!values) return values.error();
     const std::vector<double> terms = error_terms(*metric.of_values, values->image, values->reference);
     if (terms.empty())
-        return compare_error(image_path_,
-                             metric.name + " is " + metric.formula +
-                                 ", which no single pixel has; expected another metric for an error image");
+        return compare_error(
+            image_path_, metric.name + " is " + metric.formula +
+                             ", which is not defined for single pixels; expected another metric for an error image");
     ImageErrors result;
     result.value = *number;
     for (std::size_t i = 0; i < terms.size(); i += values->per_pixel) {

@@ -1,4 +1,4 @@
-// A layer of two images side by side: every metric by its name, and its error pixel by pixel.
+// Compares a layer of two images: every metric by name, and its error per pixel.
 #pragma once
 
 #include <array>
@@ -15,39 +15,39 @@
 
 namespace raylex::display {
 
-/// A metric of single values or one of whole images: exactly one of the two is set.
+/// A metric of single values, or of whole images: exactly one of the two is set.
 struct AnyMetric {
     std::string name, formula;
     std::optional<ErrorMetric> of_values;
     std::optional<ImageMetric> of_image;
 };
-/// Those of error_metrics(), then those of image_metrics().
+/// All of error_metrics(), followed by image_metrics().
 std::vector<AnyMetric> all_metrics();
 std::optional<AnyMetric> find_metric(std::string_view name);
-/// The same, or an Error at `where` with the near miss; `beside` are further names that one may say there.
+/// Finds a metric; an Error at `where` suggests a similar name. `beside` are further names that are valid there.
 Result<AnyMetric> require_metric(const std::string& name, const SourceLocation& where,
                                  const std::vector<std::string>& beside = {});
 
-/// [3 * width * height] R G B of these primaries, as metrics of whole images take them.
+/// [3 * width * height] R G B, converted from these primaries to Rec. 709, as input of metrics of whole images.
 LinearImage in_rec709(int width, int height, std::vector<double> rgb, const Chromaticities& from);
 
-/// The layer in the reference's primaries; `component` is as display::compare has it.
+/// A layer of two images in the reference's primaries. `component` is R, G, B, Y or A.
 class LayerPair {
   public:
-    /// Errors: no such layer in either image, sizes that differ, planes that are neither R G B nor X Y Z nor a single
-    /// one.
+    /// Prepares the pair. Errors: no such layer in one of the images, different sizes, planes that are neither R G B
+    /// nor X Y Z nor a single one.
     static Result<LayerPair> make(const ExrImage& image, const ExrImage& reference, const std::string& layer);
 
     [[nodiscard]] int width() const { return width_; }
     [[nodiscard]] int height() const { return height_; }
 
-    /// Errors: an unknown component; a metric without a value, as is the ratio to a mean of 0. Metrics of whole images
-    /// take all components, of colours or of a single plane, all values finite; else they are errors.
+    /// The value of a metric. Errors: an unknown component; a metric without a value, such as the ratio to a mean of 0.
+    /// Metrics of whole images need all components of a colour, or a single plane, with finite values.
     [[nodiscard]] Result<double> value(const AnyMetric& metric, char component) const;
 
-    /// [height * width] the metric's term, its mean over the components: the mean of the map is the metric, but for
-    /// rmse (each pixel its own root), trimmed_relmse_mean (nothing is trimmed) and ssim (1 - ssim). `value` is the
-    /// metric, as value() has it. Errors: those of value(); a metric that is no mean over pixels.
+    /// [height * width] The term of the metric, averaged over the components. The mean of this map is the metric,
+    /// except for rmse (each pixel has its own root), trimmed_relmse_mean (nothing is trimmed) and ssim (1 - ssim).
+    /// `value` is the metric, as in value(). Errors: those of value(); a metric that is not a mean over pixels.
     [[nodiscard]] Result<ImageErrors> errors(const AnyMetric& metric, char component) const;
 
   private:
@@ -65,15 +65,15 @@ class LayerPair {
     bool color_ = false, single_ = false;
     Chromaticities primaries_;
     std::array<double, 3> luminance_{};
-    std::vector<double> image_, reference_;  // three values a pixel
+    std::vector<double> image_, reference_;  // three values per pixel
 };
 
-/// A map of errors as 8-bit RGB, its lightness rising with the error: black 0, over blue, violet and red to pale yellow
-/// for `most` and above. Cyan marks what is not finite.
+/// A map of errors as 8-bit RGB. Lightness rises with the error: black for 0, over blue, violet and red to pale yellow
+/// for `most` and above. Cyan marks values that are not finite.
 std::vector<unsigned char> error_colors(const std::vector<double>& map, double most);
-/// These colours as PNG.
+/// Writes error_colors() as PNG.
 Status write_error_png(const std::string& path, const std::vector<double>& map, int width, int height, double most);
-/// The same as OpenEXR: one float channel `error`, with these string attributes.
+/// Writes the map as OpenEXR: one float channel `error`, with these string attributes.
 Status write_error_exr(const std::string& path, const std::vector<double>& map, int width, int height,
                        const std::map<std::string, std::string>& attributes);
 

@@ -1,4 +1,4 @@
-// A map of errors as a picture, and as numbers for other tools.
+// Writes a map of errors as a picture, and as numbers for other tools.
 #include <algorithm>
 #include <cmath>
 
@@ -22,7 +22,7 @@ class ErrorMap final : public PixelImage {
         layout_.height = height;
         channel_.name = "error";
         channel_.type = ChannelType::real;
-        channel_.miss_value = INFINITY;  // an infinite error is one: it is to stay in the file
+        channel_.miss_value = INFINITY;  // keeps infinite errors in the file
     }
     [[nodiscard]] const FrameBufferLayout& layout() const override { return layout_; }
     [[nodiscard]] std::span<const ChannelDefinition> channels() const override { return {&channel_, 1}; }

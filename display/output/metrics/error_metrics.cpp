@@ -12,7 +12,7 @@ namespace raylex::display {
 namespace {
 
 constexpr double absolute_floor = 0.01;
-constexpr double relative_floor = 0.1;  // of m, before it is squared
+constexpr double relative_floor = 0.1;  // relative to m, before it is squared
 
 constexpr std::array<ErrorMetricInfo, error_metric_count> error_metric_table{{
     {ErrorMetric::relmse, "relmse", "mean((a-b)^2 / (b^2 + 0.01))"},
@@ -41,7 +41,7 @@ double mean_magnitude(std::span<const double> values) {
     return count > 0 ? sum / count : 0;
 }
 
-/// (a-b)^2 over the squared reference with its floor. No error is no error even where the reference is black
+/// (a-b)^2 over the squared reference plus its floor. A difference of 0 gives 0, even if the reference is black
 /// everywhere.
 double relative_square(double difference, double reference, double floor) {
     return difference == 0 ? 0 : difference * difference / (reference * reference + floor);
@@ -120,20 +120,22 @@ ErrorMeasures measure_errors(std::span<const double> image, std::span<const doub
     set(ErrorMetric::mse, squared / result.count);
     set(ErrorMetric::mae, absolute / result.count);
     set(ErrorMetric::mape, relative_absolute / result.count);
-    // An infinite reference would make it 0, which is a ratio of other images.
+    // An infinite reference would give 0, a ratio that other images have, too.
     set(ErrorMetric::mean_ratio,
         std::isfinite(sum_reference) ? sum_image / sum_reference : std::numeric_limits<double>::quiet_NaN());
     set(ErrorMetric::rmse, std::sqrt(squared / result.count));
     set(ErrorMetric::smape, symmetric / result.count);
     set(ErrorMetric::relmse_mean, scaled / result.count);
 
-    // Largest first: what is not finite cannot be ordered and is never trimmed away, so it shows.
+    // The largest come first. Values that are not finite cannot be sorted and are never trimmed, so they remain
+    // visible.
     const auto trimmed = static_cast<std::size_t>(trimmed_share_of_terms * static_cast<double>(terms.size()));
     double kept = scaled, left_out = 0;
     if (trimmed > 0 && std::isfinite(scaled)) {
         const auto middle = terms.begin() + static_cast<std::ptrdiff_t>(trimmed);
         std::nth_element(terms.begin(), middle, terms.end(), std::greater<>());
-        // The order that nth_element leaves is the library's; sums of sorted values are the same bits everywhere.
+        // The order that nth_element leaves depends on the library; sums of sorted values have the same bits
+        // everywhere.
         std::sort(terms.begin(), middle, std::greater<>());
         for (auto term = terms.begin(); term != middle; ++term) left_out += *term;
         kept = std::max(0.0, scaled - left_out);

@@ -1,4 +1,4 @@
-// Metrics of error_metrics.h value by value, for images of errors.
+// The metrics of error_metrics.h value by value, for error images.
 #pragma once
 
 #include <span>
@@ -8,8 +8,8 @@
 
 namespace raylex::display {
 
-/// What the metric is the mean of, value by value: for rmse the squares under its root, for trimmed_relmse_mean all
-/// terms. Empty for mean_ratio, which is no such mean. No difference is no term, 0/0 included.
+/// The terms whose mean is the metric, value by value: for rmse the squares under its root, for trimmed_relmse_mean all
+/// terms. Empty for mean_ratio, which is not such a mean. A difference of 0 gives the term 0, including 0/0.
 std::vector<double> error_terms(ErrorMetric metric, std::span<const double> image, std::span<const double> reference);
 
 }  // namespace raylex::display

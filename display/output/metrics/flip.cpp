@@ -1,4 +1,4 @@
-// Written from the two publications; numbers of equations and tables are theirs.
+// Implemented from the two publications; numbers of equations and tables refer to them.
 #include "display/output/metrics/flip.h"
 
 #include <algorithm>
@@ -17,10 +17,10 @@ namespace {
 
 using Color = std::array<double, 3>;
 
-/// Three planes of one size: Y Cx Cz, or R G B.
+/// Three planes of equal size: Y Cx Cz, or R G B.
 using Planes = std::array<Plane, 3>;
 
-/// Linear R G B to XYZ and back, and the white that L*a*b* and Y Cx Cz are relative to.
+/// The matrices between linear R G B and XYZ, and the reference white of L*a*b* and Y Cx Cz.
 struct Space {
     Matrix3 to_xyz = rgb_to_xyz(rec709_primaries()), from_xyz = inverse(rgb_to_xyz(rec709_primaries()));
     Color white = transform_colour(to_xyz, {1, 1, 1});
@@ -31,7 +31,7 @@ const Space& space() {
     return only;
 }
 
-/// L*a*b* without its cube roots: filters stay linear in light.
+/// L*a*b* without its cube roots, so that filters stay linear in light.
 Color to_ycxcz(const Color& rgb) {
     const Color xyz = transform_colour(space().to_xyz, rgb), &n = space().white;
     const double x = xyz[0] / n[0], y = xyz[1] / n[1], z = xyz[2] / n[2];
@@ -44,7 +44,7 @@ Color from_ycxcz(const Color& value) {
     return transform_colour(space().from_xyz, {x * n[0], y * n[1], z * n[2]});
 }
 
-/// CIE 1976 L*a*b*, with a* and b* scaled for the Hunt effect: dark colours are less colourful (section 4.1.2).
+/// CIE 1976 L*a*b* with a* and b* scaled for the Hunt effect: dark colours appear less colourful (section 4.1.2).
 Color to_hunt_lab(const Color& rgb) {
     const Color xyz = transform_colour(space().to_xyz, rgb), &n = space().white;
     constexpr double delta = 6.0 / 29;
@@ -56,21 +56,22 @@ Color to_hunt_lab(const Color& rgb) {
     return {lightness, 0.01 * lightness * 500 * (x - y), 0.01 * lightness * 200 * (y - z)};
 }
 
-/// City-block distance of lightness, Euclidean of chroma.
+/// The city-block distance of lightness plus the Euclidean distance of chroma.
 double hyab(const Color& p, const Color& q) {
     return std::abs(p[0] - q[0]) + elementary::hypot(p[1] - q[1], p[2] - q[2]);
 }
 
 constexpr double qc = 0.7, pc = 0.4, pt = 0.95, qf = 0.5;
 
-/// Differences of colour to 0..1: those up to pc of the largest there is take up pt of the range (equation 10).
+/// Maps colour differences to 0..1: those up to pc of the largest possible difference use pt of the range (equation
+/// 10).
 double redistributed(double difference, double largest) {
     const double knee = pc * largest;
     return difference < knee ? pt / knee * difference : pt + (difference - knee) / (largest - knee) * (1 - pt);
 }
 
-/// A contrast sensitivity function in space: a sum of two Gaussians a sqrt(pi / b) exp(-pi^2 x^2 / b), x in degrees
-/// (equation 6, table 1).
+/// A contrast sensitivity function in the spatial domain: a sum of two Gaussians a sqrt(pi / b) exp(-pi^2 x^2 / b), x
+/// in degrees (equation 6, table 1).
 struct Sensitivity {
     double a1, b1, a2, b2;
 };
@@ -102,7 +103,7 @@ Plane seen(const Plane& plane, const Sensitivity& sensitivity) {
     return result;
 }
 
-/// Positive weights to a sum of 1, negative ones to -1.
+/// Scales positive weights to a sum of 1, and negative weights to a sum of -1.
 Kernel balanced(Kernel kernel) {
     double positive = 0, negative = 0;
     for (const double each : kernel) (each > 0 ? positive : negative) += each;
@@ -110,7 +111,8 @@ Kernel balanced(Kernel kernel) {
     return kernel;
 }
 
-/// How strongly each pixel is an edge (first derivative of a Gaussian) and a point (second), section 4.2.
+/// The strength of each pixel as an edge (first derivative of a Gaussian) and as a point (second derivative), section
+/// 4.2.
 std::pair<Plane, Plane> features(const Plane& achromatic) {
     constexpr double width = 0.082;  // degrees
     const double deviation = 0.5 * width * flip_pixels_per_degree;
@@ -133,7 +135,7 @@ std::pair<Plane, Plane> features(const Plane& achromatic) {
     return {strength(edge), strength(point)};
 }
 
-/// One image: its colours as the eye resolves them, and its features.
+/// One image after preprocessing: its colours as the eye resolves them, and its features.
 struct View {
     std::vector<Color> lab;
     Plane edges, points;
@@ -167,21 +169,21 @@ double mean(const std::vector<double>& values) {
     return sum / static_cast<double>(values.size());
 }
 
-/// The curve that Narkowicz fitted to the ACES view, for linear values that are not exposed by 0.6 beforehand.
+/// Narkowicz's fit to the ACES view, for linear values without a previous exposure by 0.6.
 struct Curve {
     double a = 0.36 * 2.51, b = 0.6 * 0.03, c = 0.36 * 2.43, d = 0.6 * 0.59, e = 0.14;
     [[nodiscard]] double operator()(double x) const {
         x = std::max(x, 0.0);
         return std::clamp(x * (a * x + b) / (x * (c * x + d) + e), 0.0, 1.0);
     }
-    /// The value that is shown as t.
+    /// The value that the curve maps to t.
     [[nodiscard]] double shown_as(double t) const {
         const double p = a - t * c, q = b - t * d, r = -t * e;
         return (-q + std::sqrt(q * q - 4 * p * r)) / (2 * p);
     }
 };
 
-/// Stops, from the darkest picture to the brightest.
+/// The exposures in stops, from the darkest picture to the brightest.
 std::vector<double> exposures_for(const LinearImage& reference) {
     const std::array<double, 3> weights = luminance_weights(rec709_primaries());
     std::vector<double> luminances;

@@ -1,4 +1,4 @@
-// FLIP and HDR-FLIP; image_metrics.h says after which publications.
+// FLIP and HDR-FLIP; image_metrics.h cites the publications.
 #pragma once
 
 #include "display/output/metrics/image_metrics.h"

@@ -10,7 +10,7 @@ namespace raylex::display {
 
 namespace {
 
-/// One line of `count` values that are `stride` apart.
+/// Filters one line of `count` values with distance `stride`.
 void filter_line(const double* from, double* to, int count, std::size_t stride, const Kernel& kernel, Border border) {
     const int radius = static_cast<int>(kernel.size() / 2);
     for (int i = 0; i < count; ++i) {

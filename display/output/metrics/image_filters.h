@@ -1,4 +1,4 @@
-// One plane of an image, and separable filters over it.
+// One plane of an image, and separable filters for it.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace raylex::display {
 
-/// Row-major.
+/// One plane in row order.
 struct Plane {
     int width = 0, height = 0;
     std::vector<double> values;
@@ -16,19 +16,19 @@ struct Plane {
     [[nodiscard]] std::size_t size() const { return values.size(); }
 };
 
-/// The weights of the neighbours at -radius .. radius; an odd number of them.
+/// The weights of the neighbours at -radius .. radius; the number of weights is odd.
 using Kernel = std::vector<double>;
 
-/// What stands beyond the border.
+/// The values beyond the border: the nearest value repeated, or none.
 enum class Border { repeats, nothing };
 
-/// The sum of weights times values, `across` along rows and `down` along columns. With Border::nothing what lies
-/// outside counts as 0.
+/// The weighted sum of each pixel's neighbours, with `across` along rows and `down` along columns. With Border::nothing
+/// neighbours outside the image count as 0.
 Plane filtered(const Plane& plane, const Kernel& across, const Kernel& down, Border border);
 
-/// exp(-x^2 / (2 deviation^2)) for x = -radius .. radius, as it is.
+/// exp(-x^2 / (2 deviation^2)) for x = -radius .. radius, not normalised.
 Kernel gaussian(double deviation, int radius);
-/// The same weights, their sum 1.
+/// The kernel scaled to a sum of 1.
 Kernel normalised(Kernel kernel);
 
 }  // namespace raylex::display

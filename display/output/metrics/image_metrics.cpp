@@ -1,4 +1,4 @@
-// The list of metrics, and SSIM; FLIP stands in flip.cpp.
+// The list of metrics, and SSIM; flip.cpp implements FLIP.
 #include "display/output/metrics/image_metrics.h"
 
 #include <algorithm>
@@ -17,11 +17,11 @@ constexpr std::array<ImageMetricInfo, image_metric_count> image_metric_table{{
     {ImageMetric::ssim, "ssim",
      "mean((2 ma mb + C1) (2 sab + C2) / ((ma^2 + mb^2 + C1) (sa^2 + sb^2 + C2))), Wang et al. 2004:\n"
      "means m, deviations s in Gaussian windows (11 x 11, 1.5) of the sRGB-encoded luminance, clamped to 0..1;\n"
-     "C1 = 0.01^2, C2 = 0.03^2; 1 means alike"},
+     "C1 = 0.01^2, C2 = 0.03^2; 1 means equal"},
     {ImageMetric::flip, "flip",
      "mean(Ec^(1 - Ef)), Andersson et al. 2020: Ec the HyAB difference of colours as the eye resolves them, Ef that "
      "of\n"
-     "edges and points; sRGB, clamped to 0..1, 67.02 pixels per degree; 0 means alike, 1 green beside blue"},
+     "edges and points; sRGB, clamped to 0..1, 67.02 pixels per degree; 0 means equal, 1 is green against blue"},
     {ImageMetric::hdr_flip, "hdr-flip",
      "mean of the largest flip over exposures, Andersson et al. 2021: from the reference's brightest pixel shown at "
      "0.85\n"
@@ -56,7 +56,7 @@ ImageErrors measure_ssim(const LinearImage& image, const LinearImage& reference)
     Plane ones(a.width, a.height);
     std::fill(ones.values.begin(), ones.values.end(), 1.0);
     const auto windowed = [&window](const Plane& plane) { return filtered(plane, window, window, Border::nothing); };
-    // The share of each window that is inside the image.
+    // The fraction of each window that is inside the image.
     const Plane inside = windowed(ones);
     const Plane sum_a = windowed(a), sum_b = windowed(b), sum_aa = windowed(product(a, a)),
                 sum_bb = windowed(product(b, b)), sum_ab = windowed(product(a, b));

@@ -22,7 +22,7 @@ constexpr const char* wanted = "an OpenEXR file";
 struct Box {
     std::int32_t min_x = 0, min_y = 0, max_x = 0, max_y = 0;
 
-    /// As a real number: corners may be 2^32 apart.
+    /// A floating-point number, because corners can be 2^32 apart.
     [[nodiscard]] double pixels() const {
         return (static_cast<double>(max_x) - min_x + 1) * (static_cast<double>(max_y) - min_y + 1);
     }
@@ -30,20 +30,20 @@ struct Box {
     bool operator==(const Box&) const = default;
 };
 
-/// What one part asks for.
+/// The sizes that the header of one part declares.
 struct PartHeader {
     Box data, display;
-    bool deep = false;  ///< by its type, which deep parts must have; the library does not go by the version field
-    unsigned char compression = 3;         ///< as the file numbers them; 0 is none
-    double pixel_bytes = 0, channels = 0;  ///< bytes of a pixel as the file stores it
+    bool deep = false;              ///< by its type, which deep parts must have; the library ignores the version field
+    unsigned char compression = 3;  ///< numbered as in the file; 0 is none
+    double pixel_bytes = 0, channels = 0;  ///< bytes of a stored pixel
 };
 
 Error failure(const std::string& path, const std::string& message) {
     return {message, path, 0, 0, {}, {}};
 }
 
-/// Bytes of what has always as many, whatever the header claims: the library reads so many and takes what follows for
-/// the next attribute. Source: "OpenEXR File Layout", openexr.com, predefined attribute types.
+/// Attribute types with a fixed size. Whatever size the header claims, the library reads this many bytes and treats the
+/// following bytes as the next attribute. Source: "OpenEXR File Layout", openexr.com, predefined attribute types.
 struct FixedSize {
     std::string_view type;
     std::uint32_t bytes;
@@ -99,7 +99,7 @@ class HeaderReader {
         return static_cast<bool>(stream_.read(target, static_cast<std::streamsize>(count)));
     }
 
-    /// A text that ends in a zero byte. Names have at most 255 bytes.
+    /// Reads a text that ends in a zero byte. Names have at most 255 bytes.
     bool take_name(std::string& name) {
         name.clear();
         for (char c = 0; take(&c, 1); name += c) {
@@ -145,20 +145,20 @@ class HeaderReader {
         } else if (type == "compression" && value.size() == 1) {
             part.compression = static_cast<unsigned char>(value[0]);
         } else if (type == "chlist") {
-            if (!channels(value, part)) return damaged("has a list of channels that does not end where it says");
+            if (!channels(value, part)) return damaged("has a list of channels with a wrong end");
         } else if (type == "preview") {
             std::uint32_t size[2] = {};
             if (value.size() >= sizeof size) std::memcpy(size, value.data(), sizeof size);
             if (static_cast<double>(value.size()) != 8 + 4.0 * size[0] * size[1])
-                return damaged("has a preview of another size than it says");
+                return damaged("has a preview whose size does not match its header");
         } else if (name == "type") {
             part.deep = value.starts_with("deep");
         }
         return success();
     }
 
-    /// A list of name, pixel type, four bytes, x and y sampling; false unless its empty name is its last byte, since
-    /// the library looks for that name and not for the end.
+    /// Parses a list of name, pixel type, four bytes, x and y sampling. Returns false unless the list ends with its
+    /// empty name, because the library searches for that name and not for the end.
     static bool channels(std::string_view list, PartHeader& part) {
         while (!list.empty() && list.front() != '\0') {
             const std::size_t end = list.find('\0');
@@ -185,7 +185,7 @@ class HeaderReader {
     std::uint64_t left_;
 };
 
-/// What the library unpacks with, however few lines there are: two buffers of a chunk for each that threads work on.
+/// The memory that the library needs for unpacking, even for few lines: two buffers of a chunk for each thread.
 double chunk_buffers(const PartHeader& part) {
     constexpr std::array<double, 10> lines{1,  1,  1,  16, 32,
                                            16, 32, 32, 32, 256};  // by compression, "OpenEXR File Layout"
@@ -194,7 +194,7 @@ double chunk_buffers(const PartHeader& part) {
     return 2 * chunk * std::max(1, 2 * Imf::globalThreadCount());
 }
 
-/// Memory goes by what the header says, which may be anything: held against the file's size and the budgets.
+/// Checks the memory that the header implies, which can be anything, against the file's size and the budgets.
 Status check_pixels(const std::vector<PartHeader>& parts, std::uint64_t file_bytes, const std::string& path) {
     double plain = 0, stored = 0, memory = 0;
     for (const PartHeader& part : parts) {
@@ -204,9 +204,9 @@ Status check_pixels(const std::vector<PartHeader>& parts, std::uint64_t file_byt
         const double pixels = std::max(part.data.pixels(), part.display.pixels());
         if (pixels > static_cast<double>(budget(Budget::image_pixels)))
             return over_budget(Budget::image_pixels,
-                               "the header asks for " + std::to_string(static_cast<std::uint64_t>(pixels)) + " pixels",
+                               "the header declares " + std::to_string(static_cast<std::uint64_t>(pixels)) + " pixels",
                                path);
-        if (part.deep) continue;  // read a row at a time
+        if (part.deep) continue;  // read one row at a time
         if (part.compression == 0) plain += part.data.pixels() * part.pixel_bytes;
         const double all = part.data.pixels() + (part.data == part.display ? 0 : part.display.pixels());
         stored += part.pixel_bytes * all;
@@ -214,16 +214,17 @@ Status check_pixels(const std::vector<PartHeader>& parts, std::uint64_t file_byt
     }
     const auto bytes = static_cast<double>(file_bytes);
     if (plain > bytes)
-        return failure(path, "the file is truncated: its header asks for " +
+        return failure(path, "the file is truncated: its header declares " +
                                  std::to_string(static_cast<std::uint64_t>(plain)) +
                                  " bytes of uncompressed pixels, the file has " + std::to_string(file_bytes));
-    constexpr double float_samples = 4;  // in memory a sample is a float: the floor holds as many samples as of bytes
+    constexpr double float_samples = 4;  // in memory a sample is a float: the floor allows as many samples as bytes
     if (memory <= float_samples * static_cast<double>(budget(Budget::unpack_floor)) ||
         stored <= bytes * static_cast<double>(budget(Budget::exr_ratio)))
         return success();
     return over_budget(Budget::exr_ratio,
-                       "the header asks for " + std::to_string(static_cast<std::uint64_t>(stored)) +
-                           " bytes of pixels, which a file of " + std::to_string(file_bytes) + " bytes can hardly hold",
+                       "the header declares " + std::to_string(static_cast<std::uint64_t>(stored)) +
+                           " bytes of pixels, which a file of " + std::to_string(file_bytes) +
+                           " bytes cannot plausibly contain",
                        path);
 }
 
@@ -238,9 +239,8 @@ Status check_exr_file(const std::string& path) {
     std::ifstream stream(path, std::ios::binary);
     stream.read(reinterpret_cast<char*>(magic), 4);
     if (stream.gcount() != 4 || magic[0] != 0x76 || magic[1] != 0x2f || magic[2] != 0x31 || magic[3] != 0x01)
-        return failure(path, size == 0
-                                 ? "the file is empty; expected an OpenEXR file"
-                                 : "this is no OpenEXR file; expected one that begins with the bytes 76 2f 31 01");
+        return failure(path, size == 0 ? "the file is empty; expected an OpenEXR file"
+                                       : "not an OpenEXR file; expected a file that begins with the bytes 76 2f 31 01");
     auto parts = HeaderReader(path, size).parts();
     if (!parts) return parts.error();
     return check_pixels(*parts, size, path);

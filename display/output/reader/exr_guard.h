@@ -1,5 +1,5 @@
-// An OpenEXR file's header, read by ourselves before the library is let near the file: what kind of file it is, whether
-// its attributes end within it, and how much memory its pixels would take.
+// Parses the header of an OpenEXR file before the library opens it: the kind of file, whether its attributes end inside
+// it, and the memory that its pixels need.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace raylex::display {
 
-/// Errors name the file: no regular file, no OpenEXR file, a header that does not end within the file, uncompressed
-/// pixels that the file is too short for, pixels beyond Budget::image_pixels or, for the size of the file, beyond
-/// Budget::exr_ratio. What is allowed here may still be damaged further on; the library says so.
+/// Errors, which name the file: not a regular file, not an OpenEXR file, a header that does not end inside the file, a
+/// file too short for its uncompressed pixels, more pixels than Budget::image_pixels, or too many pixels for the size
+/// of the file (Budget::exr_ratio). A file that passes can still be damaged further on; the library reports that.
 Status check_exr_file(const std::string& path);
 
 }  // namespace raylex::display

@@ -10,7 +10,8 @@ namespace raylex::display {
 
 namespace {
 
-// 0..3 for R G B A in any spelling in use, 4 and up for what else belongs to a colour, -1 for no colour.
+// The rank of a channel name in a colour: 0..3 for R G B A in any common spelling, 4 and up for other colour channels,
+// -1 if it is not one.
 int colour_rank(std::string_view plane) {
     static const std::vector<std::pair<std::string, int>> ranks{
         {"r", 0},     {"g", 1}, {"b", 2},  {"a", 3},  {"red", 0}, {"green", 1}, {"blue", 2},
@@ -21,7 +22,7 @@ int colour_rank(std::string_view plane) {
     return -1;
 }
 
-// The three planes called so, ignoring case; null where there is none.
+// The three planes with these names, ignoring case; null for a missing one.
 std::array<const ImagePlane*, 3> find_three(const std::vector<ImagePlane>& planes,
                                             const std::array<const char*, 3>& names) {
     std::array<const ImagePlane*, 3> found{};
@@ -46,7 +47,7 @@ ImageLayer* find_layer(std::vector<ImageLayer>& layers, const std::string& name)
     return nullptr;
 }
 
-// Adds a plane to the layer of that name, or under another name when that layer has such a plane already.
+// Adds a plane to the layer of that name, or under a different name if the layer already has such a plane.
 void add_plane(std::vector<ImageLayer>& layers, const std::string& name, const std::string& part, ImagePlane plane) {
     std::string chosen = name;
     for (int attempt = 1;; ++attempt) {
@@ -69,7 +70,7 @@ bool is_main_name(const std::string& part) {
     return name.empty() || name == "rgba" || name == "rgb" || name == "main" || name == "image";
 }
 
-// `main`: the part's nameless colour is what the file is of.
+// `main`: the part's nameless colour is the main image of the file.
 void add_nameless(std::vector<ImageLayer>& layers, const std::string& part, bool main, std::vector<ImagePlane> planes) {
     const bool positions = all_found(find_three(planes, {"x", "y", "z"}));
     const auto belongs = [positions](const ImagePlane& plane) {
@@ -118,7 +119,7 @@ std::vector<ImageLayer> name_layers(std::vector<FilePart> parts) {
         first = false;
     }
     for (ImageLayer& layer : layers) order_planes(layer);
-    // The nameless layer first: it is what the file is of.
+    // The nameless layer comes first, because it is the main image of the file.
     std::stable_partition(layers.begin(), layers.end(), [](const ImageLayer& layer) { return layer.name.empty(); });
     return layers;
 }
@@ -153,7 +154,7 @@ std::array<const ImagePlane*, 3> ImageLayer::triple() const {
 const ImageLayer* ExrImage::layer(std::string_view name) const {
     for (const ImageLayer& each : layers)
         if (each.name == name) return &each;
-    // The nameless image goes by the names that renderers give it in their user interfaces, and by its part's.
+    // The nameless image can also be addressed by the names that renderers show for it, and by the name of its part.
     for (const ImageLayer& each : layers)
         if (each.name.empty() &&
             (name == "beauty" || is_main_name(std::string(name)) || lower_case(each.part) == lower_case(name)))

@@ -17,8 +17,8 @@ PlaneLoss plane_loss(const Imf::Header& header, const char* channel, Imf::PixelT
             return type == Imf::HALF ? PlaneLoss::b44 : PlaneLoss::none;
         case Imf::DWAA_COMPRESSION:
         case Imf::DWAB_COMPRESSION: {
-            // By the last part of the channel's name, in any case since old files were written so; the rest is packed
-            // whole.
+            // The last part of the channel's name decides, in either case, because old files were written so; other
+            // channels are packed without loss.
             std::string_view name(channel);
             name.remove_prefix(name.rfind('.') + 1);
             for (const char* lossy :

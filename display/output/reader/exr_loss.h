@@ -1,4 +1,4 @@
-// What the compression of a part costs its planes, as the file's header tells.
+// The loss that a part's compression causes in its planes, according to the header of the file.
 #pragma once
 
 #include <ImfHeader.h>
@@ -9,7 +9,7 @@
 namespace raylex::display {
 
 [[nodiscard]] PlaneLoss plane_loss(const Imf::Header& header, const char* channel, Imf::PixelType type);
-/// The level that DWA was told, 45 (the library's default) where the header does not keep it.
+/// The compression level of DWA; 45 (the library's default) if the header does not contain it.
 [[nodiscard]] float dwa_level(const Imf::Header& header);
 
 }  // namespace raylex::display

@@ -46,12 +46,12 @@ bool is_deep(const Imf::Header& header) {
     return header.hasType() && !Imf::isImage(header.type());
 }
 
-// A damaged or hostile header may claim any size; memory that the machine does not have must not be asked for.
+// A damaged or hostile header can claim any size; never allocate memory that the machine does not have.
 Status check_size(const ExrBands& file) {
     const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
     const double needed = file.bytes_at_once();
     if (needed <= memory) return success();
-    return read_error(file.image().path, "the header asks for " +
+    return read_error(file.image().path, "the header declares " +
                                              std::to_string(static_cast<std::int64_t>(needed / 1e9)) +
                                              " GB of pixels, more than this machine's memory of " +
                                              std::to_string(static_cast<std::int64_t>(memory / 1e9)) +
@@ -64,7 +64,7 @@ StoredType stored_type(Imf::PixelType type) {
                                 : StoredType::unsigned_int;
 }
 
-// From the (possibly subsampled) data window to the display window; what it does not cover is 0.
+// Copies the (possibly subsampled) data window to the display window; uncovered pixels are 0.
 std::vector<float> to_display_window(std::vector<float> samples, const Window& data, const Window& display,
                                      int x_sampling, int y_sampling) {
     const bool same = data.min_x == display.min_x && data.min_y == display.min_y && data.width == display.width &&
@@ -84,7 +84,7 @@ std::vector<float> to_display_window(std::vector<float> samples, const Window& d
     return result;
 }
 
-/// Rows [rows.first, rows.end) of the display window; all of them where a channel has not every row.
+/// Reads rows [rows.first, rows.end) of the display window; all rows if a channel is vertically subsampled.
 FilePart read_part(Imf::MultiPartInputFile& file, int index, const RowRange& rows) {
     const Imf::Header& header = file.header(index);
     Window data = window_of(header.dataWindow()), display = window_of(header.displayWindow());
@@ -108,8 +108,8 @@ FilePart read_part(Imf::MultiPartInputFile& file, int index, const RowRange& row
         const std::int64_t xs = each.channel.xSampling, ys = each.channel.ySampling;
         const std::int64_t width = (data.width + xs - 1) / xs, height = (data.height + ys - 1) / ys;
         each.samples.resize(static_cast<std::size_t>(width * height));
-        // The library wants the address where pixel (0, 0) would stand, which may lie outside the array: integer
-        // arithmetic, since such a pointer may not be formed.
+        // The library needs the address of pixel (0, 0), which can be outside the array. The code uses integer
+        // arithmetic, because such a pointer must not be formed.
         const std::intptr_t origin =
             reinterpret_cast<std::intptr_t>(each.samples.data()) - 4 * (data.min_x / xs + data.min_y / ys * width);
         buffer.insert(each.name,
@@ -131,7 +131,7 @@ FilePart read_part(Imf::MultiPartInputFile& file, int index, const RowRange& row
     return result;
 }
 
-/// The part without its pixels.
+/// Describes the part without its pixels.
 FilePart described_part(const Imf::Header& header) {
     FilePart part{header.hasName() ? header.name() : "", {}};
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
@@ -174,12 +174,12 @@ void read_attributes(const Imf::Header& header, ExrImage& image) {
         const Imf::Chromaticities& c = Imf::chromaticities(header);
         const auto xy = [](const Imath::V2f& v) { return std::array<double, 2>{v.x, v.y}; };
         const Chromaticities primaries{xy(c.red), xy(c.green), xy(c.blue), xy(c.white)};
-        // Some writers leave zeros there: primaries on one line, or a white without luminance, say nothing.
+        // Some writers leave zeros there: collinear primaries, or a white without luminance, are meaningless.
         if (primaries.white[1] > 1e-3 && inverse(rgb_to_xyz(primaries)) != Matrix3{}) image.chromaticities = primaries;
     }
 }
 
-/// What `read` returns, or what it threw as an Error.
+/// Returns the result of `read`, or converts its exception to an Error.
 template <class Read>
 auto guarded(const std::string& path, Read read) -> decltype(read()) {
     try {
@@ -208,15 +208,15 @@ std::string size_text(const ExrImage& image) {
 
 }  // namespace
 
-/// The library reads the parts of an open file one after another, so each thread has opened it for itself, and reads
-/// parts of its own.
+/// The library reads the parts of an open file sequentially, so each thread opens the file itself and reads its own
+/// parts.
 struct ExrBands::File {
     std::vector<std::unique_ptr<Imf::MultiPartInputFile>> handles;
     std::vector<int> flat;  // parts
-    int lines = 1;          // that are unpacked together
-    bool every_row = true;  // of every channel
+    int lines = 1;          // lines that are unpacked together
+    bool every_row = true;  // no channel is vertically subsampled
     std::uint64_t bytes_per_row = 0;
-    double bytes_at_once = 0;  // the whole image, as it stands in the file and in the display window
+    double bytes_at_once = 0;  // for the whole image, in the file and in the display window
 };
 
 ExrBands::ExrBands() : file_(std::make_unique<File>()) {}
@@ -226,7 +226,7 @@ ExrBands::~ExrBands() = default;
 
 namespace {
 
-/// Attributes and size of one part, or what is wrong with it.
+/// Describes one part: attributes and size. Returns an error if they are invalid.
 Status describe_part(const std::string& path, Imf::MultiPartInputFile& file, int index, bool first, ExrImage& image) {
     const Imf::Header& header = file.header(index);
     if (!file.partComplete(index))
@@ -247,7 +247,7 @@ Status describe_part(const std::string& path, Imf::MultiPartInputFile& file, int
         if (region.width() < image.width || region.height() < image.height) image.data_window = region;
     } else if (display.width != image.width || display.height != image.height) {
         return read_error(path, "part " + std::to_string(index) +
-                                    " has another size than part 0; expected one display window for all parts");
+                                    " and part 0 have different sizes; expected one display window for all parts");
     }
     read_attributes(header, image);
     return success();
@@ -258,7 +258,7 @@ Status describe_part(const std::string& path, Imf::MultiPartInputFile& file, int
 Result<ExrBands> ExrBands::open(const std::string& path) {
     if (Status sound = check_exr_file(path); !sound) return std::move(sound).error();
     return guarded(path, [&]() -> Result<ExrBands> {
-        // The pixels of a small file are unpacked sooner than threads are woken for its lines.
+        // Unpacking a small file takes less time than waking threads for its lines.
         constexpr std::uintmax_t small = std::uintmax_t{1} << 22;
         std::error_code unknown;
         const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
@@ -289,7 +289,7 @@ Result<ExrBands> ExrBands::open(const std::string& path) {
             parts.push_back(described_part(header));
         }
         if (of.flat.empty())
-            return read_error(path, "the file holds only deep images; expected at least one flat part");
+            return read_error(path, "the file contains only deep images; expected at least one flat part");
         bands.image_.layers = name_layers(std::move(parts));
         if (of.flat.size() > 1 && !is_small) {
             const std::size_t threads =
@@ -324,7 +324,7 @@ Result<ExrImage> ExrBands::read(const RowRange& rows) const {
                 parts[i] = read_part(*file_->handles[thread], file_->flat[i], rows);
         };
         std::vector<std::future<void>> readers;
-        // Where no thread can start, get() reads.
+        // If no thread can start, get() reads.
         const auto when = std::launch::async | std::launch::deferred;
         for (std::size_t i = 1; i < threads; ++i) readers.push_back(std::async(when, read, i));
         read(0);
@@ -366,7 +366,7 @@ Result<ExrImage> read_exr_set(const std::vector<std::string>& paths) {
             return read_error(path, "the image has " + size_text(*image) + " pixels; expected " + size_text(set) +
                                         " as in " + set.path);
         if (image->chromaticities != set.chromaticities)
-            return read_error(path, "the image has other chromaticities; expected those of " + set.path);
+            return read_error(path, "the image has different chromaticities; expected those of " + set.path);
         const std::string base = base_name(path);
         for (ImageLayer& layer : image->layers) {
             const auto taken = [&set](const std::string& name) {
@@ -377,7 +377,7 @@ Result<ExrImage> read_exr_set(const std::vector<std::string>& paths) {
             else if (taken(layer.name)) layer.name = base + "." + layer.name;
             if (taken(layer.name))
                 return read_error(path, "two files give a layer called '" + layer.name +
-                                            "'; expected file names that tell the layers apart");
+                                            "'; expected file names that give different layer names");
             set.layers.push_back(std::move(layer));
         }
         set.attributes.merge(image->attributes);

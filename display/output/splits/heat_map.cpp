@@ -1,4 +1,4 @@
-// Where a split does not hold, as a picture.
+// Draws the error of a split as a picture.
 #include <algorithm>
 #include <cmath>
 
@@ -16,7 +16,7 @@ namespace {
 constexpr ScaleAnchor anchors[] = {{0.00, 0.12, 0.00, -0.06}, {0.25, 0.30, 0.03, -0.15}, {0.49, 0.42, 0.12, -0.12},
                                    {0.51, 0.56, 0.19, 0.06},  {0.75, 0.74, 0.10, 0.14},  {1.00, 0.96, -0.03, 0.10}};
 
-// 0 .. 0.49 within the bound (ten powers of two below it), 0.51 .. 1 from the bound to 1.
+// Maps residuals within the bound to 0 .. 0.49 (ten powers of two below it), and residuals above it to 0.51 .. 1.
 double position_of(double residual, double bound) {
     if (residual <= bound) return 0.49 * std::clamp(1 + elementary::log2(residual / bound) / 10, 0.0, 1.0);
     return 0.51 + 0.49 * std::clamp(elementary::log2(residual / bound) / -elementary::log2(bound), 0.0, 1.0);
@@ -29,7 +29,7 @@ Status write_residual_png(const std::string& path, const SplitVerdict& verdict, 
         verdict.residual.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
         Error error;
         error.file = path;
-        error.message = "the verdict is of " + std::to_string(verdict.residual.size()) + " pixels; expected " +
+        error.message = "the result has " + std::to_string(verdict.residual.size()) + " pixels; expected " +
                         std::to_string(width) + " x " + std::to_string(height);
         return error;
     }

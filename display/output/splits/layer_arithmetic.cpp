@@ -15,9 +15,9 @@ std::string name_of(const ImageLayer& layer) {
 namespace {
 
 using Kind = SumStep::Kind;
-constexpr int deepest_nesting = 64;  // far more than anyone writes; the parser recurses
+constexpr int deepest_nesting = 64;  // far more than anyone writes; the parser is recursive
 
-// "diffuse_*" and "?", but not "DiffDir*DiffCol": has wildcards, and would be no product of names.
+// True for "diffuse_*" and "?", but not for "DiffDir*DiffCol": it has wildcards and cannot be a product of names.
 bool only_a_glob(const std::string& item) {
     if (item.find_first_of("()+'\" \t") != std::string::npos) return false;
     return item.find('?') != std::string::npos || item.starts_with('*') || item.ends_with('*') ||
@@ -31,7 +31,7 @@ bool ends_name(char c) {
     return is_space(c) || std::string_view("()+-*,'\"").find(c) != std::string_view::npos;
 }
 
-// Reads one text. Positions are offsets into it; a Status that failed ends everything.
+// Parses one text. Positions are offsets in it; a failed Status ends parsing.
 class SumParser {
   public:
     SumParser(const ExrImage& image, const ImageLayer& of, LayerSum& sum) : image_(image), of_(of), sum_(sum) {}
@@ -47,7 +47,7 @@ class SumParser {
         }
     }
 
-    /// How many values the items left, to be added up.
+    /// The number of values on the stack that must be added up.
     [[nodiscard]] int count() const { return count_; }
 
   private:
@@ -69,7 +69,7 @@ class SumParser {
         while (at_ < text_.size() && is_space(text_[at_])) ++at_;
     }
 
-    // Where the item that begins here ends: at a comma outside quotes.
+    // The end of the item that begins here: at a comma outside quotes.
     [[nodiscard]] std::size_t item_end() const {
         char quote = 0;
         for (std::size_t i = at_; i < text_.size(); ++i) {
@@ -93,13 +93,13 @@ class SumParser {
         add_item();
     }
 
-    // One by one from the left, as writers of files add them.
+    // Adds from left to right, like the writers of files.
     void add_item() {
         if (++count_ > 1) sum_.steps.push_back({Kind::add, nullptr, 0});
     }
 
     Error refuse_whole(std::size_t position) const {
-        return error_here("layer '" + name_of(of_) + "' is the one summed to; expected layers that it splits into",
+        return error_here("layer '" + name_of(of_) + "' is the sum itself; expected layers that it splits into",
                           position);
     }
 
@@ -109,11 +109,11 @@ class SumParser {
         content.erase(content.find_last_not_of(" \t\n") + 1);
         if (content.empty())
             return error_here(
-                "nothing stands here; expected a layer, a glob or an expression such as "
+                "this item is empty; expected a layer, a glob or an expression such as "
                 "(DiffDir+DiffInd)*DiffCol; the layers are: " +
                     list_names(image_.layer_names()),
                 begin);
-        // Names first, whatever characters they are made of; then globs; what is left is arithmetic.
+        // Names take precedence, whatever their characters; then globs; everything else is arithmetic.
         if (Result<const ImageLayer*> layer = resolve_layer(image_, content, of_.name)) {
             if (*layer == &of_) return refuse_whole(begin);
             push_once(**layer);
@@ -136,7 +136,7 @@ class SumParser {
         end_ = end;
         Status read = sum(0);
         if (read && at_ < end_)
-            read = error_here("'" + text_.substr(at_, 1) + "' does not belong here; expected + - * or a comma", at_);
+            read = error_here("'" + text_.substr(at_, 1) + "' is unexpected here; expected + - * or a comma", at_);
         if (read) {
             add_item();
             return success();
@@ -180,8 +180,7 @@ class SumParser {
         bool minus = false;
         for (; at_ < end_ && (text_[at_] == '-' || text_[at_] == '+'); skip_space()) minus ^= text_[at_++] == '-';
         if (at_ >= end_ || text_[at_] == ')' || text_[at_] == '*')
-            return error_here("a layer or ( is missing here; a glob such as diffuse_* stands alone between commas",
-                              at_);
+            return error_here("expected a layer or ( here; a glob such as diffuse_* must be alone between commas", at_);
         if (text_[at_] == '(') {
             const std::size_t open = at_++;
             if (Status inner = sum(nesting + 1); !inner) return inner;
@@ -217,7 +216,7 @@ class SumParser {
         return success();
     }
 
-    // The longest name of a layer, with or without its prefix, that stands here and ends where a name can end.
+    // The length of the longest layer name, with or without its prefix, that is here and ends where a name can end.
     [[nodiscard]] std::size_t longest_known() const {
         std::size_t longest = 0;
         const std::string_view rest = std::string_view(text_).substr(at_, end_ - at_);
@@ -237,7 +236,7 @@ class SumParser {
     std::vector<const ImageLayer*> alone_;
 };
 
-// Of a sum of `count` items; finds how many values wait at once.
+// Ends a sum of `count` items, and computes the maximum depth of the stack.
 void close_sum(LayerSum& sum, int count) {
     if (count > 1) sum.steps.push_back({Kind::rounded, nullptr, count - 1});
     sum.additions += std::max(0, count - 1);

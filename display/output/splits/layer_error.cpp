@@ -15,9 +15,9 @@ namespace {
 
 using Kind = SumStep::Kind;
 using LayerPlanes = std::array<const ImagePlane*, 3>;
-constexpr std::size_t block = 512;  // pixels at a time: the stack of a sum of fifty layers stays in the cache
+constexpr std::size_t block = 512;  // pixels at a time: the stack of a sum of fifty layers fits in the cache
 
-// A layer's three components, or why it cannot take part in a sum of light.
+// The three components of a layer, or why it cannot be part of a sum of light.
 Result<LayerPlanes> summable(const ExrImage& image, const ImageLayer& layer) {
     Error error;
     error.file = image.path;
@@ -31,18 +31,18 @@ Result<LayerPlanes> summable(const ExrImage& image, const ImageLayer& layer) {
     }
     for (const ImagePlane* plane : planes) {
         if (plane->stored != StoredType::unsigned_int) continue;
-        error.message = "layer '" + name_of(layer) + "' holds unsigned integers (" + plane->name +
+        error.message = "layer '" + name_of(layer) + "' contains unsigned integers (" + plane->name +
                         "); expected light, stored as half or float";
         return error;
     }
     return planes;
 }
 
-// Values of a block of pixels with what is known of them: |value| <= magnitude (the sum of |terms|), off by at most
-// `rounding` for rounding alone and by at most `allowed` with lossy compression.
+// Values of a block of pixels with bounds: |value| <= magnitude (the sum of |terms|); the error is at most `rounding`
+// from rounding alone, and at most `allowed` with lossy compression.
 struct Values {
     std::array<double, block> value, magnitude, rounding, allowed;
-    std::array<Open, block> open;  // only where SumOverImage looks for clamped values
+    std::array<Open, block> open;  // only if SumOverImage looks for clamped values
 };
 
 void load(Values& to, const ImagePlane& plane, const StoredPrecision& precision, bool lossy, std::size_t first,
@@ -59,14 +59,14 @@ void load(Values& to, const ImagePlane& plane, const StoredPrecision& precision,
     for (std::size_t i = 0; i < count; ++i) to.allowed[i] += dwa_change(to.value[i], precision.dwa);
 }
 
-// Marks values at the largest number of their type: the value that was meant may lie beyond, above or below.
+// Marks values at the largest number of their type: the true value can be beyond it.
 void mark_open(Values& values, const ImagePlane& plane, std::size_t count) {
     const auto largest = static_cast<double>(largest_of(plane.stored));
     for (std::size_t i = 0; i < count; ++i) values.open[i] = open_of(values.value[i], largest);
 }
 
-// The directions in which a product may lie beyond a * b. Two factors that may be larger, and are not negative, give a
-// product that may be larger; any other two open factors give a product that may lie anywhere.
+// The directions in which the true product can deviate from a * b. Two factors that can be larger and are not negative
+// give a product that can be larger; any other two open factors give a product that can be anything.
 Open open_product(double a, Open open_a, double b, Open open_b) {
     constexpr Open anywhere = open_above | open_below;
     if (open_a != 0 && open_b != 0) return a >= 0 && b >= 0 && (open_a | open_b) == open_above ? open_above : anywhere;
@@ -84,7 +84,7 @@ void add(Values& a, const Values& b, double sign, std::size_t count) {
     }
 }
 
-// (a + e)(b + f) = ab + af + be + ef, rounded once; a product below the smallest float is off by its spacing.
+// (a + e)(b + f) = ab + af + be + ef, rounded once; a product below the smallest float has an error of its spacing.
 void multiply(Values& a, const Values& b, double unit, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
         const double rounded = unit * a.magnitude[i] * b.magnitude[i] + (unit > 0 ? 0x1p-149 : 0);
@@ -95,7 +95,7 @@ void multiply(Values& a, const Values& b, double unit, std::size_t count) {
     }
 }
 
-// Partial sums are at most the sum of magnitudes, whatever the order.
+// Partial sums are at most the sum of magnitudes, in any order.
 void round(Values& a, double unit, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
         a.rounding[i] += unit * a.magnitude[i];
@@ -103,18 +103,18 @@ void round(Values& a, double unit, std::size_t count) {
     }
 }
 
-// The arithmetic of one sum over a whole image.
+// Evaluates one sum over a whole image.
 class SumOverImage {
   public:
     SumOverImage(const LayerSum& sum, const SumRules& rules, std::vector<LayerPlanes> planes)
         : sum_(sum), rules_(rules), planes_(std::move(planes)), stack_(static_cast<std::size_t>(sum.depth)) {}
 
-    /// Some value stands at the largest number of its type: Values::open is kept.
+    /// Enables Values::open, because some value is at the largest number of its type.
     void look_for_clamped() { clamped_ = true; }
 
-    /// Component c of pixels [first, first + count).
+    /// Evaluates component c of pixels [first, first + count).
     const Values& evaluate(std::size_t c, std::size_t first, std::size_t count) {
-        std::size_t top = 0, leaf = 0;  // top: values that wait
+        std::size_t top = 0, leaf = 0;  // top: number of values on the stack
         for (const SumStep& step : sum_.steps) {
             switch (step.kind) {
                 case Kind::layer: {
@@ -152,7 +152,7 @@ class SumOverImage {
         return stack_.front();
     }
 
-    /// The largest relative error that rounding can cause: relative to the sum of |terms|, small numbers apart.
+    /// The largest relative error from rounding, relative to the sum of |terms|, except for very small numbers.
     [[nodiscard]] double unit() const {
         std::vector<double> units;
         std::size_t leaf = 0;
@@ -178,12 +178,12 @@ class SumOverImage {
   private:
     const LayerSum& sum_;
     const SumRules& rules_;
-    std::vector<LayerPlanes> planes_;  // of the layer steps, in their order
+    std::vector<LayerPlanes> planes_;  // of the layer steps, in order
     std::vector<Values> stack_;
     bool clamped_ = false;
 };
 
-// "float, 2^-23; half, 2^-10; 8 operations in float, 2^-24 each"
+// Explains the bound: "float, 2^-23; half, 2^-10; 8 operations in float, 2^-24 each".
 std::string bound_reason(const std::vector<LayerPlanes>& all, const LayerSum& sum, const SumRules& rules) {
     bool half = false, single = false, pxr24 = false;
     for (const LayerPlanes& planes : all)
@@ -206,7 +206,7 @@ std::string bound_reason(const std::vector<LayerPlanes>& all, const LayerSum& su
     return text;
 }
 
-// What is allowed beyond rounding, and what would have to be.
+// Notes the allowances beyond rounding that were used, and those that would be needed.
 void note_allowances(SplitVerdict& verdict, const std::vector<LayerPlanes>& all, const Allowance& allowance) {
     std::set<float> levels;
     bool b44 = false;
@@ -224,7 +224,7 @@ void note_allowances(SplitVerdict& verdict, const std::vector<LayerPlanes>& all,
     if (allowance.absolute > 0 || allowance.relative > 0) verdict.allowed_for.push_back(allowance.reason);
 }
 
-// Which pixels of a block have a negative value.
+// Finds the pixels of a block that have a negative value.
 std::array<bool, block> find_negative(NegativeValues& all_found, int width, const std::vector<LayerPlanes>& all,
                                       const std::vector<std::string>& names, std::size_t first, std::size_t count) {
     std::array<bool, block> found{};
@@ -243,7 +243,7 @@ std::array<bool, block> find_negative(NegativeValues& all_found, int width, cons
     return found;
 }
 
-// The first layer that is not finite at the verdict's pixel.
+// The first layer that is not finite at the pixel that the result reports.
 std::string culprit(const SplitVerdict& verdict, const ExrImage& image, const std::vector<LayerPlanes>& all,
                     const std::vector<std::string>& names) {
     const auto pixel = static_cast<std::size_t>(verdict.non_finite_y) * static_cast<std::size_t>(image.width) +

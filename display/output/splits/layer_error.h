@@ -1,5 +1,5 @@
-// A sum of layers against the layer it splits, with what rounding and lossy compression may cost carried through the
-// arithmetic (forward error analysis).
+// Compares a sum of layers with the layer that it splits. The bounds of rounding and lossy compression are propagated
+// through the arithmetic (forward error analysis).
 #pragma once
 
 #include "display/output/splits/layer_arithmetic.h"
@@ -8,13 +8,14 @@
 namespace raylex::display {
 
 struct SumRules {
-    /// What one addition or product costs whoever made the image, relative: 2^-24 in float, 0 where sums are exact.
+    /// Relative rounding error of one addition or product in the writer: 2^-24 in float, 0 where sums are exact.
     double working_unit = 0x1p-24;
-    double cancelled = 0;  ///< what rounding of samples costs whose weights cancel: stored_precision.h
+    double cancelled = 0;  ///< rounding error of samples whose weights cancel: see stored_precision.h
     Allowance allowance;
 };
 
-/// Errors: layers of unsigned integers, or of planes that are neither R G B nor X Y Z nor a single one.
+/// Compares the sum with `of`. Errors: layers of unsigned integers, or with planes that are neither R G B nor X Y Z nor
+/// a single one.
 Result<SplitVerdict> judge_sum(const ExrImage& image, const ImageLayer& of, const LayerSum& sum, const SumRules& rules);
 
 }  // namespace raylex::display

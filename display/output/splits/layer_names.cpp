@@ -1,4 +1,4 @@
-// Which layer somebody means who does not write out the prefix that the application put in front.
+// Finds the layer that a name without the application's prefix denotes.
 #include <algorithm>
 #include <cctype>
 
@@ -10,12 +10,12 @@ namespace raylex::display {
 
 namespace {
 
-// "ViewLayer." of "ViewLayer.Combined"; empty without a dot.
+// The prefix of a name: "ViewLayer." of "ViewLayer.Combined"; empty without a dot.
 std::string_view prefix_of(std::string_view name) {
     return name.substr(0, name.rfind('.') + 1);
 }
 
-// The names without prefix under which a layer is found; a name may be among them twice.
+// The names without prefix under which a layer is found; a name can occur twice.
 std::vector<std::string_view> short_names(std::string_view name, std::string_view shared) {
     std::vector<std::string_view> names;
     for (std::size_t dot = name.find('.'); dot != std::string_view::npos; dot = name.find('.', dot + 1))
@@ -34,7 +34,7 @@ std::vector<const ImageLayer*> called(const ExrImage& image, std::string_view na
     return found;
 }
 
-// The nearest name; else the names that contain the word, or that it contains.
+// A hint with the closest name, or else with the names that contain the word or are contained in it.
 std::string likely_layer(const ExrImage& image, std::string_view name) {
     const std::vector<std::string> known = spoken_names(image);
     for (const std::string& each : known)
@@ -49,7 +49,7 @@ std::string likely_layer(const ExrImage& image, std::string_view name) {
     return alike.empty() ? std::string() : "names like it: " + list_names(alike);
 }
 
-// The layers of the part of that name: one, or ranks of a cryptomatte, CryptoObject00 and so on.
+// The layers of the part with that name: one, or the ranks of a cryptomatte, CryptoObject00 and so on.
 std::vector<const ImageLayer*> layers_of_part(const ExrImage& image, std::string_view part) {
     std::vector<const ImageLayer*> found;
     for (const ImageLayer& layer : image.layers)

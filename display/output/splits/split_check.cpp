@@ -19,7 +19,7 @@ Error split_error(const ExrImage& image, const std::string& message) {
     return error;
 }
 
-// Sums in raylex's own files are exact and rounded once, when they are stored.
+// Sums in raylex's own files are exact, and rounded once when they are stored.
 double working_unit(const ExrImage& image) {
     const bool ours = std::any_of(image.attributes.begin(), image.attributes.end(), [](const auto& attribute) {
         return attribute.first.starts_with("raylex/") || attribute.first.starts_with("lpe/");
@@ -42,7 +42,7 @@ bool glob_match(std::string_view pattern, std::string_view name) {
         } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
             ++p;
             ++n;
-        } else if (star != std::string_view::npos) {  // let the last * swallow one character more
+        } else if (star != std::string_view::npos) {  // extend the last * by one character
             p = star + 1;
             n = ++resume;
         } else {
@@ -91,7 +91,7 @@ Result<std::vector<SplitVerdict>> check_declared_splits(const ExrImage& image, c
 
 namespace {
 
-/// check(image) of all bands, added up.
+/// Runs check(image) on all bands and combines the results.
 template <class Check>
 Result<std::vector<SplitVerdict>> by_bands(const ExrBands& file, Check check) {
     constexpr std::uint64_t band_bytes = std::uint64_t{256} << 20;

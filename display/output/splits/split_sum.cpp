@@ -13,14 +13,14 @@ namespace raylex::display {
 
 namespace {
 
-// A difference that only the spacing of the smallest numbers explains counts as a relative one of at most the bound.
+// A difference that only the spacing of the smallest numbers explains counts as a relative error of at most the bound.
 double relative_error(const SplitError& error, double unit) {
     const double relative = error.scale > 0 ? error.absolute / error.scale : 0.0;
     return error.absolute > error.rounding ? relative : std::min(relative, unit);
 }
 
 bool any_clamped(std::span<const float> values, float largest) {
-    bool any = false;  // without a branch, so that it takes many values at a time
+    bool any = false;  // without a branch, so that the compiler can vectorise it
     for (const float value : values) any |= std::abs(value) == largest;
     return any;
 }
@@ -63,7 +63,7 @@ void VerdictTally::add(std::size_t pixel, std::array<SplitError, 3> components, 
     bool undecided = false;
     for (SplitError& here : components) {
         if (here.open == 0 || !std::isfinite(here.absolute)) continue;
-        // What was meant may take a difference back that points the other way.
+        // The true values can reduce a difference if they can deviate in the opposite direction.
         if ((here.open & (here.sum > here.whole ? open_below : open_above)) != 0) here.absolute = 0;
         undecided = undecided || here.absolute <= here.allowed;
     }
@@ -194,7 +194,7 @@ void add_rows(SplitVerdict& verdict, const SplitVerdict& below, int first_row) {
         verdict.non_finite_y = below.non_finite_y + first_row;
         verdict.non_finite_layer = below.non_finite_layer;
     }
-    // Of bands in which nothing exceeds there is nothing to tell the side of.
+    // A band without exceeding pixels does not determine the side.
     if (verdict.exceeding == 0) verdict.never_above = below.never_above;
     else if (below.exceeding > 0) verdict.never_above = verdict.never_above && below.never_above;
     NegativeValues lower = below.negative;

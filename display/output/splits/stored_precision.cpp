@@ -38,7 +38,7 @@ StoredPrecision precision_of(const ImagePlane& plane) {
     StoredPrecision precision = precision_of(plane.stored);
     if (plane.loss == PlaneLoss::pxr24) precision = {0x1p-15, 0x1p-141, 0};
     if (plane.loss == PlaneLoss::dwa) {
-        // A float is made a half before the transform.
+        // DWA converts a float to a half before the transform.
         precision = precision_of(StoredType::half_float);
         precision.dwa = dwa_move(static_cast<double>(plane.dwa_level));
     }
@@ -50,7 +50,7 @@ double dwa_move(double level) {
 }
 
 double dwa_change(double value, double distance) {
-    // The scale is convex going back, so the step outwards is the larger one.
+    // The inverse of the scale is convex, so the outward step gives the larger change.
     const double magnitude = std::abs(value);
     return from_dwa(to_dwa(magnitude) + distance) - magnitude;
 }

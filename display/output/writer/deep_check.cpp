@@ -24,7 +24,7 @@ namespace {
 struct Pair {
     const ImagePlane* shallow = nullptr;
     std::string channel;
-    StoredType type = StoredType::single_float;  // of the deep channel
+    StoredType type = StoredType::single_float;  // type of the deep channel
 };
 
 struct Comparison {
@@ -63,10 +63,11 @@ Comparison match(const Imf::ChannelList& channels, const ExrImage& image) {
     return result;
 }
 
-/// A damaged count must not ask for memory that no row needs.
+/// A damaged count must not allocate memory that no valid row needs.
 constexpr std::size_t most_row_samples = std::size_t{1} << 26;
 
-/// One row of a deep file, plane after plane. Without ZBack, names hold Z twice: the front serves as the back.
+/// One row of a deep file, plane after plane. Without ZBack, `names` contains Z twice, and the front serves as the
+/// back.
 class DeepRow {
   public:
     DeepRow(int width, const std::vector<std::string>& names) : counts_(static_cast<std::size_t>(width)) {
@@ -89,7 +90,7 @@ class DeepRow {
         part.readPixelSampleCounts(y, y);
         std::size_t total = 0;
         for (const unsigned count : counts_) total += count;
-        if (total > most_row_samples) throw std::runtime_error("a row claims more samples than any image has");
+        if (total > most_row_samples) throw std::runtime_error("a row claims more samples than any image can have");
         for (std::size_t i = 0; i < names_.size(); ++i) {
             values_[i].resize(std::max<std::size_t>(total, 1));
             std::size_t at = 0;
@@ -174,8 +175,7 @@ Result<DeepVerdict> check_deep(const std::string& path, const ExrImage& image) {
         int index = -1;
         for (int i = 0; i < file.parts() && index < 0; ++i)
             if (file.header(i).hasType() && file.header(i).type() == Imf::DEEPSCANLINE) index = i;
-        if (index < 0)
-            return deep_error(path, "there is no deep scanline part in this file; expected a deep OpenEXR file");
+        if (index < 0) return deep_error(path, "this file has no deep scanline part; expected a deep OpenEXR file");
         const Imf::Header& header = file.header(index);
         const Imath::Box2i window = header.dataWindow();
         if (window.max.x - window.min.x + 1 != image.width || window.max.y - window.min.y + 1 != image.height)
@@ -189,8 +189,8 @@ Result<DeepVerdict> check_deep(const std::string& path, const ExrImage& image) {
                 return deep_error(path, std::string("the deep image has no channel ") + needed + "; expected Z and A");
         if (comparison.pairs.empty())
             return deep_error(path,
-                              "no channel of the deep image is one of the shallow image; expected R G B, or layers "
-                              "of the same names");
+                              "no channel of the deep image is in the shallow image; expected R G B, or layers "
+                              "with the same names");
         std::vector<std::string> names{"Z", header.channels().findChannel("ZBack") != nullptr ? "ZBack" : "Z", "A"};
         for (const Pair& pair : comparison.pairs) names.push_back(pair.channel);
         Imf::DeepScanLineInputPart part(file, index);

@@ -25,13 +25,13 @@ namespace {
 
 constexpr int rows_at_once = 16;
 
-/// Where each plane's values come from: -3 Z, -2 ZBack, -1 A, else a component of DeepSample::values.
+/// The source of each plane's values: -3 Z, -2 ZBack, -1 A, otherwise a component of DeepSample::values.
 struct DeepPlane {
     std::string name;
     int component = 0;
     StoredType type = StoredType::single_float;
-    std::string layer = {};      // the channel's name
-    bool needs_repairs = false;  // some values may be beyond the type
+    std::string layer = {};      // name of the channel
+    bool needs_repairs = false;  // some values can be beyond the type
 };
 
 std::vector<DeepPlane> planes_of(const DeepBuffer& deep, ChannelId beauty, const DeepStorage& storage) {
@@ -41,9 +41,9 @@ std::vector<DeepPlane> planes_of(const DeepBuffer& deep, ChannelId beauty, const
         const ChannelDefinition& channel = deep.channels()[static_cast<std::size_t>(id)];
         const std::vector<ChannelDefinition> one{channel};
         std::vector<std::string> names = plan_parts(one, id == beauty ? 0 : invalid_channel, {}).front().planes;
-        if (id == beauty) names.pop_back();  // A stands above
+        if (id == beauty) names.pop_back();  // A is already in the list
         const bool is_half = storage.half_color && kind_of(channel) == ChannelKind::light;
-        // A colour is a sum, which ends at 2^(47 + scale), over a transmittance of 1e-15, 2^-50, or more.
+        // A colour is a sum of at most 2^(47 + scale), divided by a transmittance of at least 1e-15, about 2^-50.
         const bool needs_repairs = is_half || channel.scale_exponent > 127 - 47 - 50;
         for (const std::string& name : names)
             planes.push_back({name, component++, is_half ? StoredType::half_float : StoredType::single_float,
@@ -96,7 +96,7 @@ float stored_value(const DeepSample& sample, const DeepPlane& plane, Repairs& re
     return repairs.to_stored(static_cast<double>(value), 0, plane.type);
 }
 
-/// `repaired/NAME` of the layers with values that their planes cannot hold.
+/// The `repaired/NAME` attributes of layers with values that their planes cannot hold.
 std::map<std::string, std::string> repaired_layers(const DeepBuffer& deep, std::vector<DeepPlane> planes) {
     std::erase_if(planes, [](const DeepPlane& plane) { return !plane.needs_repairs; });
     std::map<std::string, Repairs> repairs;
@@ -111,7 +111,7 @@ std::map<std::string, std::string> repaired_layers(const DeepBuffer& deep, std::
     return attributes;
 }
 
-/// A band of rows as OpenEXR wants it: counts and, per plane, a pointer for every pixel.
+/// A band of rows in OpenEXR's layout: counts and, per plane, a pointer for every pixel.
 class Band {
   public:
     Band(const DeepBuffer& deep, const std::vector<DeepPlane>& planes, int y0, int y1) : width_(deep.width()), y0_(y0) {
@@ -145,7 +145,7 @@ class Band {
         std::vector<char>& bytes = bytes_.emplace_back(total * size);
         std::vector<char*>& pointers = pointers_.emplace_back();
         std::size_t at = 0;
-        Repairs repairs;  // counted by repaired_layers()
+        Repairs repairs;  // repaired_layers() counts them
         for (const auto& samples : pixels_) {
             pointers.push_back(bytes.data() + at);
             for (const DeepSample& sample : samples) {
@@ -181,10 +181,10 @@ Result<DeepStorage> parse_deep_storage(const std::string& text, const SourceLoca
         else if (word == "zips") storage.compression = ExrCompression::zips;
         else
             return error_at(where, "'" + word +
-                                       "' is no storage of deep data; expected half or float, and one of none, "
+                                       "' is not a storage for deep data; expected half or float, and one of none, "
                                        "rle, zips (OpenEXR has no other compression for it)");
     }
-    if (!any) return error_at(where, "nothing is said about the storage of deep data; expected such as 'half zips'");
+    if (!any) return error_at(where, "the storage of deep data is empty; expected, for example, 'half zips'");
     return storage;
 }
 

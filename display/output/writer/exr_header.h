@@ -1,5 +1,5 @@
-// What flat and deep OpenEXR writers share: the stream over an AtomicFile and the headers. The only private header of
-// display/ that includes OpenEXR's.
+// Helpers of the flat and deep OpenEXR writers: the stream over an AtomicFile, and the headers. The only private header
+// of display/ that includes OpenEXR's headers.
 #pragma once
 
 #include <stdexcept>
@@ -14,9 +14,9 @@
 
 namespace raylex::display {
 
-/// OpenEXR's view of an AtomicFile. The first failure is thrown, later writes are swallowed: the library's destructors
-/// write too, and whoever asks the file afterwards learns the reason. Until stop_recording() the bytes are also kept,
-/// so that places in the header can be found again.
+/// OpenEXR's stream over an AtomicFile. It throws at the first failure and ignores later writes: the library's
+/// destructors write, too, and AtomicFile keeps the reason. Until stop_recording() it also stores the bytes, so that
+/// positions in the header can be found.
 class HeaderRecorder : public Imf::OStream {
   public:
     explicit HeaderRecorder(AtomicFile& file) : Imf::OStream(file.target().c_str()), file_(file) {}
@@ -27,7 +27,7 @@ class HeaderRecorder : public Imf::OStream {
     std::uint64_t tellp() override { return file_.position(); }
     void seekp(std::uint64_t position) override { check(file_.failed() || file_.seek(position)); }
     void stop_recording() { recording_ = false; }
-    /// Position in the file of a text in the header, or npos. Headers are written front to back.
+    /// Position in the file of a text in the header, or npos. Headers are written from front to back.
     [[nodiscard]] std::size_t find(const std::string& text) const { return header_.find(text); }
 
   private:
@@ -41,20 +41,20 @@ class HeaderRecorder : public Imf::OStream {
 
 [[nodiscard]] Imf::PixelType pixel_type(StoredType type);
 [[nodiscard]] std::size_t bytes_of(StoredType type);
-/// How many lines are packed together.
+/// The number of lines that are packed together.
 [[nodiscard]] int lines_together(ExrCompression compression);
 [[nodiscard]] Imf::Compression compression_of(ExrCompression compression);
 
-/// Name, window, chromaticities and camera matrices; no channels, no type.
+/// A header with name, window, chromaticities and camera matrices, but without channels and type.
 [[nodiscard]] Imf::Header base_header(const std::string& name, int width, int height,
                                       const ImageDescription& description);
-/// What base_header() and string attributes say, the other way round.
+/// Reads what base_header() and string attributes contain.
 void read_description(const Imf::Header& header, ImageDescription& description);
-/// The header of one flat part, its channels and attributes included.
+/// The header of one flat part with its channels and attributes.
 [[nodiscard]] Imf::Header make_header(const PlannedPart& part, const FrameBufferLayout& layout,
                                       const ImageDescription& description);
 
-/// Compression is most of the work; the pool has a thread per processor and lives on for other files.
+/// Compression is most of the work. The pool has one thread per processor and is kept for other files.
 void start_encoder_threads();
 
 }  // namespace raylex::display

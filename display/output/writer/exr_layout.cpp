@@ -13,7 +13,7 @@ namespace raylex::display {
 
 namespace {
 
-// OpenEXR allows 255 bytes for a name; the longest thing built around a channel's is "lpeDialect/NAME".
+// OpenEXR allows 255 bytes for a name; the longest name derived from a channel's is "lpeDialect/NAME".
 constexpr std::size_t longest_name = 255 - std::string_view("lpeDialect/").size();
 constexpr std::size_t longest_shared_attribute = 1024;
 
@@ -57,7 +57,7 @@ PlannedPart plan_part(const ChannelDefinition& channel, ChannelId id, bool beaut
     }
     part.name = channel.name;
     if (component_count(channel.type) == 1) {
-        part.planes = {channel.name == "z" ? "Z" : channel.name};  // the one spelling that compositing tools know
+        part.planes = {channel.name == "z" ? "Z" : channel.name};  // the only spelling that compositing tools recognise
     } else {
         for (const char* suffix :
              channel.type == ChannelType::rgb ? std::array{".R", ".G", ".B"} : std::array{".X", ".Y", ".Z"})
@@ -74,7 +74,7 @@ Status check_name(const std::string& name) {
     if (name.find(" + ") != std::string::npos || name.find(" = ") != std::string::npos ||
         std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
         return layout_error("the channel name '" + name +
-                            "' holds \" + \", \" = \" or a control character; expected a name without them");
+                            "' contains \" + \", \" = \" or a control character; expected a name without them");
     return success();
 }
 
@@ -95,12 +95,12 @@ Status check_partition(std::span<const ChannelDefinition> channels, ChannelId be
     for (const std::string& layer : needed)
         if (std::find(known.begin(), known.end(), layer) == known.end())
             return layout_error("partition '" + partition.name + "' names the layer '" + layer +
-                                "', which is not among the channels: " + list_names(known));
+                                "', which is not a channel; expected one of: " + list_names(known));
     return success();
 }
 
-/// Blender (3.4) stops at a part of which it makes nothing, and every part behind it is black there. It makes something
-/// of a plane whose last word is a letter or one of these names, in any case.
+/// Blender (3.4) stops at the first part that it cannot use, and shows every later part as black. It can use planes
+/// whose last word is a single letter or one of these names, in any case.
 bool blender_reads(const PlannedPart& part) {
     return std::any_of(part.planes.begin(), part.planes.end(), [](const std::string& plane) {
         const std::string word = lower_case(std::string_view(plane).substr(plane.rfind('.') + 1));
@@ -127,11 +127,10 @@ bool is_declared(std::span<const ChannelDefinition> channels, ChannelId beauty, 
 }
 
 Status check_channel_names(std::span<const ChannelDefinition> channels, ChannelId beauty) {
-    if (channels.empty())
-        return layout_error("there is nothing to write: no channel; expected beauty or at least one more");
+    if (channels.empty()) return layout_error("no channel to write; expected beauty or at least one more");
     if (channels.size() > most_layers)
         return layout_error("there are " + std::to_string(channels.size()) + " layers; expected at most " +
-                            std::to_string(most_layers) + " in a file, each of which takes memory beside its pixels");
+                            std::to_string(most_layers) + " in a file, because each needs memory beyond its pixels");
     std::set<std::string> names;
     if (has_beauty(channels, beauty)) names = {"rgba", "beauty"};
     for (std::size_t i = 0; i < channels.size(); ++i) {
@@ -140,7 +139,7 @@ Status check_channel_names(std::span<const ChannelDefinition> channels, ChannelI
         if (Status status = check_name(name); !status) return status;
         if (names.insert(name).second) continue;
         const bool taken = has_beauty(channels, beauty) && (name == "rgba" || name == "beauty");
-        return layout_error("the channel name '" + name + "' is " + (taken ? "what beauty is called" : "used twice") +
+        return layout_error("the channel name '" + name + "' is " + (taken ? "reserved for the beauty" : "used twice") +
                             "; expected a name of its own for every channel");
     }
     return success();
@@ -181,7 +180,7 @@ std::vector<PlannedPart> plan_parts(std::span<const ChannelDefinition> channels,
     std::stable_partition(parts.begin(), parts.end(), blender_reads);
     for (std::size_t i = 0; i < description.partitions.size(); ++i) {
         const PartitionDeclaration& partition = description.partitions[i];
-        // An image must not be lost over a partition that cannot be; the header says why it is not there.
+        // An invalid partition must not prevent writing the image; the header contains the reason.
         const Status status = check_partition(channels, beauty, partition);
         if (status) {
             all["partition/" + partition.name] = format_partition(partition);

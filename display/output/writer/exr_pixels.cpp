@@ -20,7 +20,7 @@ const ChannelDefinition& definition_of(const PixelImage& frame_buffer, const Pla
 
 constexpr int most_cached = 4096;  // pixels: 96 KiB of doubles
 
-// The common case, free of calls: float, everything in range.
+// The common case, without calls: float, everything in range.
 bool float_plane(const double* values, std::size_t count, std::size_t stride, char* bytes) {
     bool fits = true;
     for (std::size_t i = 0; i < count; ++i) {
@@ -32,7 +32,7 @@ bool float_plane(const double* values, std::size_t count, std::size_t stride, ch
     return fits;
 }
 
-// One plane of `stride`-interleaved doubles to the bytes of a file, and to `judged` unless it is null.
+// Stores one plane of `stride`-interleaved doubles as the bytes of a file, and in `judged` unless it is null.
 void store_plane(const double* values, std::size_t count, std::size_t stride, float miss, StoredType type, char* bytes,
                  float* judged) {
     if (type == StoredType::single_float && float_plane(values, count, stride, bytes)) {
@@ -98,7 +98,7 @@ PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, 
     PartPixels result;
     result.planes.assign(components + (part.alpha ? 1 : 0), std::vector<char>(count * size));
     if (judged) result.judged.assign(components, std::vector<float>(count));
-    // Line by line: doubles of all rows would not stay in a processor's cache until they are stored.
+    // Line by line, because the doubles of all rows would not fit in the processor's cache.
     const int together = std::max(1, most_cached / rows.width());
     for (PixelRegion lines = rows; lines.y0 < rows.y1; lines.y0 = lines.y1) {
         lines.y1 = std::min(lines.y0 + together, rows.y1);
@@ -115,8 +115,8 @@ PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, 
     return result;
 }
 
-// Light is summed in fixed point, so it is finite, and within float but where its scale is large; what is picked
-// (depth, normals) is whatever was written, and halves end at 65504.
+// Light is summed in fixed point, so it is finite, and within float unless its scale is large. Picked values (depth,
+// normals) are what was written, and halves end at 65504.
 bool may_need_repair(const PixelImage& frame_buffer, const PlannedPart& part) {
     if (part.data != nullptr) return false;
     const ChannelDefinition& channel = definition_of(frame_buffer, part);

@@ -1,4 +1,4 @@
-// From a frame buffer's channel to the values of a part as they will stand in the file.
+// Converts a channel of a frame buffer to the values of a part as the file stores them.
 #pragma once
 
 #include <cstddef>
@@ -11,30 +11,30 @@
 
 namespace raylex::display {
 
-/// Values that a file cannot hold, and what became of them.
+/// Counts the values that a file cannot store, by replacement.
 struct Repairs {
     std::size_t not_a_number = 0, out_of_range = 0;
 
-    /// `value` rounded to the stored type, NaN to 0, numbers out of range to the largest; infinity stays when it is the
-    /// channel's miss value.
+    /// Rounds `value` to the stored type: NaN becomes 0, numbers out of range become the largest; infinity stays if it
+    /// is the channel's miss value.
     float to_stored(double value, float miss, StoredType type);
 };
 
-/// One part's pixels: plane after plane, in the part's order of planes.
+/// The pixels of one part: plane after plane, in the part's order.
 struct PartPixels {
-    std::vector<std::vector<char>> planes;   ///< bytes as the file's type wants them, row-major
-    std::vector<std::vector<float>> judged;  ///< the same values as float, where a split needs them: 3 or 1 planes
+    std::vector<std::vector<char>> planes;   ///< bytes of the file's type, row-major
+    std::vector<std::vector<float>> judged;  ///< the values as float, if a split needs them: 3 planes or 1
 };
 
-/// In whole rows [rows.y0, rows.y1).
+/// The pixels of a part in whole rows [rows.y0, rows.y1).
 [[nodiscard]] PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, const PixelRegion& rows,
                                      bool judged);
 
-/// Whether a part may hold values that its file cannot.
+/// Returns whether a part can have values that its file cannot store.
 [[nodiscard]] bool may_need_repair(const PixelImage& frame_buffer, const PlannedPart& part);
-/// Adds what these rows of such a part will need.
+/// Adds the repairs that these rows of such a part need.
 void note_repairs(const PixelImage& frame_buffer, const PlannedPart& part, const PixelRegion& rows, Repairs& repairs);
-/// The text of a `repaired/NAME` attribute, empty when nothing had to be repaired.
+/// The text of a `repaired/NAME` attribute, empty if there were no repairs.
 [[nodiscard]] std::string repairs_text(const Repairs& repairs, StoredType type);
 
 }  // namespace raylex::display

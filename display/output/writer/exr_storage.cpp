@@ -43,7 +43,7 @@ const char* type_name(StoredType type) {
     return "";
 }
 
-/// "half", "float", "uint"; nothing when the word is none of them.
+/// The type "half", "float" or "uint"; nothing if the word is none of them.
 std::optional<StoredType> type_named(const std::string& word) {
     for (const StoredType type : {StoredType::half_float, StoredType::single_float, StoredType::unsigned_int})
         if (word == type_name(type)) return type;
@@ -63,7 +63,7 @@ Status set_type(ExrStorage& row, ChannelKind kind, bool all, StoredType type, co
                                                     : "float"));
 }
 
-/// "zip", or "dwaa:LEVEL".
+/// Parses "zip", or "dwaa:LEVEL".
 Status set_compression(ExrStorage& row, ChannelKind kind, bool all, const std::string& word,
                        const SourceLocation& where) {
     const std::size_t colon = word.find(':');
@@ -78,9 +78,9 @@ Status set_compression(ExrStorage& row, ChannelKind kind, bool all, const std::s
             const auto [stop, failed] = std::from_chars(word.data() + colon + 1, end, level);
             if (!is_lossy(compression) || failed != std::errc() || stop != end ||
                 !(level >= 0 && level <= largest_level))
-                return error_at(
-                    where, "'" + word + "' has no level that there is; expected dwaa:LEVEL or dwab:LEVEL from 0 to " +
-                               "100000, such as dwaa:45");
+                return error_at(where, "'" + word +
+                                           "' has an invalid level; expected dwaa:LEVEL or dwab:LEVEL from 0 to " +
+                                           "100000, such as dwaa:45");
         }
         if (is_lossy(compression) && !may_be_lossy(kind)) {
             if (all) return success();
@@ -96,9 +96,8 @@ Status set_compression(ExrStorage& row, ChannelKind kind, bool all, const std::s
             return error_at(where,
                             "compression '" + name +
                                 "' loses bits, so that splits would not sum; expected none, rle, zips, zip or piz, or "
-                                "dwaa or dwab, whose loss verify knows");
-    return error_at(where, "'" + word + "' says nothing about storage; expected " + expected_words,
-                    near_miss(name, known));
+                                "dwaa or dwab, whose loss `raylex verify` takes into account");
+    return error_at(where, "'" + word + "' is not a storage; expected " + expected_words, near_miss(name, known));
 }
 
 Status override_row(ExrStorage& row, ChannelKind kind, bool all, const std::string& text, const SourceLocation& where) {
@@ -110,8 +109,7 @@ Status override_row(ExrStorage& row, ChannelKind kind, bool all, const std::stri
         if (!set) return set;
     }
     if (any) return success();
-    return error_at(
-        where, std::string("nothing is said about the storage of ") + kind_name(kind) + "; expected " + expected_words);
+    return error_at(where, std::string("the storage of ") + kind_name(kind) + " is empty; expected " + expected_words);
 }
 
 }  // namespace
@@ -124,7 +122,7 @@ ExrStorageTable default_exr_storage() {
 
 ChannelKind kind_of(const ChannelDefinition& channel) {
     if (channel.style == ChannelStyle::expression) return ChannelKind::light;
-    // A variance is a colour's square and no colour: halves would lose it where it is small.
+    // A variance is the square of a colour and not a colour: halves would lose it where it is small.
     if (channel.statistic == Statistic::variance || channel.statistic == Statistic::mse) return ChannelKind::value;
     switch (channel.type) {
         case ChannelType::integer:

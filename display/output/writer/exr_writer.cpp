@@ -31,7 +31,7 @@ namespace raylex::display {
 
 namespace {
 
-/// The verdicts of the partitions on what is being written, kept up while parts go by.
+/// Checks the partitions against the written values while parts are written.
 class WrittenSplits {
   public:
     WrittenSplits(const PixelImage& frame_buffer, ChannelId beauty, const ImageDescription& description)
@@ -43,7 +43,7 @@ class WrittenSplits {
                 splits_.push_back({i, description.partitions[i], {}, {}, {}});
     }
 
-    /// What is taken from now on is of these rows, until the band ends.
+    /// The following parts belong to these rows, until the band ends.
     void begin_band(const PixelRegion& rows) {
         for (Split& split : splits_) split.sum.emplace(rows.width(), rows.height(), cancelled_);
     }
@@ -77,7 +77,7 @@ class WrittenSplits {
     [[nodiscard]] std::vector<SplitVerdict> verdicts() const {
         std::vector<SplitVerdict> all;
         for (const Split& split : splits_) {
-            if (!split.lossy.empty()) continue;  // what is in the file is not what was added up here
+            if (!split.lossy.empty()) continue;  // the file does not contain the values that were added here
             SplitVerdict verdict = *split.verdict;
             verdict.partition = split.partition.name;
             verdict.of = whole_of(split);
@@ -86,7 +86,7 @@ class WrittenSplits {
         }
         return all;
     }
-    /// Overwrites the placeholders in the file's header. Their lengths are equal, so nothing moves.
+    /// Overwrites the placeholders in the file's header. Texts have equal lengths, so nothing moves.
     void write_verdicts(AtomicFile& file, const HeaderRecorder& header) const {
         for (const Split& split : splits_) {
             const std::size_t position = header.find(verdict_placeholder(split.index));
@@ -104,9 +104,10 @@ class WrittenSplits {
     struct Split {
         std::size_t index;
         PartitionDeclaration partition;
-        std::optional<SplitSum> sum;          ///< of a band
-        std::optional<SplitVerdict> verdict;  ///< on the bands that have ended
-        std::string lossy;                    ///< how a layer of it is stored that is not in the file as it is here
+        std::optional<SplitSum> sum;          ///< for one band
+        std::optional<SplitVerdict> verdict;  ///< for the bands that have ended
+        std::string lossy;                    ///< storage of a layer that changes its values in the file; empty if
+                                              ///< there is none
     };
     [[nodiscard]] std::string name_of(const PlannedPart& part) const {
         return part.channel == beauty_ ? "beauty"
@@ -125,9 +126,9 @@ class WrittenSplits {
     std::vector<Split> splits_;
 };
 
-/// Rows that are resolved, packed and written together: what the encoders want to be busy, for rows at rest in a cache
-/// and in memory that is used again cost less than a whole image at a time; no more than the image wants to be asked
-/// for, nor than two million pixels, so that the pixels of a part are small against the image.
+/// The rows that are resolved, packed and written together. They are enough to keep the encoders busy; less data than a
+/// whole image stays in the cache and in reused memory. A band is at most the image's own band, and at most two million
+/// pixels, so that the pixels of a part are small compared with the image.
 std::vector<PixelRegion> bands_to_write(const PixelImage& frame_buffer, const ImageDescription& description) {
     constexpr int most_pixels = 1 << 21;
     const PixelRegion all = frame_buffer.whole();
@@ -160,12 +161,12 @@ void note_all_repairs(const PixelImage& frame_buffer, const std::vector<PixelReg
     }
 }
 
-/// Adds a part's planes of these rows to what the library reads from. They hold whole rows, whatever the data window
+/// Adds a part's planes of these rows to the library's frame buffer. They contain whole rows, whatever the data window
 /// is.
 void add_slices(const PlannedPart& part, PartPixels& pixels, const PixelRegion& rows, Imf::FrameBuffer& buffer) {
     const std::size_t size = bytes_of(part.storage.type), row = size * static_cast<std::size_t>(rows.width());
     for (std::size_t p = 0; p < part.planes.size(); ++p) {
-        // The library wants the address where row 0 would stand, outside the array: no pointer may be formed there.
+        // The library needs the address of row 0, which is outside the array; forming such a pointer is not allowed.
         const std::intptr_t origin =
             reinterpret_cast<std::intptr_t>(pixels.planes[p].data()) - static_cast<std::intptr_t>(row) * rows.y0;
         buffer.insert(part.planes[p],
@@ -179,7 +180,7 @@ void write_part(Imf::MultiPartOutputFile& file, int index, const Imf::FrameBuffe
     output.writePixels(rows.height());
 }
 
-/// One header for each part, or one with the channels of all.
+/// One header per part, or a single one with all channels.
 std::vector<Imf::Header> headers_of(const std::vector<PlannedPart>& parts, const FrameBufferLayout& layout,
                                     const ImageDescription& description) {
     std::vector<Imf::Header> headers;
@@ -194,7 +195,7 @@ std::vector<Imf::Header> headers_of(const std::vector<PlannedPart>& parts, const
     return headers;
 }
 
-/// Lines that are packed sooner than a thread is woken for one of them.
+/// Lines that are packed faster than a thread wakes.
 bool is_quick(const std::vector<PlannedPart>& parts, int width) {
     constexpr int narrow = 1024;
     return width < narrow && std::all_of(parts.begin(), parts.end(), [](const PlannedPart& part) {
@@ -203,14 +204,14 @@ bool is_quick(const std::vector<PlannedPart>& parts, int width) {
            });
 }
 
-/// The library keeps two bundles of lines for each thread that packs and each part, or one without threads, in three
-/// places, until the file is closed.
+/// Until the file is closed the library keeps two bundles of lines for each packing thread and each part (one bundle
+/// without threads), in three places.
 struct EncoderThreads {
     int count = 0;
     double bytes = 0;
 };
 
-/// All there are, unless what is kept for them gets too much.
+/// All threads, unless their memory would be too large.
 EncoderThreads encoder_threads(const std::vector<PlannedPart>& parts, int width) {
     start_encoder_threads();
     constexpr double most_bytes = 512 << 20;
@@ -223,7 +224,7 @@ EncoderThreads encoder_threads(const std::vector<PlannedPart>& parts, int width)
     return {threads, std::max(1, 2 * threads) * bundles};
 }
 
-/// Part after part of these rows: while one is packed the next is resolved.
+/// Writes the parts of these rows one by one; while one part is packed, the next one is resolved.
 void write_band(Imf::MultiPartOutputFile& output, const PixelImage& frame_buffer, const std::vector<PlannedPart>& parts,
                 const PixelRegion& rows, bool single_part, std::launch when, WrittenSplits& splits) {
     splits.begin_band(rows);
@@ -233,7 +234,7 @@ void write_band(Imf::MultiPartOutputFile& output, const PixelImage& frame_buffer
         return pixels;
     };
     std::future<PartPixels> next = std::async(when, prepare, 0);
-    std::vector<PartPixels> all;  // of a single part, whose lines hold every channel
+    std::vector<PartPixels> all;  // for a single part, whose lines contain every channel
     Imf::FrameBuffer together;
     for (std::size_t i = 0; i < parts.size(); ++i) {
         PartPixels pixels = next.get();
@@ -266,7 +267,7 @@ void write_parts(AtomicFile& file, const PixelImage& frame_buffer, ChannelId bea
         stream.stop_recording();
         for (const PixelRegion& rows : bands)
             write_band(output, frame_buffer, parts, rows, description.single_part, when, splits);
-    }  // the library writes its table of chunks now
+    }  // the library writes its table of chunks here
     splits.write_verdicts(file, stream);
     if (verdicts != nullptr) *verdicts = splits.verdicts();
 }

@@ -1,10 +1,10 @@
-// The frame buffer as one multi-part OpenEXR file. How each kind of channel is stored stands in exr_storage.h.
+// Writes the frame buffer as one multi-part OpenEXR file. exr_storage.h defines the storage of each kind of channel.
 //
-// Rows are written in bands of two million pixels at most, part after part, so that an image of which no more than a
-// band is in memory (PixelImage::band_end) can be written, and its sums judged, without ever being there as a whole.
-// While one part is compressed (by as many threads as there are processors, unless the library would hold more than
-// half a GiB for them) the next one is resolved, so that the time is that of the encoders. Narrow images of which
-// nothing is zipped are written without threads: waking them would take longer.
+// Rows are written in bands of at most two million pixels, part after part. So an image of which only one band is in
+// memory (PixelImage::band_end) can be written and its sums checked. While one part is compressed, the next one is
+// resolved, so the total time is that of the encoders. They use as many threads as there are processors, unless the
+// library would need more than half a GiB for them. Narrow images without zip are written without threads, because
+// waking them would take longer.
 #pragma once
 
 #include <array>
@@ -24,52 +24,51 @@
 namespace raylex::display {
 
 struct ImageDescription {
-    /// String attributes of every part: seed, config, git revision ... One of more than 1024 bytes stands in part 0
-    /// alone.
+    /// String attributes of every part: seed, config, git revision ... An attribute of more than 1024 bytes is only in
+    /// part 0.
     std::map<std::string, std::string> attributes;
     std::vector<PartitionDeclaration> partitions;
     Chromaticities chromaticities;
-    std::vector<DataPart> data_parts;  ///< written after the channels' parts
+    std::vector<DataPart> data_parts;  ///< written after the parts of the channels
     ExrStorageTable storage = default_exr_storage();
-    /// One part with the channels of all, packed as light is, which must lose no bits then: for readers that know no
-    /// parts.
+    /// Writes a single part with all channels, packed like light, which must be lossless then: for readers that do not
+    /// support parts.
     bool single_part = false;
-    /// The pixels that the file has, where it does not have all of the image: its data window in the display window.
+    /// The pixels in the file if it does not contain the whole image: its data window in the display window.
     std::optional<PixelRegion> data_window;
-    /// Row-major, points are columns; left out of the file when all zero. Camera space is OpenEXR's: left-handed, x
-    /// right, y up, z forward. Screen space, after division by w, has the image's edges at x = -1 and 1 and y = -1
-    /// (bottom) and 1.
+    /// Row-major matrices that multiply column vectors; omitted from the file if all zero. Camera space is that of
+    /// OpenEXR: left-handed, x right, y up, z forward. In screen space, after division by w, the edges of the image are
+    /// at x = -1 and 1, and y = -1 (bottom) and 1.
     std::array<std::array<double, 4>, 4> world_to_camera{}, world_to_screen{};
-    bool complete = true;  ///< false is recorded as attribute "raylex/incomplete"
+    bool complete = true;  ///< false is written as attribute "raylex/incomplete"
     FileSync sync = FileSync::now;
 };
 
-/// Part 0 is `rgba` (R G B A of beauty, when there is one); every other channel is a part of its own: NAME with
-/// NAME.R .G .B for colours, NAME.X .Y .Z for vectors, `z` with channel Z for depth, NAME for other single values.
-/// Integers are UINT, negative numbers as two's complement. Written to a temporary name beside `path`, synced and
-/// renamed; on failure an earlier file at `path` is untouched.
+/// Part 0 is `rgba` (R G B A of beauty, if there is one). Every other channel is a part of its own: NAME with NAME.R .G
+/// .B for colours, NAME.X .Y .Z for vectors, `z` with channel Z for depth, NAME for other single values. Integers are
+/// UINT, negative numbers in two's complement. The file is written to a temporary name beside `path`, synced and
+/// renamed; on failure an earlier file at `path` is unchanged.
 ///
-/// Header, beside OpenEXR's own chromaticities, worldToCamera and worldToNDC: `colorInteropID` (part by part; "data"
-/// for what is no colour); `lpe/NAME` the expression and `lpeDialect/NAME`, `rule/NAME` how samples became pixels,
-/// `space/NAME`, `statistics/NAME` ("mse of beauty"), `storage/NAME` ("float zip"), each in the channel's own part and
-/// all of them in part 0; `partition/NAME` in part 0 as "beauty = first + second", and `verdict/NAME`, what split_check
-/// says of the very bits in the file: "holds; ..." or "does not hold; ..." ("not judged ..." where a lossy compression
-/// changes them); "raylex/incomplete".
+/// The header contains, beside OpenEXR's chromaticities, worldToCamera and worldToNDC: `colorInteropID` (per part;
+/// "data" for parts that are not colours); `lpe/NAME` (expression), `lpeDialect/NAME`, `rule/NAME` (how samples became
+/// pixels), `space/NAME`, `statistics/NAME` ("mse of beauty"), `storage/NAME` ("float zip"), each in the channel's part
+/// and all of them in part 0; in part 0 `partition/NAME` as "beauty = first + second", and `verdict/NAME`, the result
+/// of split_check for the exact bits in the file: "holds; ..." or "does not hold; ..." ("not judged ..." if a lossy
+/// compression changes them); "raylex/incomplete".
 ///
-/// Values beyond the range of the stored type become its largest number, NaN becomes 0 (Law 6; the frame buffer holds
-/// neither for light), and `repaired/NAME` says how many; infinity stays in a channel whose miss value it is (z, VLen).
-/// A partition of layers that are not there is not declared; `raylex/refusedPartition` says why. `verdicts` gets what
-/// check_declared_splits would say of the file, maps of residuals and splits of lossy layers excepted.
+/// Values beyond the range of the stored type become its largest number, and NaN becomes 0 (Law 6; for light the frame
+/// buffer contains neither); `repaired/NAME` has their number. Infinity stays in a channel whose miss value it is (z,
+/// VLen). A partition with missing layers is not declared; `raylex/refusedPartition` gives the reason. `verdicts` gets
+/// the results of check_declared_splits() for the file, without maps of residuals and without splits of lossy layers.
 Status write_exr(const std::string& path, const PixelImage& frame_buffer, ChannelId beauty,
                  const ImageDescription& description, std::vector<SplitVerdict>* verdicts = nullptr);
 
-/// What the library holds until a file of these channels is closed, stored as by default.
+/// The library's memory until a file of these channels, with the default storage, is closed.
 [[nodiscard]] std::uint64_t exr_writing_bytes(std::span<const ChannelDefinition> channels, ChannelId beauty, int width);
 
-/// Whether write_exr could lay these channels out; ask before rendering. Errors: a name that is empty, used twice,
-/// taken
-/// ("rgba", "beauty"), longer than 244 bytes (OpenEXR's limit is 255, for "lpeDialect/NAME"), or holding a control
-/// character, " + " or " = "; a partition of layers that are not there.
+/// Checks that write_exr() can write these channels; call it before rendering. Errors: a name that is empty, used
+/// twice, reserved ("rgba", "beauty"), longer than 244 bytes (OpenEXR's limit is 255, for "lpeDialect/NAME"), or that
+/// contains a control character, " + " or " = "; a partition with missing layers.
 Status check_exr_layout(std::span<const ChannelDefinition> channels, ChannelId beauty,
                         const std::vector<PartitionDeclaration>& partitions);
 

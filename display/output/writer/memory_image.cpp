@@ -8,7 +8,7 @@ namespace raylex::display {
 
 namespace {
 
-/// The part as a file, its planes empty: enough to ask which layers it makes.
+/// The part as a file with empty planes, enough to find the layers that it forms.
 FilePart named_part(const PlannedPart& part) {
     FilePart file{part.name, {}};
     for (const std::string& plane : part.planes) file.channels.push_back({plane, part.storage.type, {}});

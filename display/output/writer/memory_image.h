@@ -1,4 +1,4 @@
-// A frame buffer, or a layer of one, as a reader would find it in the file, without the file.
+// A frame buffer, or one of its layers, in the form in which a reader finds it in the file, but without the file.
 #pragma once
 
 #include <string>
@@ -9,12 +9,12 @@
 
 namespace raylex::display {
 
-/// The image with only the part that holds `layer` ("" or "beauty": the beauty, or the first part when there is none).
-/// Errors: no such layer, with near misses.
+/// The image with only the part that contains `layer` ("" or "beauty": the beauty, or the first part if there is none).
+/// Errors: no such layer, with similar names.
 Result<ExrImage> image_in_memory(const PixelImage& frame_buffer, ChannelId beauty, const ImageDescription& description,
                                  const std::string& layer);
 
-/// All of it, but not rounded to what the file stores: every plane is float (or an integer) and has lost nothing.
+/// The whole image, not rounded to the stored types: every plane is float (or integer) and lossless.
 ExrImage image_in_memory(const PixelImage& frame_buffer, ChannelId beauty, const ImageDescription& description);
 
 }  // namespace raylex::display

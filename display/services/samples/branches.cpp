@@ -12,7 +12,7 @@ void Fractions::pick(double random) {
         for (std::size_t j = 0; j < parts_.size(); ++j) {
             const double value = static_cast<double>(parts_[j].value[c]);
             if (value <= 0) continue;
-            picked_[c] = j;  // the last part with a value, should rounding leave the sum below the target
+            picked_[c] = j;  // the last part with a value, in case rounding leaves the sum below the target
             below += value;
             if (random * total_[c] < below) break;
         }

@@ -1,5 +1,5 @@
-// Law 5's pairs (automaton state, share) in the middle of a move: what trackers, light words and their joins have in
-// common. Private to the LPE services.
+// Moves the pairs (automaton state, share) of Law 5: shared by trackers, light words and their connections. Private to
+// the LPE services.
 #pragma once
 
 #include <array>
@@ -12,14 +12,14 @@
 
 namespace raylex::display {
 
-/// Finaliser of SplitMix64 (S. Vigna, public domain description): a bijection that mixes every bit.
+/// The finaliser of SplitMix64 (S. Vigna, public domain description): a bijection that mixes every bit.
 inline std::uint64_t mix64(std::uint64_t x) {
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
     x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
     return x ^ (x >> 31);
 }
 
-/// The numbers by which an overflow is resolved: few moves need any, so the key is made for the first.
+/// Random numbers that resolve an overflow. Few moves need any, so the key is computed at the first request.
 template <class MakeKey>
 class ChoiceNumbers {
   public:
@@ -37,17 +37,17 @@ class ChoiceNumbers {
     bool made_ = false;
 };
 
-/// What fraction of a scattering each part carries, per colour: proportional, or all to one drawn part.
+/// The fraction of a scattering that each part carries, per colour: proportional, or everything for one drawn part.
 class Fractions {
   public:
     explicit Fractions(std::span<const LobePart> parts) : parts_(parts) {
         for (const LobePart& part : parts) total_ += RgbD(part.value);
         for (int c = 0; c < 3; ++c) {
             proportional_[c] = total_[c] > 0 && std::isfinite(total_[c]);
-            scale_[c] = 1 / total_[c];  // of floats: never beyond the range of double where it is used
+            scale_[c] = 1 / total_[c];  // sums of floats: never outside the range of double where it is used
         }
     }
-    /// Draws one part per colour, in proportion to what it carries, by the same number for every colour.
+    /// Draws one part per colour, in proportion to its value, with the same number for every colour.
     void pick(double random);
     [[nodiscard]] RgbD of(std::size_t part) const {
         RgbD fraction;
@@ -60,42 +60,42 @@ class Fractions {
   private:
     std::span<const LobePart> parts_;
     RgbD total_, scale_;
-    std::array<std::size_t, 3> picked_{};  // part 0 for a colour to which nothing is given
+    std::array<std::size_t, 3> picked_{};  // part 0 for a colour without a value
     std::array<bool, 3> proportional_{};
 };
 
-/// Branches before a move, where they stand. `share` null: one branch at most, its share 1.
+/// Branches before a move, in place. `share` null: at most one branch, with share 1.
 struct Branches {
     const lpe::State* state = nullptr;
     const BranchShare* share = nullptr;
     std::size_t count = 0;
-    std::size_t words = 0;  ///< of a state
+    std::size_t words = 0;  ///< words of a state
 
     [[nodiscard]] const lpe::State* state_of(std::size_t branch) const { return state + branch * words; }
     [[nodiscard]] RgbD share_of(std::size_t branch) const { return share == nullptr ? RgbD(1.0) : share[branch].rgb(); }
 };
 
-/// Branches as they come out of a move, equal states merged.
+/// Branches after a move, with equal states merged.
 class BranchList {
   public:
     static constexpr std::size_t room = 96, most_words = 256;
     std::size_t count = 0;
-    bool whole = true;  ///< nothing was split: one branch at most, its share 1
+    bool whole = true;  ///< nothing was split: at most one branch, with share 1
     bool overflow = false;
-    std::array<lpe::State, room * most_words> state;  // uninitialised, as are the shares
+    std::array<lpe::State, room * most_words> state;  // uninitialised, like the shares
     std::array<BranchShare, room> share;
 
     explicit BranchList(std::size_t state_words) : words_(state_words) {}
 
     [[nodiscard]] bool has_room_for(std::size_t more) const { return count + more <= room; }
-    /// Where candidates for further branches are written, side by side.
+    /// The memory for candidates of further branches, which are contiguous.
     [[nodiscard]] lpe::State* candidates() { return &state[count * words_]; }
     [[nodiscard]] static bool same(const lpe::State* a, const lpe::State* b, std::size_t words) {
         for (std::size_t i = 0; i < words; ++i)
             if (a[i] != b[i]) return false;
         return true;
     }
-    /// Makes a candidate a branch. It and those behind it stay where they are: branches take no more room than
+    /// Adds a candidate as a branch. Later candidates stay where they are, because branches never need more room than
     /// candidates.
     void add(const lpe::State* candidate, const RgbD& amount) {
         std::size_t at = 0;
@@ -112,15 +112,15 @@ class BranchList {
     template <class Advance, class Numbers>
     void split(const Branches& from, std::span<const LobePart> parts, const Fractions& fractions, std::size_t target,
                Numbers& numbers, Advance advance);
-    /// Brings the branches down to `target` by collapsing the smallest. The collapse moves, per colour, all that the
-    /// chosen branches hold to one of them, drawn in proportion to what it held: the sum is kept exactly and each
-    /// branch's expected share is what it was. One random number serves the three colours, so that they mostly agree on
-    /// the survivor; at most three survive, so three more than the excess are chosen.
+    /// Reduces the number of branches to `target` by collapsing the smallest ones. Per colour, the collapse moves the
+    /// whole share of the chosen branches to one of them, drawn in proportion to its share. So the sum is preserved
+    /// exactly, and the expected share of each branch is unchanged. One random number serves the three colours, so that
+    /// they usually choose the same survivor; at most three survive, so three branches more than the excess are chosen.
     void collapse(std::size_t target, double random);
 
   private:
     [[nodiscard]] double size(std::size_t i) const { return share[i].r + share[i].g + share[i].b; }
-    /// Drops branches whose shares are all 0.
+    /// Removes branches whose shares are all 0.
     void compact();
 
     std::size_t words_;
@@ -136,7 +136,7 @@ void BranchList::split(const Branches& from, std::span<const LobePart> parts, co
     };
     for (std::size_t branch = 0; branch < from.count; ++branch) {
         if (!has_room_for(parts.size())) shrink();
-        lpe::State* const next = candidates();  // where each part leads
+        lpe::State* const next = candidates();  // target of each part
         std::uint64_t alive = 0;
         bool agree = true;
         for (std::size_t j = 0; j < parts.size(); ++j) {
@@ -146,7 +146,7 @@ void BranchList::split(const Branches& from, std::span<const LobePart> parts, co
         }
         const RgbD base = from.share_of(branch);
         if (agree) {
-            if (alive != 0) add(next, base);  // the fractions sum to 1: nothing is split, nothing is rounded
+            if (alive != 0) add(next, base);  // the fractions sum to 1: no split, and no rounding
             continue;
         }
         whole = false;

@@ -11,7 +11,7 @@ namespace {
 
 using RowState = SampleTable::RowState;
 
-/// Whether the rows follow one another, all of them below `row_count`: then they are checked and written as one.
+/// Returns whether the rows are consecutive and below `row_count`, so that they can be checked and written together.
 bool consecutive(std::span<const std::int32_t> rows, std::uint32_t row_count) {
     const auto first = static_cast<std::uint32_t>(rows.front());
     if (first >= row_count || rows.size() > row_count - first) return false;
@@ -20,13 +20,13 @@ bool consecutive(std::span<const std::int32_t> rows, std::uint32_t row_count) {
     return different == 0;
 }
 
-/// Without a branch, so that many are tested at once.
+/// Without a branch, so that the compiler can vectorise it.
 [[nodiscard]] std::uint32_t not_finite(float value) {
     constexpr std::uint32_t exponent = 0x7f800000;
     return (std::bit_cast<std::uint32_t>(value) & exponent) == exponent ? 1 : 0;
 }
 
-/// to[i] = values[i]; nothing and false when one of them is not finite.
+/// Copies to[i] = values[i]. If a value is not finite, returns false and copies nothing.
 bool write_all(const float* values, std::size_t count, double* to) {
     std::uint32_t bad = 0;
     for (std::size_t i = 0; i < count; ++i) bad |= not_finite(values[i]);
@@ -42,7 +42,7 @@ bool write_all(std::span<const Rgb> values, double* to) {
     static_assert(sizeof(Rgb) == 3 * sizeof(float));
     return write_all(&values.front().r, 3 * values.size(), to);
 }
-/// to[3 i + c] = columns[c][i], likewise.
+/// Copies to[3 i + c] = columns[c][i]. If a value is not finite, returns false and copies nothing.
 bool write_all(const DisplayServices::Columns& columns, std::size_t count, double* to) {
     const float *const x = columns[0], *const y = columns[1], *const z = columns[2];
     std::uint32_t bad = 0;
@@ -69,7 +69,7 @@ ChannelId find_channel(std::span<const DisplayChannel> channels, std::string_vie
     return found == channels.end() ? invalid_channel : found->id;
 }
 
-/// The place where the name stood last is compared first.
+/// Compares the last known position of the name first.
 ChannelId NamedChannel::id(std::span<const DisplayChannel> channels) const {
     const std::size_t last = last_.load(std::memory_order_relaxed);
     if (last < channels.size() && channels[last].name == name_) return channels[last].id;
@@ -107,25 +107,25 @@ bool DisplayServices::accept_row(int row, bool good_value) {
     return refuse(invalid_channel, good_value ? Refusal::unknown_row : Refusal::bad_value);
 }
 
-/// A value that is not finite, of an accepted (id, row).
+/// Refuses a value that is not finite, for a valid (id, row).
 bool DisplayServices::refuse_value(ChannelId id, int row, const Rgb& value) {
     table_.count_invalid(row, id, value);
     return refuse(id, Refusal::bad_value);
 }
 
-/// The same of a distance or an opacity, of an accepted row.
+/// Refuses a distance or an opacity that is not finite, for a valid row.
 bool DisplayServices::refuse_row_value(int row, const Rgb& value) {
     table_.count_invalid(row, invalid_channel, value);
     return refuse(invalid_channel, Refusal::bad_value);
 }
 
-/// Where the values of an accepted (id, row) stand, ready to be added to (splatted) or replaced (written).
+/// The values of a valid (id, row), ready to be added to (splatted) or replaced (written).
 double* DisplayServices::entry(ChannelId id, int row, RowState state) {
     const int components = component_count(table_.channel(id).type);
     double* values = table_.raw_values(id) + static_cast<std::size_t>(row) * static_cast<std::size_t>(components);
     table_.touch(id, row);
     if (table_.channel(id).style == ChannelStyle::expression) return values;
-    // The first splat into a row replaces the miss value, which may be infinite.
+    // The first splat into a row replaces the miss value, which can be infinite.
     if (state == RowState::splatted && table_.row_state(id, row) == RowState::untouched && table_.fill_value(id) != 0)
         std::fill_n(values, components, 0.0);
     if (state == RowState::written || table_.row_state(id, row) == RowState::untouched)
@@ -186,7 +186,7 @@ bool DisplayServices::write(ChannelId id, int row, std::int32_t value) {
     return true;
 }
 
-/// The checks of the channel once, those of rows and values for each.
+/// Checks the channel once, and each row and value.
 template <class Value>
 bool DisplayServices::write_batch(ChannelId id, std::span<const std::int32_t> rows, std::span<const Value> values,
                                   bool right_type) {
@@ -234,7 +234,7 @@ bool DisplayServices::write_batch(ChannelId id, std::span<const std::int32_t> ro
     return bad_rows + bad_values == 0;
 }
 
-/// By columns where all is well; what is not is for write_batch() to find, chunk by chunk.
+/// Writes whole columns if all are valid; otherwise write_batch() finds the invalid ones chunk by chunk.
 bool DisplayServices::write(ChannelId id, std::span<const std::int32_t> rows, const Columns& columns) {
     if (rows.empty() || id == invalid_channel) return true;
     if (takes_triples(id) && consecutive(rows, static_cast<std::uint32_t>(table_.row_count()))) {

@@ -1,4 +1,4 @@
-// The long way of a contribution: what prefixes and holdouts change. Renders without either never come here.
+// The slow path of a contribution, for prefixes and holdouts. Renders without either never use it.
 #include <algorithm>
 #include <utility>
 
@@ -6,16 +6,16 @@
 
 namespace raylex::display {
 
-/// One event as contribute_apart() takes it.
+/// One event as an argument of contribute_apart().
 struct LpeServices::Report {
-    Rgb value;  ///< what beauty takes
+    Rgb value;  ///< the value that beauty takes
     EmitterSample sample;
-    const Technique* technique;  ///< null: the event is a surface's own, which beauty never takes
+    const Technique* technique;  ///< null: a surface's own event, which beauty never takes
 };
 
 namespace {
 
-/// What a channel with these prefixes takes of the event, black for nothing.
+/// The value that a channel with these prefixes takes of the event; black for nothing.
 Rgb own_value(const ChannelPrefixes& prefixes, const Rgb& value, const EmitterSample& sample,
               const Technique* technique) {
     if (!prefixes.takes(technique)) return Rgb();
@@ -153,8 +153,8 @@ void LpeServices::contribute_apart(const Report& report, const Tracker& tracker)
     sharing_.clear();
 }
 
-/// The channels of sharing_, each with the value that is its own. One that is out of range counts as a rejected
-/// contribution of its own, once for all channels, unless the beauty's was rejected already.
+/// Splats to the channels of sharing_, each with its own value. A value that is out of range counts as one rejected
+/// contribution for all channels together, unless beauty's was already rejected.
 void LpeServices::splat_apart(const Report& report, const Tracker& tracker, bool valid) {
     bool rejected = !valid;
     for (const std::uint16_t channel : sharing_) {

@@ -16,11 +16,11 @@ namespace {
 
 Status check_type(const ChannelDefinition& channel) {
     if (channel.type == ChannelType::rgb) return success();
-    return error_at(location_of(channel),
-                    "channel '" + channel.name + "' has a light path expression but is no colour; expected type rgb");
+    return error_at(location_of(channel), "channel '" + channel.name +
+                                              "' has a light path expression but is not a colour; expected type rgb");
 }
 
-/// The expression channels among `channels` as the compiler takes them; `id_of` gets their display channels.
+/// The expression channels among `channels` in the form that the compiler takes; `id_of` gets their display channels.
 Result<std::vector<lpe::ChannelSource>> collect_sources(std::span<const ChannelDefinition> channels, ChannelId beauty,
                                                         std::vector<ChannelId>& id_of) {
     std::vector<std::size_t> index_of(channels.size(), channels.size());
@@ -41,9 +41,8 @@ Result<std::vector<lpe::ChannelSource>> collect_sources(std::span<const ChannelD
         source.origin_column = channel.origin_column;
         for (const std::size_t other : channel.rest_of) {
             if (other >= channels.size() || index_of[other] == channels.size())
-                return error_at(
-                    location_of(channel),
-                    "channel '" + channel.name + "' is the rest of a channel that has no light path expression");
+                return error_at(location_of(channel), "channel '" + channel.name +
+                                                          "' is the rest of a channel without a light path expression");
             source.rest_of.push_back(index_of[other]);
         }
         if (const Status status = check_type(channel); !status) return status.error();
@@ -74,7 +73,7 @@ Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, Ch
         return error_at({},
                         "the light path expressions need " + std::to_string(compiled.group_count()) +
                             " words of state; expected at most " + std::to_string(Tracker::group_limit),
-                        "ask for fewer channels whose expressions begin with `C.*`, or raise the state cap");
+                        "request fewer channels whose expressions begin with `C.*`, or raise the state cap");
     setup.targets_ = SplatTargets(compiled.view(), setup.channel_of_accept_);
     setup.first_states_.resize(compiled.word_count());
     if (!compiled.advance(compiled.starts().data(), compiled.classify(lpe::Event{}), setup.first_states_.data()))
@@ -97,7 +96,7 @@ LpeServices::LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_
     sharing_.reserve(setup.prefixes_.size());
 }
 
-/// Two moves of one path, and two directions tried at one vertex, draw independent numbers.
+/// Two moves of one path, and two directions from one vertex, get independent random numbers.
 std::uint64_t LpeServices::random_key(const Tracker& tracker, const LobePart& first) const {
     const CameraRow& row = table_.camera_row(tracker.row_);
     std::uint64_t key = mix64(seed_ + 0x9e3779b97f4a7c15ull);
@@ -128,7 +127,7 @@ void LpeServices::take(Tracker& tracker, const BranchList& branches) {
     for (std::size_t i = 0; i < branches.count && !branches.whole; ++i) tracker.share_[i] = branches.share[i];
 }
 
-/// Branch by branch, merging as they come.
+/// Splits branch by branch, and merges equal states at once.
 void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
     if (parts.empty()) {
         tracker.count_ = 0;
@@ -147,7 +146,7 @@ void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
     take(tracker, branches);
 }
 
-/// To channels of a set that the table has no column for.
+/// Splats to packed channels, and to other channels of a set without a column in the table.
 void LpeServices::splat_apart(std::span<const ChannelId> channels, const RgbD& value, int row) {
     for (const ChannelId id : channels) {
         double* to = table_.raw_values(id) + 3 * static_cast<std::size_t>(row);
@@ -156,7 +155,7 @@ void LpeServices::splat_apart(std::span<const ChannelId> channels, const RgbD& v
     }
 }
 
-/// Once for the camera ray, and once for beauty and each channel that would have taken a part.
+/// Counts one rejection for the camera ray, and one for beauty and each channel that would have taken a part.
 void LpeServices::reject(const Rgb& value, const Tracker& tracker) {
     ++invalid_count_;
     table_.count_invalid(tracker.row_, invalid_channel, value);
@@ -167,7 +166,7 @@ void LpeServices::reject(const Rgb& value, const Tracker& tracker) {
         program.for_each_accepted(&tracker.state_[branch * tracker.groups_], [&](std::uint16_t channel) {
             const ChannelPrefixes& prefixes = setup_.prefixes_[channel];
             if (prefixes.holdouts != tracker.held_out_) return;
-            if (prefixes.own_value() && prefixes.noinfinitecheck) return;  // judged by the value that is its own
+            if (prefixes.own_value() && prefixes.noinfinitecheck) return;  // its own value decides
             if (std::find(counted.begin(), counted.end(), channel) != counted.end()) return;
             counted.push_back(channel);
             table_.count_invalid_of(setup_.channel_of_accept_[channel]);

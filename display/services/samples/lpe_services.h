@@ -1,16 +1,15 @@
-// The LPE services: they follow light paths for the integrator and splat every contribution to each display channel
-// whose expression accepts the path. An integrator moves a tracker and reports contributions; it never asks which
-// channels exist, so adding an AOV never means editing an integrator.
+// The LPE services follow light paths for the integrator and splat every contribution to each display channel whose
+// expression accepts the path. An integrator moves a tracker and reports contributions without regard to the channels,
+// so a new AOV never changes an integrator.
 //
-// Attribution (Law 5). A tracker carries branches (automaton state, share). When a direction was sampled from a mixture
-// of lobes, each lobe's part of the scattering value moves along its own transition, so a contribution reaches each
-// channel with exactly the fraction of it that those lobes carried, and the fractions of one contribution sum to 1 in
-// every colour. Equal states merge, dead ones drop out. Beauty takes the full value and never looks at the states (Law
-// 2).
+// Attribution (Law 5). A tracker has branches (automaton state, share). If a direction was sampled from a mixture of
+// lobes, each lobe's part of the scattering value follows its own transition. So a contribution reaches each channel
+// with exactly the fraction that its lobes carried, and the fractions of a contribution sum to 1 in every colour. Equal
+// states merge, and dead ones are dropped. Beauty takes the full value and never depends on the states (Law 2).
 //
-// Groups. When the compiler spreads the channels over several automata, or packs some of them into bits, the state of a
-// branch is a few words (lpe/program_view.h): a share belongs to a set of paths, not to an automaton, so that a
-// partition whose channels lie in different groups still sums exactly when a tracker overflows (Law 1).
+// Groups. If the compiler distributes the channels over several automata, or packs some of them into bits, the state of
+// a branch is a few words (lpe/program_view.h). A share belongs to a set of paths and not to an automaton, so a
+// partition with channels in different groups still sums exactly when a tracker overflows (Law 1).
 #pragma once
 
 #include <algorithm>
@@ -29,25 +28,26 @@
 
 namespace raylex::display {
 
-/// An emitter as a path found it, before the path changes it: what channels with prefixes splat instead of the value
-/// that beauty takes (channel_prefixes.h). An integrator fills it in only where LpeServices::wants_emitter_samples().
+/// An emitter before the path's throughput: channels with prefixes splat these values instead of beauty's
+/// (channel_prefixes.h). An integrator fills it in only if LpeServices::wants_emitter_samples().
 struct EmitterSample {
-    Rgb emitted;     ///< what leaves the emitter towards the path: radiance; intensity of point and spot lights;
-                     ///< irradiance across the beam of distant ones. No throughput, density or geometry in it.
-    Rgb unweighted;  ///< radiance times throughput over density with nothing in the way, and all of the MIS weight
-                     ///< given to the technique that found it
-    float visibility = 1;            ///< fraction that arrives: 0 behind an opaque surface
-    bool found_by_sampling = false;  ///< found in another way, though light sampling finds the same emitter there too:
-                                     ///< channels of light that nothing shadows leave it to the light sample
+    Rgb emitted;     ///< what the emitter sends towards the path: radiance; intensity of point and spot lights;
+                     ///< irradiance across the beam of distant lights. Without throughput, density and geometry.
+    Rgb unweighted;  ///< unoccluded radiance times throughput over density, with an MIS weight of 1 for the technique
+                     ///< that found it
+    float visibility = 1;            ///< transmitted fraction: 0 behind an opaque surface
+    bool found_by_sampling = false;  ///< light sampling finds this emitter here, too, but another technique found it:
+                                     ///< channels of unoccluded light leave it to the light sample
 };
 
-/// One lobe's part of a scattering value f(wo, wi) |cos|, in any common scale: only ratios within one move matter.
+/// One lobe's part of a scattering value f(wo, wi) |cos|, in any common scale, because only ratios within one move
+/// matter.
 struct LobePart {
     lpe::EventClass event = 0;
     Rgb value;
 };
 
-/// What part of a contribution a branch carries, per colour.
+/// The part of a contribution that a branch carries, per colour.
 struct BranchShare {
     double r, g, b;
     [[nodiscard]] RgbD rgb() const { return {r, g, b}; }
@@ -60,13 +60,16 @@ class LightWords;
 class PathWords;
 class WordAlphabet;
 
-/// Opaque, fixed capacity, no heap: copy it to look one event ahead (a light sample), then drop the copy. A copy costs
-/// what is live: nothing to speak of without expression channels, one state for a path that was never split.
+/// Opaque, with fixed capacity and without heap memory. To look one event ahead (a light sample), copy it and drop the
+/// copy. Copying costs only the used part: almost nothing without expression channels, one state for a path that was
+/// never split.
 class Tracker {
   public:
-    static constexpr int capacity = 24;  ///< branches, with up to five words of state; state_room / words with more
+    static constexpr int capacity = 24;  ///< branches, with up to five words of state each; with more words state_room
+                                         ///< / words
     static constexpr int state_room = 128;
-    static constexpr int group_limit = 32;  ///< words of state (automaton groups, packed channels): room for 4 branches
+    static constexpr int group_limit = 32;  ///< words of state (automaton groups, packed channels); leaves room for 4
+                                            ///< branches
 
     Tracker() noexcept = default;
     Tracker(const Tracker& other) noexcept { copy(other); }
@@ -75,7 +78,7 @@ class Tracker {
         return *this;
     }
 
-    /// Pairs of (automaton state, share) carried at the moment; for diagnostics.
+    /// The number of pairs (automaton state, share) at the moment; for diagnostics.
     [[nodiscard]] int branches() const noexcept { return count_; }
 
   private:
@@ -84,51 +87,54 @@ class Tracker {
     friend class LightForesight;
     void copy(const Tracker& other) noexcept;
     std::int32_t row_ = 0;
-    std::uint32_t path_ = 0;                    // in the batch's PathWords, where an atlas keeps words
-    std::uint16_t moves_ = 0;                   // with the pixel and sample of row_: the source of the overflow choice
+    std::uint32_t path_ = 0;                    // path in the batch's PathWords, if an atlas keeps words
+    std::uint16_t moves_ = 0;                   // number of moves; with the pixel and sample of row_ it seeds the
+                                                // random numbers at overflows
     std::uint8_t count_ = 0;                    // branches
     std::uint8_t groups_ = 0;                   // words of state per branch
-    bool whole_ = true;                         // nothing was split yet: at most one branch, its share 1 and not stored
+    bool whole_ = true;                         // never split: at most one branch, whose share of 1 is not stored
     bool held_out_ = false;                     // the path's first hit is a holdout
-    std::array<lpe::State, state_room> state_;  // [branch][group]; nothing is initialised
+    std::array<lpe::State, state_room> state_;  // [branch][group]; uninitialised
     std::array<BranchShare, capacity> share_;   // [branch]
 };
 
-/// What all threads share: the compiled program and where its channels stand in the sample table. Immutable.
+/// The data that all threads share: the compiled program, and the positions of its channels in the sample table.
+/// Immutable.
 class LpeSetup {
   public:
-    /// Compiles every expression channel of `channels` but `beauty`, the id that takes the whole of every contribution,
-    /// or invalid_channel when beauty was not asked for. `rest_of` counts in `channels`.
+    /// Compiles every expression channel of `channels` except `beauty`, the id that takes every contribution in full,
+    /// or invalid_channel if beauty is not requested. `rest_of` contains indices of `channels`.
     ///
     /// Errors: an expression that does not parse or is too large; more automaton groups than a tracker can follow; a
     /// channel of another type than rgb; prefixes that contradict each other.
     static Result<LpeSetup> build(std::span<const ChannelDefinition> channels, ChannelId beauty,
                                   const lpe::CompileOptions& options = {});
-    /// Has every contribution's words told apart by this alphabet and kept (path_words.h): for a path atlas. Events are
-    /// classified by its columns from here on, so call it before any is. Errors: too large an automaton.
+    /// Makes the services keep the words of every contribution in this alphabet (path_words.h), for a path atlas. From
+    /// then on events are classified by its columns, so call it before classifying any. Errors: too large an automaton.
     Status keep_words(WordAlphabet alphabet);
-    /// Null when no words are kept.
+    /// Null if words are not kept.
     [[nodiscard]] const std::shared_ptr<const WordAlphabet>& words() const { return alphabet_; }
-    /// Whether moves mean anything to somebody: channels or an atlas.
+    /// Returns whether moves matter, because there are channels or an atlas.
     [[nodiscard]] bool reads_words() const { return program_.group_count() > 0 || alphabet_ != nullptr; }
-    /// Not for the inner loop: ask once per (object label, lobe) and per light group.
+    /// The class of an event. Call it once per (object label, lobe) and per light group, not in the inner loop.
     [[nodiscard]] lpe::EventClass classify(const lpe::Event& event) const {
         if (alphabet_ != nullptr) return column_of(event);
         return program_.group_count() == 0 ? lpe::EventClass{0} : program_.classify(event);
     }
     [[nodiscard]] const lpe::Program& program() const { return program_; }
     [[nodiscard]] ChannelId beauty() const { return beauty_; }
-    /// A contribution with a larger component is as invalid as one that is not finite: a block of samples with it would
-    /// leave the frame buffer's range, for beauty but not for every layer. 2^38 times what
-    /// ChannelDefinition::scale_exponent of the channels says, far above the sun's 2e9 cd/m^2.
+    /// The largest valid component of a contribution. A block of samples with a larger one would leave the frame
+    /// buffer's range, for beauty but not for every layer, so such a contribution is as invalid as one that is not
+    /// finite. It is 2^38 times the scale of the channels (ChannelDefinition::scale_exponent), far above the sun's 2e9
+    /// cd/m^2.
     [[nodiscard]] float largest_contribution() const { return largest_contribution_; }
 
     /// A channel whose prefixes need an integrator that fills in EmitterSample, or one that samples lights; or
-    /// invalid_channel. An integrator that does not is to be refused before the render.
+    /// invalid_channel. Callers refuse other integrators before the render.
     [[nodiscard]] ChannelId needs_emitter_samples() const { return needs_emitter_samples_; }
     [[nodiscard]] ChannelId needs_light_samples() const { return needs_light_samples_; }
-    /// Sets of the channels that `shares` [display channel] marks, for a SampleTable and a frame buffer of this block
-    /// size.
+    /// The sets of the channels that `shares` [display channel] marks, for a SampleTable and a frame buffer of this
+    /// block size.
     [[nodiscard]] SplatSets splat_sets(std::span<const std::uint8_t> shares, int block_size) const {
         return {program_.view(), channel_of_accept_, shares, block_size};
     }
@@ -151,36 +157,35 @@ class LpeSetup {
     std::shared_ptr<const WordAlphabet> alphabet_;
     std::vector<lpe::State> first_states_;      // [word] after the camera event; empty when all are dead
     std::vector<ChannelId> channel_of_accept_;  // program channel -> display channel
-    SplatTargets targets_;                      // each channel its own
+    SplatTargets targets_;                      // each channel separately
     ChannelId beauty_ = invalid_channel;
     std::vector<ChannelPrefixes> prefixes_;  // [program channel]
     std::vector<std::uint8_t> reach_;        // [table state] which channels can still accept; empty without holdouts
     float largest_contribution_ = 0x1p38f;
-    bool has_user_events_ = false;        // some expression may name one
+    bool has_user_events_ = false;        // some expression can name one
     bool prefixed_ = false;               // some prefix changes what is splatted
-    bool wants_emitter_samples_ = false;  // some prefix changes nothing but by what an EmitterSample says
+    bool wants_emitter_samples_ = false;  // some prefix changes values that only an EmitterSample contains
     ChannelId needs_emitter_samples_ = invalid_channel, needs_light_samples_ = invalid_channel;
 };
 
-/// Per thread. All calls are inline-cheap when no expression channel exists.
+/// The services of one thread. All calls are inline and cheap if there are no expression channels.
 class LpeServices {
   public:
-    /// How lobes are attributed: `exact` is Law 5; `picked` labels each scattering by one lobe drawn in proportion to
-    /// its part (per colour, by one random number, so that colours still sum), the common practice, kept to measure
-    /// against.
+    /// How lobes are attributed. `exact` is Law 5. `picked`, the common practice, labels each scattering by one lobe,
+    /// drawn in proportion to its part (per colour, with one random number, so that colours still sum); it exists for
+    /// comparison.
     enum class Attribution : std::uint8_t { exact, picked };
 
-    /// `setup` and `table` must outlive this object; a tracker lives within one batch of the table.
+    /// `setup` and `table` must outlive this object; a tracker is valid within one batch of the table.
     LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_t seed,
                 Attribution attribution = Attribution::exact);
 
-    /// A tracker at the camera of `row`, the camera event read.
+    /// A tracker at the camera of `row`, after the camera event.
     [[nodiscard]] Tracker begin(int row) const;
 
     void move(Tracker& tracker, lpe::EventClass event) const;
-    /// A scattering whose value is the sum of `parts`. Per colour the parts are normalised to sum to 1; a colour to
-    /// which no part gives anything goes to the first. No parts: the path scatters nothing and every branch dies. At
-    /// most 64.
+    /// A scattering whose value is the sum of `parts`, at most 64. Per colour the parts are normalised to a sum of 1; a
+    /// colour without any value goes to the first part. Without parts the path scatters nothing and every branch dies.
     void move(Tracker& tracker, std::span<const LobePart> parts);
 
     // Light subpaths: light_words.h.
@@ -194,27 +199,27 @@ class LpeServices {
     /// Moves the tracker along all events of `word`, to the light: past its terminal.
     void join(Tracker& tracker, const LightWords& words, const LightWord& word);
 
-    /// Adds `value` (radiance times throughput, filter weight not applied) to beauty and to every channel whose
-    /// expression accepts the path; the terminal event must have been moved along. Non-finite values, and those beyond
-    /// LpeSetup::largest_contribution(), are rejected for beauty and splits alike, counted and logged in the table (Law
-    /// 6).
+    /// Adds `value` (radiance times throughput, without the filter weight) to beauty and to every channel whose
+    /// expression accepts the path. The tracker must have passed the terminal event. Values that are not finite, or
+    /// above LpeSetup::largest_contribution(), are rejected for beauty and splits alike, counted and logged in the
+    /// table (Law 6).
     void contribute(const Rgb& value, Technique technique, const Tracker& tracker);
-    /// The same with what channels with prefixes take. A light sample that is blocked has a black value and is reported
-    /// all the same. A channel that takes another value than beauty is checked for that value too, and with
-    /// `noinfinitecheck` for that value only.
+    /// Adds a contribution with the EmitterSample that channels with prefixes need. A blocked light sample has a black
+    /// value, and is reported, too. If a channel takes a value other than beauty's, that value is checked, too; with
+    /// `noinfinitecheck` only that value is checked.
     void contribute(const Rgb& value, Technique technique, const Tracker& tracker, const EmitterSample& sample);
-    /// False when no channel looks at an EmitterSample: then the integrator need not make any, nor report blocked
-    /// light.
+    /// False if no channel uses an EmitterSample; then the integrator need not compute any, nor report blocked light.
     [[nodiscard]] bool wants_emitter_samples() const { return setup_.wants_emitter_samples_; }
     /// Whether what a tracker that stands after its terminal contributes depends on what is in the way. False: no
     /// shadow ray is needed (Law 4).
     [[nodiscard]] bool needs_visibility(const Tracker& tracker) const;
-    /// Adds what a surface says of itself (its albedo, its normal) to the channels that accept the path; beauty never
-    /// takes it. The user event and a light after it must have been moved along; `throughput` leads to the surface.
+    /// Adds a surface's own value (its albedo, its normal) to the channels that accept the path; beauty never takes it.
+    /// The tracker must have passed the user event and a light after it; `throughput` is that of the path to the
+    /// surface.
     void contribute_user(const Rgb& value, const Rgb& throughput, const Tracker& tracker);
 
-    /// Declares the path's first hit, at which the tracker stands, a holdout: from here on beauty and ordinary channels
-    /// take nothing of it, and channels with the prefix `holdouts` all.
+    /// Declares the path's first hit, where the tracker is, a holdout: from then on beauty and ordinary channels take
+    /// nothing of the path, and channels with the prefix `holdouts` take everything.
     void hold_out(Tracker& tracker);
 
     /// Whether anything could still accept: false means that the path may end (Law 4).
@@ -224,7 +229,7 @@ class LpeServices {
     }
     /// The same, one event ahead: whether contributing after `event` could reach any channel.
     [[nodiscard]] bool live_after(const Tracker& tracker, lpe::EventClass event) const;
-    /// Whether beauty was asked for, which takes whatever is not held out.
+    /// Returns whether beauty is requested; it takes everything that is not held out.
     [[nodiscard]] bool wants_beauty() const { return setup_.beauty_ >= 0; }
     /// Whether any channel still follows the path, beauty apart.
     [[nodiscard]] bool channels_follow(const Tracker& tracker) const { return tracker.count_ != 0; }
@@ -251,7 +256,7 @@ class LpeServices {
     [[nodiscard]] std::uint8_t wanted_reach(const Tracker& tracker) const {
         return tracker.held_out_ ? LpeSetup::reaches_holdouts : LpeSetup::reaches_ordinary;
     }
-    // What channels need of moves and joins, and what an atlas needs of the same.
+    // The parts of moves and connections for channels, and those for an atlas.
     void move_states(Tracker& tracker, lpe::EventClass event) const;
     void move_states(Tracker& tracker, std::span<const LobePart> parts);
     void join_states(Tracker& tracker, const LightWords& words, const LightWord& word);
@@ -279,10 +284,10 @@ class LpeServices {
     Attribution attribution_ = Attribution::exact;
     std::uint64_t overflow_count_ = 0, invalid_count_ = 0;
     PathWords* path_words_;  // of the table; null unless an atlas keeps words
-    bool apart_;             // prefixes or holdouts: contributions take the long way
+    bool apart_;             // prefixes or holdouts: contributions use the slow path
     static constexpr RgbD unused{-1.0};
-    std::vector<RgbD> shares_;            // [program channel] of one contribution, for own_value() channels
-    std::vector<std::uint16_t> sharing_;  // the channels whose shares_ are in use
+    std::vector<RgbD> shares_;            // [program channel] of one contribution, for channels with own_value()
+    std::vector<std::uint16_t> sharing_;  // channels whose shares_ are in use
 };
 
 }  // namespace raylex::display

@@ -1,4 +1,4 @@
-// The hot half of the LPE services, for inlining into integrators. Include lpe_services.h instead.
+// The inline functions of the LPE services, for integrators. Include lpe_services.h instead.
 #pragma once
 
 #include "display/services/samples/lpe_services.h"
@@ -83,14 +83,14 @@ inline void LpeServices::move(Tracker& tracker, std::span<const LobePart> parts)
     move_states(tracker, parts);
 }
 
-/// Also true of NaN.
+/// Returns whether a component is above `largest`, or NaN.
 inline bool out_of_range(const Rgb& value, float largest) {
     const auto outside = [largest](float v) { return !(std::abs(v) <= largest); };
     return outside(value.r) || outside(value.g) || outside(value.b);
 }
 
 inline void LpeServices::contribute(const Rgb& value, Technique technique, const Tracker& tracker) {
-    if (value.is_black()) return;  // the common case of a light sample behind the surface
+    if (value.is_black()) return;  // usual for a light sample behind the surface
     if (apart_) [[unlikely]] {
         contribute(value, technique, tracker, EmitterSample{value, value, 1, false});
         return;

@@ -1,4 +1,4 @@
-// What a path atlas takes of the services: every contribution by its words, whatever channels there are.
+// Keeps every contribution by its words for a path atlas, whatever channels there are.
 #include <utility>
 
 #include "display/services/samples/lpe_services.h"
@@ -15,8 +15,8 @@ Status LpeSetup::keep_words(WordAlphabet alphabet) {
     if (per_column * columns.size() > most_cells)
         return error_at({}, "the channels' automaton has " + std::to_string(program_.state_count()) +
                                 " states and the scene " + std::to_string(columns.size()) +
-                                " kinds of events, too many to follow both one by one; expected fewer channels beside "
-                                "a path atlas, which can be asked for them afterwards");
+                                " kinds of events, too many to follow both at once; expected fewer channels with "
+                                "a path atlas, which can compute them afterwards");
     program_ = program_.with_columns(columns);
     alphabet_ = std::make_shared<const WordAlphabet>(std::move(alphabet));
     return success();

@@ -66,8 +66,8 @@ std::uint32_t PathWords::longer(std::uint32_t word, lpe::EventClass event) {
     return words_.child(word, whole ? alphabet_.letter(event) : WordAlphabet::open);
 }
 
-/// From one word: each part by its own event. Words that differ stay different whatever follows, so those of one word
-/// are all that can become equal.
+/// Extends one word by each part's event. Different words stay different, so only words with a common origin can become
+/// equal.
 void PathWords::split(std::uint32_t word, const RgbD& share, std::span<const LobePart> parts,
                       const Fractions& fractions) {
     split_words_.clear();
@@ -76,7 +76,7 @@ void PathWords::split(std::uint32_t word, const RgbD& share, std::span<const Lob
         split_words_.push_back(after(word, part.event));
         agree = agree && split_words_.back() == split_words_.front();
     }
-    if (agree) {  // the fractions sum to 1: nothing is split, nothing is rounded
+    if (agree) {  // the fractions sum to 1: no split, and no rounding
         if (parts.empty()) return;
         path_words_.push_back(split_words_.front());
         shares_.push_back(share);
@@ -97,7 +97,7 @@ void PathWords::split(std::uint32_t word, const RgbD& share, std::span<const Lob
     }
 }
 
-/// The node before it is known.
+/// Requires that the previous node is known.
 void PathWords::find_pairs_of(Path path) {
     Node& node = nodes_[path];
     const Node& before = nodes_[node.before];

@@ -1,12 +1,12 @@
-// The words of a batch's contributions, for a path atlas: the third thing that the LPE services keep, beside beauty and
+// The words of a batch's contributions, for a path atlas: the third output of the LPE services, after beauty and
 // channels.
 //
-// A tracker carries, beside its pairs of (automaton state, share), a handle to the events it was moved along. Nothing
-// is made of them before light arrives: then the words of every prefix are worked out once, each a pair (word, share)
-// by Law 5, with no bound on their number but that of the words the path can mean. Shares of one contribution sum to 1,
-// so its words sum to what beauty takes.
+// Beside its pairs (automaton state, share) a tracker has a handle to the events that it was moved along. They are
+// processed only when light arrives. Then the words of every prefix are computed once, each a pair (word, share) by Law
+// 5, with no limit on their number except the number of words that the path can have. Shares of one contribution sum to
+// 1, so its words sum to the value that beauty takes.
 //
-// One thread's, kept by its SampleTable and emptied with it. Nothing is allocated per sample but by growing.
+// Each SampleTable owns one object, for one thread, and clears it with itself. It allocates only when it grows.
 #pragma once
 
 #include <cstdint>
@@ -23,53 +23,54 @@ class Fractions;
 
 class PathWords {
   public:
-    /// Of a path: where it is in the pool of events. 0: at the camera.
+    /// The handle of a path: its index in the pool of events. 0: at the camera.
     using Path = std::uint32_t;
 
-    /// Light of one word in one row, the filter weight not applied.
+    /// The light of one word in one row, without the filter weight.
     struct Entry {
         std::uint32_t row = 0;
-        std::uint32_t word = 0;  ///< in words()
+        std::uint32_t word = 0;  ///< index in words()
         double r = 0, g = 0, b = 0;
     };
 
     /// `alphabet` must outlive this object.
     explicit PathWords(const WordAlphabet& alphabet);
 
-    /// Forgets paths and light, and no word.
+    /// Clears paths and light, but keeps the words.
     void clear();
-    /// The path of one event more.
+    /// The path with one more event.
     [[nodiscard]] Path move(Path from, lpe::EventClass event);
-    /// The same of a scattering by several lobes; no parts: a path that brings nothing.
+    /// The path with one more scattering by several lobes; without parts it contributes nothing.
     [[nodiscard]] Path move(Path from, std::span<const LobePart> parts);
-    /// Light that `path`, which ends in its terminal, brings to a row.
+    /// Adds light to a row; `path` ends in its terminal.
     void add(int row, Path path, const Rgb& value, Technique technique);
 
-    /// In the order of contributions.
+    /// The entries in the order of contributions.
     [[nodiscard]] std::span<const Entry> entries() const { return entries_; }
     [[nodiscard]] const WordTree& words() const { return words_; }
     /// [column] whether some word had light through this event.
     [[nodiscard]] std::span<const std::uint8_t> seen() const { return seen_; }
-    /// Whether words were told of without the cutouts that their light passed.
+    /// Returns whether words omit cutouts that their light passed.
     [[nodiscard]] bool dropped_straight() const { return dropped_straight_; }
-    /// [word] what an atlas calls it; the atlas fills it in.
+    /// [word] the number of the word in the atlas, which fills it in.
     std::vector<std::uint32_t> known_as;
-    /// Of the atlas, when it did.
+    /// The generation of the atlas when it filled in known_as.
     std::uint64_t atlas_generation = 0;
-    /// Whether seen() or dropped_straight() changed since the last call.
+    /// Returns whether seen() or dropped_straight() has changed since the last call.
     [[nodiscard]] bool take_news() { return std::exchange(news_, false); }
 
   private:
     struct Node {
         Path before = 0;
-        std::uint32_t first = 0;  ///< in parts_; the event itself where there is one part
+        std::uint32_t first = 0;  ///< index in parts_; if there is one part, the event itself
         std::uint32_t parts = 0;
         std::uint32_t pairs = not_known;
-        std::uint32_t first_word = 0;   ///< in path_words_
-        std::uint32_t first_share = 0;  ///< in shares_; of the node before where one event left shares as they were
+        std::uint32_t first_word = 0;   ///< index in path_words_
+        std::uint32_t first_share = 0;  ///< index in shares_; that of the previous node if one event left the shares
+                                        ///< unchanged
     };
     static constexpr std::uint32_t not_known = ~std::uint32_t{0};
-    /// What longer() said last of words and events that share this place: most paths repeat what others did.
+    /// Cache of longer(), indexed by a hash of word and event: most paths repeat what others did.
     struct Step {
         std::uint32_t word = not_known;
         lpe::EventClass event = 0;
@@ -90,7 +91,7 @@ class PathWords {
     WordTree words_;
     std::vector<Node> nodes_;
     std::vector<LobePart> parts_;
-    std::vector<std::uint32_t> path_words_;  // side by side, for they are looked at more often than shares
+    std::vector<std::uint32_t> path_words_;  // contiguous, because they are used more often than shares
     std::vector<RgbD> shares_;
     std::vector<Step> steps_;
     std::vector<Entry> entries_;

@@ -1,14 +1,14 @@
-// Splats at any raster position: how an integrator whose light paths land where they will (light tracing, Metropolis)
-// reports them. The display services' samples belong to the camera rays of a batch; these belong to nobody.
+// Splats at any raster position, for integrators whose light paths land anywhere (light tracing, Metropolis). The
+// samples of the display services belong to the camera rays of a batch; these splats do not.
 //
-//     display::Tracker tracker = splats.begin(x, y, path);          // at the camera, the camera event read
-//     splats.lpe().move(tracker, ...);                              // the word as seen from the camera, terminal and
-//     all splats.lpe().contribute(value, technique, tracker);
+//     display::Tracker tracker = splats.begin(x, y, path);          // at the camera, after the camera event
+//     splats.lpe().move(tracker, ...);                              // the word from the camera to the terminal
+//     splats.lpe().contribute(value, technique, tracker);
 //
-// What is contributed reaches beauty and every channel that accepts the word, with the LPE services' exact shares,
-// checks and counts. `value` is an estimate, per light path, of what the camera measures per share of the image's area:
-// a path that finds radiance 1 at a raster position drawn evenly over the image contributes 1. The frame buffer
-// multiplies by the pixel filter's kernel and divides by the number of light paths a pixel.
+// A contribution reaches beauty and every channel that accepts the word, with the exact shares, checks and counts of
+// the LPE services. `value` is an estimate, per light path, of the camera's measurement per fraction of the image's
+// area: a path that finds radiance 1 at a raster position drawn uniformly over the image contributes 1. The frame
+// buffer multiplies by the kernel of the pixel filter and divides by the number of light paths per pixel.
 #pragma once
 
 #include <algorithm>
@@ -19,22 +19,24 @@
 
 namespace raylex::display {
 
-/// Takes finished splats in: the engine.
+/// The receiver of finished splats, implemented by the engine.
 class RasterSink {
   public:
     virtual ~RasterSink() = default;
-    /// Every row of `table` is one splat; see FrameBuffer::splat. Its values may be changed.
+    /// Takes a table in which every row is one splat; see FrameBuffer::splat(). It may change the values.
     virtual void take(SampleTable& table) = 0;
 };
 
-/// One thread's splats of one integrator call. They stay here until the call is over, so that discard_iteration() drops
-/// them at any time; a call whose splats fill the memory budget hands some on early and can no longer be discarded.
+/// The splats of one integrator call on one thread. They are kept until the call ends, so that discard_iteration() can
+/// drop them at any time. A call whose splats fill the memory budget passes some on early, and then can no longer be
+/// discarded.
 class RasterSplats {
   public:
-    static constexpr int capacity = 1024;                                ///< rows at first; the table grows by doubling
-    static constexpr std::size_t memory_budget = std::size_t{32} << 20;  ///< bytes of a thread's table
+    static constexpr int capacity = 1024;                                ///< initial number of rows; the table grows by
+                                                                         ///< doubling
+    static constexpr std::size_t memory_budget = std::size_t{32} << 20;  ///< bytes per thread
 
-    /// `batch` is the table of the call's camera rays. All of them must outlive this object.
+    /// `batch` is the table of the call's camera rays. All arguments must outlive this object.
     RasterSplats(const LpeSetup& setup, std::span<const ChannelDefinition> channels, std::uint64_t seed,
                  LpeServices::Attribution attribution, RasterSink& sink, SampleTable& batch)
         : table_(channels, capacity),
@@ -45,10 +47,10 @@ class RasterSplats {
         table_.begin({});
     }
 
-    /// A tracker for one splat at raster position (x, y), in pixels from the image's top left corner; it may lie
-    /// outside where the pixel filter still reaches in. `path` names the camera ray whose seed decides random choices
-    /// (pixel and sample); invalid values are logged with it. `weight` multiplies what is contributed. The tracker, and
-    /// those copied from it, are good until the next call.
+    /// A tracker for one splat at raster position (x, y), in pixels from the image's top left corner. The position can
+    /// be outside the image, where the pixel filter still reaches it. `path` is the camera ray whose pixel and sample
+    /// seed random choices; invalid values are logged with it. `weight` multiplies all contributions. The tracker and
+    /// its copies are valid until the next call.
     [[nodiscard]] Tracker begin(float x, float y, const CameraRow& path, float weight = 1) {
         CameraRow row = path;
         row.screen_x = x;
@@ -56,8 +58,8 @@ class RasterSplats {
         row.filter_weight = weight;
         return lpe_.begin(add_row(row));
     }
-    /// A splat of values that are known already, at where.screen_x and screen_y: three numbers for each of `channels`,
-    /// all of them expression channels, times `weight`.
+    /// Adds a splat of known values at where.screen_x and screen_y: three numbers for each of `channels`, which are
+    /// expression channels, times `weight`.
     void add(const CameraRow& where, double weight, std::span<const ChannelId> channels, const double* values) {
         const auto row = static_cast<std::size_t>(add_row(where));
         for (std::size_t i = 0; i < channels.size(); ++i) {
@@ -68,12 +70,12 @@ class RasterSplats {
             table_.touch(channels[i]);
         }
     }
-    /// Move and contribute by these and no others.
+    /// The services with which to move the tracker and to contribute.
     [[nodiscard]] LpeServices& lpe() { return lpe_; }
     [[nodiscard]] const LpeServices& lpe() const { return lpe_; }
     [[nodiscard]] const SampleTable& table() const { return table_; }
 
-    /// Ends an integrator call: hands its splats on, or drops them when the call was discarded.
+    /// Ends an integrator call: passes its splats on, or drops them if the call was discarded.
     void finish() {
         if (batch_.discarded()) return discard();
         if (table_.camera_row_count() == 0) return;
@@ -87,7 +89,7 @@ class RasterSplats {
 
   private:
     static int rows_within_budget(std::span<const ChannelDefinition> channels) {
-        std::size_t bytes = sizeof(CameraRow) + sizeof(RgbD) + 32;  // 32: what else a row has
+        std::size_t bytes = sizeof(CameraRow) + sizeof(RgbD) + 32;  // 32: other data of a row
         for (const ChannelDefinition& channel : channels)
             bytes +=
                 sizeof(SampleTable::RowState) +

@@ -22,13 +22,13 @@ std::vector<std::string> refusal_warnings(std::span<const ChannelDefinition> cha
         if (refusals[i].total() == 0) continue;
         const bool channel = i < channels.size();
         const std::string reasons[] = {
-            channel ? "to a layer that is made of another channel's samples" : "to ids that are no channel",
-            "to rows that are none of the batch",
-            channel ? "of another type than the channel's " + std::string(type_name(channels[i].type)) : std::string(),
+            channel ? "to a layer that uses another channel's samples" : "with ids that are not channels",
+            "to rows outside the batch",
+            channel ? "whose type differs from the channel's type " + std::string(type_name(channels[i].type))
+                    : std::string(),
             "with values that are not finite or out of range",
-            "for a camera ray that has " + std::to_string(SampleTable::most_extra_rows) +
-                " extra rows, the most there are",
-            "to discard an iteration of which splats were in the image already"};
+            "for a camera ray that has " + std::to_string(SampleTable::most_extra_rows) + " extra rows, the maximum",
+            "to discard an iteration with splats that were already in the image"};
         std::string list;
         for (std::size_t k = 0; k < refusals[i].by.size(); ++k)
             if (const std::uint64_t count = refusals[i].by[k]; count > 0)

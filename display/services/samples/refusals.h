@@ -1,4 +1,4 @@
-// Calls of the display services that were refused: why, how often, and what the user reads of it.
+// Refused calls of the display services: reasons, counts and warnings.
 #pragma once
 
 #include <array>
@@ -11,18 +11,18 @@
 
 namespace raylex::display {
 
-/// Why a call was refused.
+/// The reason of a refusal.
 enum class Refusal : std::uint8_t {
     unknown_channel,  ///< the id is neither a channel of this render nor invalid_channel
-    unknown_row,      ///< the row is none of this batch
-    wrong_type,       ///< the channel holds another type
+    unknown_row,      ///< the row is not in this batch
+    wrong_type,       ///< the channel has another type
     bad_value,        ///< not finite (Law 6), or a negative surface number
-    no_room,          ///< add_sample: the camera ray has SampleTable::most_extra_rows extra rows already
-    too_late          ///< discard_iteration: splats of the iteration are in the image already
+    no_room,          ///< add_sample: the camera ray already has SampleTable::most_extra_rows extra rows
+    too_late          ///< discard_iteration: splats of the iteration are already in the image
 };
 inline constexpr int refusal_kinds = 6;
 
-/// Refused calls by reason.
+/// Counts of refused calls by reason.
 struct RefusalCounts {
     std::array<std::uint64_t, refusal_kinds> by{};
 
@@ -32,8 +32,8 @@ struct RefusalCounts {
     bool operator==(const RefusalCounts&) const = default;
 };
 
-/// One sentence for each channel that refused calls, with how many and why; calls that name no channel come last.
-/// `refusals` has an entry for each channel and one more.
+/// One warning for each channel that refused calls, with counts and reasons; calls without a channel come last.
+/// `refusals` has one entry per channel, plus one.
 std::vector<std::string> refusal_warnings(std::span<const ChannelDefinition> channels,
                                           std::span<const RefusalCounts> refusals);
 

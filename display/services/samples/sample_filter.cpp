@@ -20,7 +20,8 @@ class NoFilter final : public SampleFilter {
 
 class ClampFilter final : public SampleFilter {
   public:
-    /// `by_component`: the limit is of the largest component of `measure` times the colour, else of the luminance.
+    /// `by_component`: the limit applies to the largest component of `measure` times the colour, otherwise to the
+    /// luminance.
     ClampFilter(double limit, bool by_component, const std::array<RgbD, 3>& measure, ChannelId beauty,
                 std::vector<ChannelId> scaled)
         : limit_(limit), by_component_(by_component), measure_(measure), beauty_(beauty), scaled_(std::move(scaled)) {}
@@ -64,27 +65,26 @@ class ClampFilter final : public SampleFilter {
     bool by_component_;
     std::array<RgbD, 3> measure_;  // rows
     ChannelId beauty_;
-    std::vector<ChannelId> scaled_;  // beauty and the expression channels
+    std::vector<ChannelId> scaled_;  // beauty and expression channels
 };
 
 Result<std::unique_ptr<SampleFilter>> build_none(const ParameterSet&, const SampleFilterContext&) {
     return std::unique_ptr<SampleFilter>(std::make_unique<NoFilter>());
 }
 
-/// The rows of the clamp's matrix; the unit matrix unless it is given.
+/// Reads the matrix of the clamp by rows; the default is the unit matrix.
 Result<std::array<RgbD, 3>> read_measure(const ParameterSet& parameters) {
     std::array<RgbD, 3> rows{RgbD{1, 0, 0}, RgbD{0, 1, 0}, RgbD{0, 0, 1}};
     const Parameter* given = parameters.find("measure");
     if (given == nullptr) return rows;
     given->used = true;
     if (parameters.find("component") == nullptr)
-        return error_at(given->location,
-                        "sample filter 'clamp' has a 'measure' of no component; expected a 'component' beside it");
+        return error_at(given->location, "sample filter 'clamp' has a 'measure' without a 'component'; expected both");
     const bool numbers = given->type == ParameterType::real || given->type == ParameterType::integer;
     if (!numbers || given->numbers.size() != 9 ||
         !std::all_of(given->numbers.begin(), given->numbers.end(), [](double each) { return std::isfinite(each); }))
         return error_at(given->location,
-                        "'measure' of sample filter 'clamp' is no matrix; expected nine finite numbers, row by row");
+                        "'measure' of sample filter 'clamp' is not a matrix; expected nine finite numbers, row by row");
     for (std::size_t r = 0; r < 3; ++r)
         rows[r] = {given->numbers[3 * r], given->numbers[3 * r + 1], given->numbers[3 * r + 2]};
     return rows;
@@ -105,7 +105,7 @@ Result<std::unique_ptr<SampleFilter>> build_clamp(const ParameterSet& parameters
     if (!rows) return rows.error();
     if (context.beauty < 0)
         return error_at(parameters.location,
-                        "sample filter 'clamp' derives its factor from beauty, which this render leaves out; expected "
+                        "sample filter 'clamp' needs a beauty channel, and this render has none; expected "
                         "a beauty channel");
     std::vector<ChannelId> scaled{context.beauty};
     for (std::size_t i = 0; i < context.channels.size(); ++i) {
@@ -123,14 +123,14 @@ Result<std::unique_ptr<SampleFilter>> build_clamp(const ParameterSet& parameters
 
 Registry<SampleFilterFactory> in_tree_filters() {
     Registry<SampleFilterFactory> registry("sample filter");
-    registry.add({"none", "leaves the samples as they are", {}, build_none});
+    registry.add({"none", "does not change samples", {}, build_none});
     registry.add({"clamp",
                   "scales samples brighter than a luminance down to it, all light channels by one factor",
                   {{"luminance", ParameterType::real, "10", "largest luminance a sample keeps, > 0"},
                    {"component", ParameterType::real, "",
                     "instead: largest component a sample keeps, > 0, as the \"maxcomponentvalue\" of pbrt's films"},
                    {"measure", ParameterType::real, "",
-                    "nine numbers, row by row: the component is measured of this matrix times the colour"}},
+                    "nine numbers, row by row: a matrix; the component is that of the matrix times the colour"}},
                   build_clamp});
     registry.add(grade_filter_entry());
     registry.add(shadow_filter_entry());
@@ -178,7 +178,7 @@ void SampleFilterChain::take_out_invalid(SampleTable& table) {
         const int components = component_count(table.channel(id).type);
         const bool is_light = table.channel(id).style == ChannelStyle::expression;
         for (int row = 0; row < table.row_count(); ++row) {
-            if (!is_light && !table.written(id, row)) continue;  // the miss value, which may be infinite
+            if (!is_light && !table.written(id, row)) continue;  // the miss value, which can be infinite
             double* v = value_at(id, row);
             if (finite(v, components)) continue;
             const Rgb shown(static_cast<float>(v[0]), static_cast<float>(v[components / 2]),

@@ -1,4 +1,4 @@
-// Sample filters: they see the raw samples of a batch, all channels at once, before any pixel filter.
+// Sample filters change the raw samples of a batch, all channels at once, before any pixel filter.
 #pragma once
 
 #include <functional>
@@ -19,20 +19,20 @@ class SampleFilter {
   public:
     virtual ~SampleFilter() = default;
     virtual void apply(SampleTable& table) const = 0;
-    /// Channels that change in another way than beauty and all light layers together do, so that partitions they are in
-    /// no longer sum (Law 1). Such a partition is not declared in files, and the user is told.
+    /// Channels that the filter changes differently from beauty and all light layers together, so that partitions
+    /// containing them no longer sum (Law 1). Such a partition is not declared in files, and a warning is shown.
     [[nodiscard]] virtual std::vector<ChannelId> alters() const { return {}; }
-    /// Whether it means something for splats too, each a row that belongs to no camera ray.
+    /// Returns whether the filter is also meaningful for splats, whose rows belong to no camera ray.
     [[nodiscard]] virtual bool fits_splats() const { return false; }
 };
 
-/// Filters in the order in which they see the samples.
+/// Filters in the order of their application.
 class SampleFilterChain {
   public:
     void add(std::unique_ptr<SampleFilter> filter) { filters_.push_back(std::move(filter)); }
     [[nodiscard]] bool empty() const { return filters_.empty(); }
-    /// Applies all, then takes out what they made that is not finite (Law 6): a light sample leaves beauty and all
-    /// light layers of its row, any other value its channel. Counted in the table.
+    /// Applies all filters, then removes values that they made and that are not finite (Law 6): light is removed from
+    /// beauty and all light layers of its row, any other value from its channel. The table counts them.
     void apply(SampleTable& table) const;
     [[nodiscard]] std::vector<ChannelId> alters() const;
     [[nodiscard]] bool fits_splats() const;
@@ -42,26 +42,26 @@ class SampleFilterChain {
     std::vector<std::unique_ptr<SampleFilter>> filters_;
 };
 
-/// What a filter may know of the render it is made for.
+/// The properties of the render for which a filter is made.
 struct SampleFilterContext {
     std::span<const ChannelDefinition> channels;
     ChannelId beauty = invalid_channel;
-    /// Adds a plain channel that the filter fills; its name must not be taken. Empty where there can be none.
+    /// Adds a plain channel that the filter fills; its name must be unused. Empty if channels cannot be added.
     std::function<Result<ChannelId>(ChannelDefinition)> add_channel{};
 };
 
 using SampleFilterFactory =
     std::function<Result<std::unique_ptr<SampleFilter>>(const ParameterSet&, const SampleFilterContext&)>;
 
-/// "none", "clamp", "grade" and "shadow" (filters/sample_filters.h).
+/// The filters "none", "clamp", "grade" and "shadow" (filters/sample_filters.h).
 ///
-/// clamp lowers a sample whose beauty is brighter than "luminance" to that luminance. One factor per camera sample,
-/// taken from its beauty over all its rows, scales beauty and every expression channel alike, so that splits still sum
-/// (Law 1); channels with the prefix `noclamp` are left alone. It needs a beauty channel.
+/// clamp scales a sample whose beauty is brighter than "luminance" to that luminance. One factor per camera sample,
+/// from its beauty over all its rows, scales beauty and every expression channel, so that splits still sum (Law 1).
+/// Channels with the prefix `noclamp` are not changed. It needs a beauty channel.
 Registry<SampleFilterFactory>& sample_filter_registry();
 
-/// The filter of that name built from its parameters, or an error at the set's location; a parameter that it does not
-/// take is an error too.
+/// Makes the filter of that name with these parameters. Errors, at the set's location: no such filter, a wrong or
+/// unknown parameter.
 Result<std::unique_ptr<SampleFilter>> make_sample_filter(const std::string& name, const ParameterSet& parameters,
                                                          const SampleFilterContext& context);
 

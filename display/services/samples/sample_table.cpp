@@ -13,7 +13,7 @@
 namespace raylex::display {
 namespace {
 
-/// What is made of another channel has no values of its own.
+/// Outputs of other channels have no values of their own.
 std::size_t values_per_row(const ChannelDefinition& channel) {
     return takes_samples(channel) ? static_cast<std::size_t>(component_count(channel.type)) : 0;
 }
@@ -63,7 +63,7 @@ void SampleTable::reserve_camera_rows(int max_rows) {
     }
 }
 
-/// Values stand by channel, so each channel's rows move to another place. New rows hold the channel's miss value.
+/// Values are stored by channel, so the rows of each channel move. New rows have the channel's miss value.
 void SampleTable::reserve_rows(std::size_t capacity) {
     if (capacity <= row_capacity_) return;
     std::size_t size = 0;
@@ -82,7 +82,7 @@ void SampleTable::reserve_rows(std::size_t capacity) {
     row_states_ = std::move(states);
     for (; capacity > std::size_t{64} << stripe_shift_; ++stripe_shift_)
         for (std::uint64_t& stripes : touched_) {
-            std::uint64_t wider = 0;  // a stripe of twice the rows is touched where one of its halves is
+            std::uint64_t wider = 0;  // a stripe with twice the rows is touched if one of its halves is
             for (; stripes != 0; stripes &= stripes - 1) wider |= std::uint64_t{1} << std::countr_zero(stripes) / 2;
             stripes = wider;
         }
@@ -110,12 +110,12 @@ void SampleTable::clear_channel(std::size_t channel, std::size_t values, double 
     RowState* const states = plain ? row_states_.data() + channel * row_capacity_ : nullptr;
     if (!discarded_) ever_touched_[channel] = 1;
     for (std::uint64_t stripes = std::exchange(touched_[channel], 0); stripes != 0;) {
-        // Stripes in a row are cleared as one: a channel that everything is sent to has but one such run.
+        // Adjacent stripes are cleared together: a channel that gets all samples has a single run of stripes.
         const int begin = std::countr_zero(stripes), end = begin + std::countr_one(stripes >> begin);
         stripes = end == 64 ? 0 : stripes & (~std::uint64_t{0} << end);
         const std::size_t from = std::min(static_cast<std::size_t>(begin) << stripe_shift_, rows);
         const std::size_t to = std::min(static_cast<std::size_t>(end) << stripe_shift_, rows);
-        if (std::bit_cast<std::uint64_t>(fill) == 0) {  // by the widest stores of the processor that runs
+        if (std::bit_cast<std::uint64_t>(fill) == 0) {  // lets the processor use its widest stores
             if (from < to) std::memset(first + from * values, 0, (to - from) * values * sizeof(double));
         } else {
             std::fill(first + from * values, first + to * values, fill);
@@ -154,7 +154,7 @@ std::int32_t SampleTable::add_set(std::size_t set) {
     return place_of_set_[set] = static_cast<std::int32_t>(sets_in_use_.size() - 1);
 }
 
-/// A camera row is in the block of the row before it, or begins the next one.
+/// A camera row is in the block of the previous row, or starts the next block.
 void SampleTable::find_set_blocks(std::size_t first_row, std::size_t end_row) {
     if (sets_ == nullptr || first_row == end_row) return;
     const CameraRow* const rows = camera_rows_.data();
@@ -209,7 +209,7 @@ int SampleTable::add_camera_row(const CameraRow& camera) {
     return row;
 }
 
-/// False in a batch that was discarded: it is not counted.
+/// Returns false in a discarded batch, which is not counted.
 bool SampleTable::counts_now() {
     counts_changed_ = true;
     return !discarded_;
@@ -250,7 +250,7 @@ int SampleTable::add_row(int row) {
     ExtraRowsOfRay& of_ray = extra_rows_[static_cast<std::size_t>(camera)];
     if (of_ray.count == most_extra_rows) return -1;
     const auto index = static_cast<std::size_t>(row_count_);
-    // Four rows for each camera ray fit most scenes; then by doubling.
+    // Four rows per camera ray are enough for most scenes; then the capacity doubles.
     if (index == row_capacity_)
         reserve_rows(std::max(2 * row_capacity_, row_capacity_ + 4 * static_cast<std::size_t>(max_rows_)));
     ++row_count_;

@@ -1,9 +1,9 @@
 // The table between integrators and the frame buffer: [channel][camera ray + extra rows], one per thread.
 //
 // Integrators fill it through DisplayServices and LpeServices; sample filters read and change it; then the frame buffer
-// takes it in. Values are double, so that a split's layers and beauty differ by no more than double rounding (Law 1).
-// Rows of one pixel stand together, in ascending sample order; extra rows (AddSample) follow all camera rays. The table
-// grows when extra rows need room and keeps its size afterwards, so renders without extra rows pay nothing for them.
+// adds it. Values are double, so that a split's layers and beauty differ only by double rounding (Law 1). Rows of one
+// pixel are consecutive, in ascending sample order; extra rows (AddSample) follow all camera rays. The table grows when
+// extra rows need memory, and keeps its size, so renders without extra rows pay nothing for them.
 #pragma once
 
 #include <algorithm>
@@ -24,32 +24,32 @@ namespace raylex::display {
 class PathWords;
 class WordAlphabet;
 
-/// What the engine knows of a camera ray before it is traced. One entry per row.
+/// The data of a camera ray before it is traced, one entry per row.
 struct CameraRow {
-    std::int32_t pixel_x = 0, pixel_y = 0;  ///< raster index; the pixel this sample belongs to (importance mode)
-    float screen_x = 0, screen_y = 0;       ///< sub-pixel raster position the ray was sent through
-    float filter_weight = 1;   ///< importance mode: sign (and size) of the kernel over its sampling density
-    float shutter_time = 0;    ///< in [0, 1)
-    std::uint64_t sample = 0;  ///< sample index within the pixel
+    std::int32_t pixel_x = 0, pixel_y = 0;  ///< raster index of the pixel that the sample belongs to (importance mode)
+    float screen_x = 0, screen_y = 0;       ///< sub-pixel raster position of the ray
+    float filter_weight = 1;                ///< importance mode: kernel value over sampling density, with its sign
+    float shutter_time = 0;                 ///< in [0, 1)
+    std::uint64_t sample = 0;               ///< sample index within the pixel
 };
 
-/// What was refused because it is not finite or out of range, with what it takes to render the sample again (Law 6).
+/// A refused value (not finite or out of range), with the data for rendering the sample again (Law 6).
 struct InvalidSample {
     std::int32_t pixel_x = 0, pixel_y = 0;
     std::uint64_t sample = 0;
     Rgb value;
-    ChannelId channel = invalid_channel;  ///< whose value; invalid_channel: light, for beauty and layers alike
+    ChannelId channel = invalid_channel;  ///< channel of the value; invalid_channel: light, for beauty and layers
 };
 
 class SampleTable {
   public:
     static constexpr std::size_t invalid_samples_kept = 16;
-    /// Light as the processor's registers hold it: (nothing, red), (green, blue).
+    /// Light in the layout of the processor's registers: (unused, red), (green, blue).
     using Pair [[gnu::vector_size(16), gnu::may_alias]] = double;
     struct Light {
         Pair first, second;
     };
-    /// Sets that come up in a batch get places, by hundreds: a bit for each of a chunk's.
+    /// Sets that occur in a batch get places in chunks; each chunk has one bit per place.
     static constexpr std::size_t set_chunk = 256;
     using SetMask = std::array<std::uint64_t, set_chunk / 64>;
 
@@ -57,30 +57,30 @@ class SampleTable {
     /// add up. Splatted values of a camera ray's rows add up, written ones are composited (see FrameBuffer).
     enum class RowState : std::uint8_t { untouched, splatted, written };
 
-    /// The budget of one camera ray: add_row() refuses further rows. It belongs to the ray alone, so what one ray gets
-    /// never depends on the other rays of its batch.
+    /// The limit per camera ray, above which add_row() refuses rows. It applies to each ray separately, so the rows of
+    /// one ray never depend on the other rays of its batch.
     static constexpr int most_extra_rows = 1024;
 
-    /// Room for `max_rows` camera rays. `sets`, which must outlive the table, makes channels share values; null: each
-    /// channel has its own.
+    /// Makes room for `max_rows` camera rays. `sets`, which must outlive the table, makes channels share values; null:
+    /// each channel has its own values.
     SampleTable(std::span<const ChannelDefinition> channels, int max_rows, const SplatSets* sets = nullptr);
 
     SampleTable(SampleTable&&) noexcept;
     ~SampleTable();
 
-    /// Empties the table for a new batch of at most max_rows() rays: rows are cleared only where the last batch touched
+    /// Empties the table for a new batch of at most max_rows() rays; clears rows only where the last batch touched
     /// them.
     void begin(std::span<const CameraRow> rows);
-    /// One more camera row, at the end of those there are: for rows that become known one by one. No extra row may
-    /// stand there yet. -1 when the table is full.
+    /// Adds one camera row at the end, for rows that become known one by one. There must be no extra rows yet. Returns
+    /// -1 if the table is full.
     int add_camera_row(const CameraRow& camera);
-    /// Makes room for `max_rows` camera rows. Rows keep their places and what they hold.
+    /// Makes room for `max_rows` camera rows. Rows keep their indices and values.
     void reserve_camera_rows(int max_rows);
-    /// Drops everything sent since begin(), and whatever is sent until the next begin(): the batch then leaves no trace
-    /// in the frame buffer, in sinks or in counters. False, and nothing is dropped, after set_handed_on().
+    /// Drops everything sent since begin(), and everything sent until the next begin(): the batch then leaves no trace
+    /// in the frame buffer, in sinks or in counters. After set_handed_on() it drops nothing and returns false.
     bool discard();
     [[nodiscard]] bool discarded() const { return discarded_; }
-    /// Declares that splats of this batch are in the image already.
+    /// Records that splats of this batch are already in the image.
     void set_handed_on() { handed_on_ = true; }
 
     [[nodiscard]] int max_rows() const { return max_rows_; }
@@ -94,21 +94,21 @@ class SampleTable {
     [[nodiscard]] const CameraRow& camera_row(int row) const {
         return camera_rows_[static_cast<std::size_t>(original(row))];
     }
-    /// The camera row that an extra row belongs to; a camera row's own index.
+    /// The camera row of an extra row; for a camera row its own index.
     [[nodiscard]] int original(int row) const { return originals_[static_cast<std::size_t>(row)]; }
-    /// One more row of the camera ray that `row` belongs to. -1 when the ray has most_extra_rows. Pointers into the
-    /// table are not valid after the call.
+    /// Adds a row to the camera ray of `row`. Returns -1 if the ray has most_extra_rows. The call invalidates pointers
+    /// into the table.
     int add_row(int row);
-    /// The extra row of the same camera ray that was added last; -1: it has none.
+    /// The last extra row of the same camera ray; -1 if it has none.
     [[nodiscard]] int last_row_of(int row) const { return extra_rows_[static_cast<std::size_t>(original(row))].last; }
 
-    /// Values of one channel, component-interleaved per row. A row to which nothing was sent holds 0 in an expression
-    /// channel and the channel's miss value in a plain one.
+    /// The values of one channel, component-interleaved per row. A row without values is 0 in an expression channel and
+    /// the channel's miss value in a plain one.
     [[nodiscard]] const double* values(ChannelId id) const {
         return values_.data() + offset_[static_cast<std::size_t>(id)];
     }
     /// The numbers of one row of a channel, for a sample filter to change. They count as sent: a plain channel's row
-    /// counts as written, unless it holds splats.
+    /// counts as written, unless it has splats.
     [[nodiscard]] std::span<double> edit(ChannelId id, int row) {
         touch(id, row);
         if (channel(id).style == ChannelStyle::name && row_state(id, row) == RowState::untouched)
@@ -116,10 +116,10 @@ class SampleTable {
         const auto components = static_cast<std::size_t>(component_count(channel(id).type));
         return {raw_values(id) + static_cast<std::size_t>(row) * components, components};
     }
-    /// The memory behind values(), for services that call touch() and set_row_state() themselves: what they do not
-    /// announce there is lost.
+    /// The memory behind values(), for services that call touch() and set_row_state() themselves; values without these
+    /// calls are lost.
     [[nodiscard]] double* raw_values(ChannelId id) { return values_.data() + offset_[static_cast<std::size_t>(id)]; }
-    /// What was sent to is kept by stripes of rows: of many channels most get nothing from the samples of one pixel.
+    /// Touched rows are recorded in stripes, because most of many channels get nothing from the samples of one pixel.
     [[nodiscard]] bool touched(ChannelId id) const { return touched_[static_cast<std::size_t>(id)] != 0; }
     void touch(ChannelId id, int row) {
         touch_in_passing(id, row);
@@ -129,20 +129,20 @@ class SampleTable {
         touched_[static_cast<std::size_t>(id)] = ~std::uint64_t{0};
         sent_apart_ |= shared_[static_cast<std::size_t>(id)];
     }
-    /// The same of a channel in the ordinary way of its light: nothing is sent apart by it.
+    /// Records a touched row of a channel for its regular light, that is, without marking it as sent apart.
     void touch_in_passing(ChannelId id, int row) {
         touched_[static_cast<std::size_t>(id)] |= std::uint64_t{1} << (row >> stripe_shift_);
     }
-    /// Whether any batch so far that was not discarded sent something to the channel.
+    /// Returns whether any batch that was not discarded sent a value to the channel.
     [[nodiscard]] bool ever_touched(ChannelId id) const {
         return ever_touched_[static_cast<std::size_t>(id)] != 0 || (touched(id) && !discarded_);
     }
 
-    /// What channels may share of this batch, beside values of their own; null when each has but its own.
+    /// The sets of channels that share values in this batch; null if each channel has only its own values.
     [[nodiscard]] const SplatSets* sets() const { return sets_; }
     /// Adds light, times the filter weight of the row's camera ray, to the sum of a set for the row's block. A sum is
-    /// in the order of these calls: what is added for one block must come in the same order whatever else is in the
-    /// batch (Law 3).
+    /// in the order of these calls: additions to one block must come in the same order whatever else is in the batch
+    /// (Law 3).
     void add_to_set(std::size_t set, int row, const Light& light) {
         std::int32_t place = place_of_set_[set];
         if (place < 0) [[unlikely]]
@@ -156,9 +156,9 @@ class SampleTable {
         sum[0] += light.first * weight;
         sum[1] += light.second * weight;
     }
-    /// The sets that have come up in this batch, by their places.
+    /// The sets that occur in this batch, by place.
     [[nodiscard]] std::span<const std::uint32_t> sets_in_use() const { return sets_in_use_; }
-    /// Which places of a chunk were added to for the block of this camera row, and the sum at one place.
+    /// The places of a chunk with additions for the block of this camera row. set_sum() gives the sum at one place.
     [[nodiscard]] const SetMask& set_mask(int row, std::size_t chunk) const {
         return set_chunks_[chunk].masks[set_rows_[static_cast<std::size_t>(row)].block];
     }
@@ -167,19 +167,19 @@ class SampleTable {
         const SetSum& sum = set_chunks_[place / set_chunk].sums[block * set_stride + place % set_chunk];
         return {sum.r, sum.g, sum.b};
     }
-    /// Whether a channel that sets stand for was sent something of its own all the same, which adds to the sets'.
+    /// Returns whether a channel with sets also got values of its own, which add to those of the sets.
     [[nodiscard]] bool sent_apart() const { return sent_apart_ != 0; }
 
-    /// [channel] the stripes that were touched, to compare with stripes_of().
+    /// [channel] the touched stripes, to compare with stripes_of().
     [[nodiscard]] std::span<const std::uint64_t> touched_stripes() const { return touched_; }
-    /// The stripes of rows [begin, end), which are not empty.
+    /// The stripes of rows [begin, end), which must not be empty.
     [[nodiscard]] std::uint64_t stripes_of(int begin, int end) const {
         const int first = begin >> stripe_shift_, last = (end - 1) >> stripe_shift_;
         return (~std::uint64_t{0} >> (63 - (last - first))) << first;
     }
-    /// What the channel's rows hold before anything is sent to them.
+    /// The value of the channel's rows before anything is sent to them.
     [[nodiscard]] double fill_value(ChannelId id) const { return fill_[static_cast<std::size_t>(id)]; }
-    /// Whether a Write or a Splat set this row: rows without one keep the channel's miss value.
+    /// Returns whether a Write or a Splat set this row; other rows keep the channel's miss value.
     [[nodiscard]] bool written(ChannelId id, int row) const { return row_state(id, row) != RowState::untouched; }
     [[nodiscard]] RowState row_state(ChannelId id, int row) const {
         return row_states_[static_cast<std::size_t>(id) * row_capacity_ + static_cast<std::size_t>(row)];
@@ -192,40 +192,41 @@ class SampleTable {
                     count, state);
     }
 
-    /// Has the table keep the words of its light, told apart by an alphabet that outlives it, and the light of each.
+    /// Makes the table keep the words of its light, in an alphabet that outlives it, and the light of each word.
     PathWords& keep_words(const WordAlphabet& alphabet);
-    /// Null unless they are kept. An atlas notes in them what it calls each word.
+    /// Null if words are not kept. An atlas stores its number of each word in them.
     [[nodiscard]] PathWords* words() const { return words_.get(); }
 
-    std::vector<float> depth;  ///< [row] hit distance or what WriteDistance said; +inf for a miss
+    std::vector<float> depth;  ///< [row] hit distance or the value of WriteDistance; +inf for a miss
     std::vector<std::uint8_t> is_volume;
     std::vector<RgbD> opacity;          ///< [row] 0 = nothing hit, 1 = opaque
-    std::vector<std::int32_t> surface;  ///< [row] what is there, 1-based in the renderer's own count; 0 = nothing named
+    std::vector<std::int32_t> surface;  ///< [row] surface number, 1-based in the renderer's count; 0 = no name
     std::vector<std::uint8_t>
-        valid;  ///< [row] 0 marks a camera ray that could not be traced: it counts as a black miss
-    /// [camera row] whether the integrator wrote a distance, an opacity or a surface, or added a row: where it did not,
-    /// the renderer supplies them (CameraHits).
+        valid;  ///< [row] 0 marks a camera ray that could not be traced; it counts as a black miss
+    /// [camera row] whether the integrator wrote a distance, an opacity or a surface, or added a row. If not, the
+    /// renderer supplies them (CameraHits).
     std::vector<std::uint8_t> reported;
 
-    /// Counts a refused value of `row` against its camera ray and `channel`, and logs it while there is room: call once
-    /// per refused value, count_invalid_of() for each further channel that would have taken it.
+    /// Counts a refused value of `row` for its camera ray and `channel`, and logs it while there is room. Call it once
+    /// per refused value, and count_invalid_of() for each further channel that would have taken it.
     void count_invalid(int row, ChannelId channel, const Rgb& value);
     void count_invalid_of(ChannelId channel);
-    /// Counts refused calls against a channel; invalid_channel: against those that name none.
+    /// Counts refused calls for a channel; invalid_channel: calls without a channel.
     void count_refusal(ChannelId channel, Refusal reason, std::uint64_t count);
-    /// Refused values of a camera ray since begin(): what the AOV invalidSamples counts.
+    /// Number of refused values of a camera ray since begin(), for the AOV invalidSamples.
     [[nodiscard]] std::uint32_t invalid_count(int camera_row) const {
         return invalid_[static_cast<std::size_t>(camera_row)];
     }
-    /// Since the table was made, without discarded batches: in all, [channel], and the first ones.
+    /// Refused values since the table was made, without discarded batches: in total, [channel], and the first ones.
     [[nodiscard]] std::uint64_t invalid_total() const { return counts_.invalid; }
     [[nodiscard]] std::span<const std::uint64_t> invalid_by_channel() const { return counts_.invalid_by_channel; }
     [[nodiscard]] std::span<const InvalidSample> invalid_log() const { return counts_.invalid_log; }
-    /// Calls refused likewise, [channel]; the last entry counts those that name no channel.
+    /// Refused calls since the table was made, without discarded batches: [channel]; the last entry is for calls
+    /// without one.
     [[nodiscard]] std::span<const RefusalCounts> refusals() const { return counts_.refusals; }
 
   private:
-    /// What is counted of values and calls that were refused.
+    /// Counters of refused values and calls.
     struct Counts {
         std::uint64_t invalid = 0;
         std::vector<std::uint64_t> invalid_by_channel;
@@ -248,34 +249,34 @@ class SampleTable {
     struct alignas(32) SetSum {
         double nothing, r, g, b;
     };
-    /// Which block the row's samples are summed up in, and what they count for.
+    /// The block in which the row's samples are summed, and their weight.
     struct SetRow {
         std::uint32_t block;
         float weight;
     };
-    /// An odd number of cache lines, so that blocks do not all lie in the same few sets of the cache.
+    /// An odd number of cache lines, so that blocks do not all map to the same few sets of the cache.
     static constexpr std::size_t set_stride = set_chunk + 2;
     struct SetChunk {
-        std::vector<SetSum> sums;    // [block * set_stride + place] what `masks` does not name is 0
+        std::vector<SetSum> sums;    // [block * set_stride + place]; 0 unless `masks` marks it
         std::vector<SetMask> masks;  // [block]
     };
     std::unique_ptr<PathWords> words_;
     const SplatSets* sets_ = nullptr;
-    std::vector<std::int32_t> place_of_set_;  // [set] negative: none in this batch
+    std::vector<std::int32_t> place_of_set_;  // [set] negative: not in this batch
     std::vector<std::uint32_t> sets_in_use_;  // [place]
     std::vector<SetChunk> set_chunks_;
     std::vector<SetRow> set_rows_;      // [row]
-    std::uint32_t set_blocks_ = 0;      // of this batch
+    std::uint32_t set_blocks_ = 0;      // number of blocks in this batch
     std::vector<std::uint8_t> shared_;  // [channel]
     std::uint8_t sent_apart_ = 0;
     std::vector<std::uint32_t> invalid_;  // [camera row]
-    Counts counts_, counts_before_;       // before: when the batch began
-    bool counts_changed_ = false;         // since then
+    Counts counts_, counts_before_;       // counts_before_: at the begin of the batch
+    bool counts_changed_ = false;         // since the begin of the batch
     std::vector<ChannelDefinition> channels_;
-    std::vector<std::size_t> offset_;  // [channel] into values_
+    std::vector<std::size_t> offset_;  // [channel] offset into values_
     std::vector<double> values_;
     std::vector<double> fill_;                // [channel]
-    std::vector<std::uint64_t> touched_;      // [channel] a bit for each stripe of 2^stripe_shift_ rows
+    std::vector<std::uint64_t> touched_;      // [channel] one bit per stripe of 2^stripe_shift_ rows
     std::vector<std::uint8_t> ever_touched_;  // [channel]
     std::vector<RowState> row_states_;        // [channel * row_capacity_ + row]
     std::vector<CameraRow> camera_rows_;

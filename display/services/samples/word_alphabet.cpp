@@ -31,7 +31,7 @@ WordAlphabet::Kind kind_of(const lpe::Event& event) {
     }
 }
 
-/// Unambiguous: no label holds a zero byte.
+/// A unique key of an event, because no label contains a zero byte.
 std::string key_of(const lpe::Event& event) {
     std::string key{static_cast<char>(event.type), static_cast<char>(event.scatter),
                     static_cast<char>(event.lobe_number)};
@@ -39,7 +39,7 @@ std::string key_of(const lpe::Event& event) {
     return key;
 }
 
-/// The event with nothing but what is kept.
+/// The event reduced to the parts that the rules keep.
 lpe::Event projected(lpe::Event event, const WordRules& rules) {
     if (kind_of(event) == WordAlphabet::Kind::terminal) {
         if (!rules.groups) event.labels.clear();
@@ -68,8 +68,8 @@ Result<WordRules> parse_word_rules(const std::string& text, const SourceLocation
         if (known) continue;
         return error_at(where,
                         "'" + word +
-                            "' is nothing that words are told apart by; expected label, lobe, group, "
-                            "straight or technique, or several with commas between",
+                            "' does not distinguish words; expected label, lobe, group, "
+                            "straight or technique, or several separated by commas",
                         near_miss(word, names));
     }
     return rules;
@@ -95,7 +95,7 @@ Result<WordAlphabet> WordAlphabet::build(std::span<const lpe::Event> events, con
         if (!alphabet.columns_.emplace(key_of(event), column).second) continue;
         if (column == most)
             return error_at({}, "the scene has more than " + std::to_string(most - 1) +
-                                    " kinds of events, which a path atlas has no numbers for; expected fewer labels");
+                                    " kinds of events, the maximum for a path atlas; expected fewer labels");
         const auto next = static_cast<Letter>(letter_of.size());
         alphabet.events_.push_back(event);
         alphabet.kinds_.push_back(kind_of(event));
@@ -114,7 +114,7 @@ WordTree::WordTree() : nodes_(1), slots_(64) {}
 
 std::size_t WordTree::slot_of(std::uint32_t parent, Letter letter) const {
     const std::size_t mask = slots_.size() - 1;
-    // Words of one parent stand side by side: most lookups follow one of a sibling, and are then in the cache.
+    // Words with the same parent are adjacent: most look-ups follow one of a sibling, and then hit the cache.
     std::size_t at = (mix64(parent) + letter) & mask;
     const auto is_other = [&](const Slot& slot) { return slot.parent != parent || slot.letter != letter; };
     while (slots_[at].word != root && is_other(slots_[at])) at = (at + 1) & mask;

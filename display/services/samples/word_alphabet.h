@@ -1,8 +1,8 @@
-// The letters of words that a path atlas keeps: what of a scene's events is told apart, and words as numbers.
+// The letters of words in a path atlas: the events of a scene as far as they are distinguished, and words as numbers.
 //
-// An atlas keeps the light of every distinct word, so its letters are the scene's own events, told apart as far as the
-// user asks: by object label, by lobe, by light group. Every event of the scene is a column; columns that are told
-// apart in nothing that is kept share a letter, and whoever reads the atlas learns which events a letter stands for.
+// An atlas keeps the light of every distinct word. Its letters are the scene's events, distinguished as the user
+// requests: by object label, lobe, light group. Every event of the scene is a column. Columns that differ in nothing
+// that is kept share a letter, and the atlas lists the events of each letter.
 #pragma once
 
 #include <algorithm>
@@ -21,35 +21,35 @@
 
 namespace raylex::display {
 
-/// "s1t3".
+/// The technique as text: "s1t3".
 inline std::string to_string(const Technique& technique) {
     return "s" + std::to_string(technique.s) + "t" + std::to_string(technique.t);
 }
 
-/// What words are told apart by, and how long they get.
+/// The properties that distinguish words, and the maximum length of words.
 struct WordRules {
-    bool labels = true;       ///< of objects and media
-    bool lobes = true;        ///< names and numbers of lobes; type and scatter letter always are
-    bool groups = true;       ///< of lights; L, B and O always are
-    bool straight = false;    ///< light straight through cutouts, which only the osl dialect sees
-    bool techniques = false;  ///< how light was found, which no expression sees but by its prefix
+    bool labels = true;       ///< labels of objects and media
+    bool lobes = true;        ///< names and numbers of lobes; type and scatter letter always distinguish words
+    bool groups = true;       ///< groups of lights; L, B and O always distinguish words
+    bool straight = false;    ///< pass-through events at cutouts, which only the osl dialect has
+    bool techniques = false;  ///< how light was found, which expressions can only select by a prefix
     static constexpr int most_length = 1000;
-    int length = 8;  ///< scatterings of the longest word kept whole
+    int length = 8;  ///< scatterings of the longest word that is stored completely
 };
 
-/// "label,lobe,group,straight,technique", any of them. Errors at `where`.
+/// Parses a list of "label", "lobe", "group", "straight" and "technique", separated by commas. Errors are at `where`.
 Result<WordRules> parse_word_rules(const std::string& text, const SourceLocation& where);
-/// What parse_word_rules() reads; empty where words are told apart by nothing but types.
+/// The text that parse_word_rules() parses; empty if only types distinguish words.
 [[nodiscard]] std::string to_string(const WordRules& rules);
 
 class WordAlphabet {
   public:
     using Letter = std::uint16_t;
-    /// Takes the place of one scattering or more, whatever they are: words beyond the length, and merged ones.
+    /// Represents one or more arbitrary scatterings: in words beyond the maximum length, and in merged words.
     static constexpr Letter open = 0xffff;
-    /// Techniques are letters as well, behind the terminal, where words are told apart by them: from this one on.
+    /// The first letter for techniques, which follow the terminal if techniques distinguish words.
     static constexpr Letter first_technique = 0x8000;
-    /// A technique's s or t is known up to this, which stands for itself and whatever is more.
+    /// The largest s or t of a technique that is distinguished; larger ones count as this.
     static constexpr std::uint32_t most_vertices = 127;
     [[nodiscard]] static bool is_technique(Letter letter) { return letter >= first_technique && letter != open; }
     [[nodiscard]] static Letter letter_of(Technique technique) {
@@ -62,10 +62,11 @@ class WordAlphabet {
     }
     enum class Kind : std::uint8_t { scattering, straight, terminal };
 
-    /// `events`: what the scene can produce, without the camera's. Errors: more than an automaton has columns for.
+    /// `events`: the events that the scene can produce, without the camera's. Errors: more events than an automaton's
+    /// columns.
     static Result<WordAlphabet> build(std::span<const lpe::Event> events, const WordRules& rules);
 
-    /// Column 0 is no event of the scene: it stands for any scattering.
+    /// The column of an event. Column 0 is not an event of the scene; it represents any scattering.
     [[nodiscard]] lpe::EventClass column(const lpe::Event& event) const;
     [[nodiscard]] std::size_t column_count() const { return events_.size(); }
     [[nodiscard]] const lpe::Event& event(std::size_t column) const { return events_[column]; }
@@ -83,7 +84,7 @@ class WordAlphabet {
     WordRules rules_;
 };
 
-/// Words as numbers: the prefixes of all that came up, each by the one before it and a letter more.
+/// Words as numbers: all prefixes that occurred, each as its parent and one more letter.
 class WordTree {
   public:
     using Letter = WordAlphabet::Letter;
@@ -91,18 +92,18 @@ class WordTree {
     struct Node {
         std::uint32_t parent = root;
         Letter letter = 0;
-        std::uint16_t before = 0;  ///< letters before this one
+        std::uint16_t before = 0;  ///< number of letters before this one
     };
 
     WordTree();
-    /// The word of one letter more; a new one gets the next number.
+    /// The word with one more letter; a new word gets the next number.
     std::uint32_t child(std::uint32_t parent, Letter letter);
     [[nodiscard]] const Node& node(std::uint32_t word) const { return nodes_[word]; }
     [[nodiscard]] std::size_t size() const { return nodes_.size(); }
     [[nodiscard]] std::size_t letters_in(std::uint32_t word) const {
         return word == root ? 0 : std::size_t{nodes_[word].before} + 1;
     }
-    /// Letters from the camera on.
+    /// The letters from the camera on.
     [[nodiscard]] std::vector<Letter> letters(std::uint32_t word) const;
     [[nodiscard]] std::size_t memory_bytes() const {
         return nodes_.capacity() * sizeof(Node) + sizeof(Slot) * slots_.size();
@@ -110,7 +111,7 @@ class WordTree {
 
   private:
     struct Slot {
-        std::uint32_t parent = root, word = root;  // word: the root where the slot is free, for it is nobody's child
+        std::uint32_t parent = root, word = root;  // word == root: the slot is free, because the root is never a child
         Letter letter = 0;
     };
     void grow();

@@ -18,34 +18,34 @@ namespace raylex::lpe {
 namespace {
 
 constexpr std::size_t sample_count = 5;
-constexpr std::size_t most_tried_events = 64;     // pieces whose use is looked at
-constexpr std::size_t most_studied_states = 500;  // of an expression whose pieces are looked at one by one
+constexpr std::size_t most_tried_events = 64;     // pieces that are checked for use
+constexpr std::size_t most_studied_states = 500;  // largest automaton whose pieces are checked one by one
 
 std::string prefix_effect(std::string_view prefix) {
     constexpr std::array<std::pair<std::string_view, std::string_view>, 8> effects{{
-        {"unoccluded", "light samples count as if nothing were in the way"},
-        {"noclamp", "sample filters leave the channel alone: it is not clamped"},
-        {"nothruput", "takes what the emitter sends, or the user event's value, without the path's throughput"},
-        {"shadows", "takes what is in the way of light samples: the unoccluded light less the light that arrives"},
-        {"holdouts", "only paths whose first hit is a holdout count"},
+        {"unoccluded", "light samples ignore occluders"},
+        {"noclamp", "sample filters do not change the channel: it is not clamped"},
+        {"nothruput", "takes the emitted radiance, or the user event's value, without the path's throughput"},
+        {"shadows", "takes the blocked part of light samples: the unoccluded light minus the light that arrives"},
+        {"holdouts", "takes only paths whose first hit is a holdout"},
         {"overwrite", "the last contribution of a camera sample replaces the earlier ones; they do not add up"},
-        {"noinfinitecheck", "its values are judged by themselves, whatever the beauty's are"},
-        {"unweighted", "takes what each technique finds without its MIS weight"},
+        {"noinfinitecheck", "checks its own values for infinities, independently of the beauty's"},
+        {"unweighted", "takes the contributions of each technique without MIS weights"},
     }};
     for (const auto& [name, effect] : effects) {
         if (name == prefix) { return std::string(effect); }
     }
     if (const std::optional<TechniquePrefix> technique = technique_prefix(prefix); technique && technique->t == 0) {
-        return "only what is found by techniques of more than " + std::to_string(technique->beyond) +
-               " vertices counts";
+        return "takes only contributions of techniques with more than " + std::to_string(technique->beyond) +
+               " vertices";
     } else if (technique) {
-        return "only what is found with " + std::to_string(technique->s) + " vertices from the light and " +
-               std::to_string(technique->t) + " from the camera counts";
+        return "takes only contributions found with " + std::to_string(technique->s) + " vertices from the light and " +
+               std::to_string(technique->t) + " from the camera";
     }
-    return "changes what is splatted";
+    return "changes the splatted value";
 }
 
-/// Events that can occur somewhere in W, whatever their labels and lobe numbers.
+/// Events that can occur somewhere in W, regardless of labels and lobe numbers.
 CoreSet occurring_cores(const Study& study) {
     const WordSets sets = word_sets(study.words, false);
     std::array<bool, core_count> letters_seen{};
@@ -85,19 +85,18 @@ void warn_about_dead_pieces(const Study& study, bool empty, std::vector<std::str
     if (empty) {
         const Node* step = first_dead_step(root, has_path);
         if (step != nullptr && step->end > step->begin) {
-            warnings.push_back("no path can go on at " + piece_text(study, *step));
+            warnings.push_back("no path can continue at " + piece_text(study, *step));
         }
         return;
     }
     for (const Node* event : dead_events(root, most_tried_events, has_path)) {
         if (event->end > event->begin) {
-            warnings.push_back(piece_text(study, *event) +
-                               " can never match: no path of the expression goes through it");
+            warnings.push_back(piece_text(study, *event) + " can never match: no path of the expression uses it");
         }
     }
 }
 
-/// Outside labels such letters are errors; inside they are legal and nearly always a slip.
+/// Outside labels such letters are errors; inside labels they are legal and nearly always a mistake.
 void warn_about_look_alikes(const Study& study, std::vector<std::string>& warnings) {
     const SourceText text(study.source);
     for (std::size_t i = 0; i < text.size() && warnings.size() < 8; ++i) {
@@ -109,8 +108,8 @@ void warn_about_look_alikes(const Study& study, std::vector<std::string>& warnin
     }
 }
 
-/// A label of Latin letters and of Cyrillic or Greek ones (U+0370 to U+052F, whose first bytes in UTF-8 are 0xCD to
-/// 0xD4).
+/// Warns about a label that mixes Latin letters with Cyrillic or Greek ones (U+0370 to U+052F; in UTF-8 their first
+/// byte is 0xCD to 0xD4).
 void warn_about_mixed_scripts(const Study& study, std::vector<std::string>& warnings) {
     const std::string& text = study.source.expression;
     for (std::size_t open = text.find('\''); open != std::string::npos; open = text.find('\'', open)) {
@@ -124,7 +123,7 @@ void warn_about_mixed_scripts(const Study& study, std::vector<std::string>& warn
         }
         if (latin && other != 0) {
             warnings.push_back("the label " + text.substr(open, end + 1 - open) +
-                               " mixes Latin letters with others that may only look so: " +
+                               " mixes Latin letters with others that only look like them: " +
                                SourceText(study.source).describe(other) + " at column " + std::to_string(other + 1));
         }
         open = end + 1;
@@ -132,7 +131,7 @@ void warn_about_mixed_scripts(const Study& study, std::vector<std::string>& warn
     }
 }
 
-/// In osl, <R'coat'> compares the label with the scattering.
+/// Warns about labels in the second slot of <...>: in osl, <R'coat'> compares the label with the scattering.
 void warn_about_slots(const Study& study, std::vector<std::string>& warnings) {
     const std::string& text = study.source.expression;
     const auto item_end = [&](std::size_t at) {
@@ -148,7 +147,7 @@ void warn_about_slots(const Study& study, std::vector<std::string>& warnings) {
         const bool excluded = item.starts_with("[^'");
         if (item.starts_with("'") || item.starts_with("['") || excluded) {
             warnings.push_back("the label at column " + std::to_string(second + 1) +
-                               " stands where <...> has the scattering: it " +
+                               " is in the slot of <...> for the scattering: it " +
                                (excluded ? "excludes nothing" : "never matches") +
                                "; write '.' or the scattering before it, as in <R.'floor'>");
         }

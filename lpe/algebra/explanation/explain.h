@@ -1,5 +1,5 @@
-// An expression explained to the person who wrote it: what it means in English, piece by piece, what else is the same,
-// which paths it accepts, and what it leaves out that one might expect in it.
+// Explains an expression to its author: its meaning in English, the meaning of each piece, equivalent expressions,
+// sample paths, and paths that it omits although people often expect them.
 #pragma once
 
 #include <cstddef>
@@ -17,15 +17,15 @@ namespace raylex::lpe {
 
 struct Explanation {
     Dialect dialect = Dialect::renderman;
-    std::string expression;  ///< the text that the pieces are of: names replaced by what they stand for
+    std::string expression;  ///< the text that the pieces refer to, with names replaced by their definitions
     std::string sentence;    ///< "From the camera, one diffuse reflection, ending at a light."
     std::vector<Piece> pieces;
     std::vector<std::pair<std::string, std::string>> prefixes;  ///< name and effect on what is splatted
-    std::vector<Witness> samples;       ///< paths it accepts, the shortest first; none when it can never match
-    bool beauty = false;                ///< by meaning, in W, without prefixes
+    std::vector<Witness> samples;       ///< accepted paths, shortest first; empty when the expression can never match
+    bool beauty = false;                ///< the expression accepts exactly W, and has no prefixes
     std::vector<std::string> same_as;   ///< "It is the beauty.", "It is the shipped channel 'directDiffuse'."
-    std::vector<std::string> notes;     ///< what it never matches, and how letters were taken
-    std::vector<std::string> warnings;  ///< readings that differ, pieces that can never match, look-alike letters
+    std::vector<std::string> notes;     ///< paths that it never matches, and how its letters were read
+    std::vector<std::string> warnings;  ///< ambiguous readings, pieces that can never match, look-alike letters
 };
 
 /// Errors: the expression does not parse or is too large.

@@ -1,4 +1,4 @@
-// What an expression leaves out that people expect in it: the part of explain that knows other renderers' habits.
+// Notes on paths that an expression omits although users of other renderers expect them.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -11,8 +11,8 @@ namespace raylex::lpe {
 namespace {
 
 struct Traits {
-    bool numbers = false;         // some lobe number is named
-    bool negated_labels = false;  // some [^'label']
+    bool numbers = false;         // an event names a lobe number
+    bool negated_labels = false;  // a label test is negated: [^'label']
     bool second_label = false;
     bool letter_s = false, letter_l = false;
 };
@@ -38,7 +38,7 @@ void read_traits(const Node& node, Traits& traits) {
     for (const NodePtr& child : node.children) { read_traits(*child, traits); }
 }
 
-/// Whether the letter stands in the expression outside labels.
+/// Returns whether the letter occurs in the expression outside labels.
 bool has_letter(const std::string& text, char letter) {
     bool quoted = false;
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -60,19 +60,18 @@ void notes_on_ends(const Study& study, std::vector<std::string>& notes) {
     const bool emission = study.accepts_some(Feature::emission);
     if (light && !emission && study.occurs(Feature::emission)) {
         notes.push_back(
-            std::string("It never ends at emission (O): glowing objects and volume emission are left out; ") +
-            (renderman ? "[<L.>O]" : "[LO]") + " takes both.");
+            std::string("It never ends at emission (O), so it omits glowing objects and volume emission; ") +
+            (renderman ? "[<L.>O]" : "[LO]") + " includes both.");
     }
     if (light && !background && study.occurs(Feature::background)) {
-        notes.emplace_back(
-            renderman
-                ? "It never ends at the background (B), though a plain L takes that in."
-                : "It never ends at the background (B): in this dialect an infinite light is no L; [LB] takes both.");
+        notes.emplace_back(renderman ? "It never ends at the background (B), although a plain L includes it."
+                                     : "It never ends at the background (B): in this dialect L excludes infinite "
+                                       "lights; [LB] includes both.");
     }
     if (light && background && renderman && has_letter(study.source.expression, 'L')) {
-        notes.emplace_back("L is every light, the background (infinite lights) included; B is the background alone.");
+        notes.emplace_back("L is every light, including the background (infinite lights); B is only the background.");
     }
-    if (!light && !background && emission) { notes.emplace_back("It never ends at a light (L): O is emission alone."); }
+    if (!light && !background && emission) { notes.emplace_back("It never ends at a light (L): O is only emission."); }
 }
 
 void notes_on_scattering(const Study& study, std::vector<std::string>& notes) {
@@ -83,29 +82,29 @@ void notes_on_scattering(const Study& study, std::vector<std::string>& notes) {
     const bool endless = !longest_word(study.paths).has_value();
     if (endless && (diffuse || glossy || singular) && !study.accepts_some(Feature::volume) &&
         study.occurs(Feature::volume)) {
-        notes.emplace_back("No path that scatters in a medium (V) matches; V is an event of its own, as in [DSV].");
+        notes.emplace_back("No path that scatters in a medium (V) matches; V is a separate event, as in [DSV].");
     }
     if (renderman) {
         if (glossy && singular && has_letter(study.source.expression, 'S')) {
-            notes.emplace_back("S is every specular lobe, glossy (rough) and mirror-like alike: G is within S.");
+            notes.emplace_back("S is every specular lobe, both glossy (rough) and mirror-like: S includes G.");
         }
         if (glossy && !singular) {
             notes.emplace_back(
-                "Mirror-like lobes do not match: G is the glossy lobes alone, S takes both. RenderMan itself has no "
+                "Mirror-like lobes do not match: G is only the glossy lobes, S includes both. RenderMan itself has no "
                 "G.");
         }
     } else {
         if (singular && !glossy && study.occurs(Feature::glossy)) {
             notes.emplace_back(
-                "Glossy lobes (G) do not match: in this dialect S is the mirror-like lobes alone; [GS] takes both.");
+                "Glossy lobes (G) do not match: in this dialect S is only the mirror-like lobes; [GS] includes both.");
         }
         if (glossy && !singular && study.occurs(Feature::singular)) {
-            notes.emplace_back("Mirror-like lobes (S) do not match: G is the glossy lobes alone; [GS] takes both.");
+            notes.emplace_back("Mirror-like lobes (S) do not match: G is only the glossy lobes; [GS] includes both.");
         }
         if (study.occurs(Feature::straight) && !study.accepts_some(Feature::straight)) {
             notes.emplace_back(
                 "A path through a cutout (Ts) never matches: in this dialect passing straight through is an event; "
-                "<Ts>* where it may happen lets it pass.");
+                "insert <Ts>* where it can occur.");
         }
     }
 }
@@ -115,15 +114,15 @@ void notes_on_labels(const Study& study, std::vector<std::string>& notes) {
     read_traits(*study.expression.root, traits);
     if (traits.numbers) {
         notes.emplace_back(
-            "A numbered lobe (D2, S8) is that slot alone: lobes in other slots, or in none, do not match it.");
+            "A numbered lobe (D2, S8) matches only that slot, not lobes in other slots or without a slot.");
     }
     if (traits.negated_labels) {
         notes.emplace_back(study.source.dialect == Dialect::renderman
-                               ? "[^'label'] matches what has no label, too."
-                               : "[^'label'] wants some other label: what has none does not match.");
+                               ? "[^'label'] also matches events without a label."
+                               : "[^'label'] requires some other label: events without a label do not match.");
     }
     if (study.user_events) {
-        notes.emplace_back("User events (U1 to U12) match only where they are written; no '.' stands for them.");
+        notes.emplace_back("User events (U1 to U12) match only where they are written; '.' does not match them.");
     }
 }
 

@@ -21,8 +21,8 @@ NodePtr any_number_of(EventSet events) {
     return node;
 }
 
-/// W with user events among the scattering. A depth limit is left out: user events do not count, and nothing is proved
-/// here.
+/// W extended by user events among the scattering events. The depth limit is dropped: user events do not count towards
+/// it, and this set is used for explanations, not for proofs.
 Expression words_with_users(Words words) {
     words.max_depth.reset();
     WordSets sets = word_sets(words, false);
@@ -38,7 +38,7 @@ Expression words_with_users(Words words) {
     return expression;
 }
 
-/// The channels' automata and W, in which `users` may stand.
+/// Compiles the channels and W; `users`: W also contains user events.
 Languages with_words(std::vector<ChannelSource>& sources, std::vector<Expression>& expressions, const Words& words,
                      bool users, bool osl) {
     LanguageOptions options;
@@ -75,7 +75,7 @@ std::vector<Known> known_channels(Dialect dialect) {
         known.back().source.dialect = dialect;
     }
     for (const NamedExpression& name : builtin_names()) {
-        known.push_back({"what RenderMan calls '" + std::string(name.name) + "'", {}});
+        known.push_back({"RenderMan's '" + std::string(name.name) + "'", {}});
         known.back().source.expression = std::string(name.expression);
     }
     return known;
@@ -94,8 +94,8 @@ std::string without_words(Feature feature) {
     }
 }
 
-/// The fewest things that must be missing for no word of `difference` to remain; nothing when that takes more than
-/// `most`.
+/// The smallest set of features whose absence leaves no word in `difference`, that is, makes two expressions equal;
+/// nothing if that needs more than `most` features.
 std::optional<std::vector<Feature>> excused_by(const Dfa& difference_words, const Study& study, std::size_t most) {
     std::optional<std::vector<Feature>> best;
     for (unsigned chosen = 0; chosen < 16; ++chosen) {
@@ -114,7 +114,7 @@ std::optional<std::vector<Feature>> excused_by(const Dfa& difference_words, cons
             left = difference(left, study.feature(feature));
             shared = difference(shared, study.feature(feature));
         }
-        // Where nothing is left of the channel itself, being the same says nothing.
+        // Equality is meaningless if the scene without these features leaves the channel no path.
         if (!has_word(left) && has_word(shared)) { best = std::move(features); }
     }
     return best;
@@ -189,7 +189,8 @@ std::vector<std::string> known_equals(const Study& study, bool& is_beauty) {
         sentences.push_back(subject + "the beauty" + where(*beauty) + ".");
         return sentences;
     }
-    constexpr std::size_t small = 200;  // states: what ships has fewer than ten, so nothing larger is the same
+    constexpr std::size_t small = 200;  // states; shipped channels have fewer than ten, so a larger automaton equals
+                                        // none of them
     if (study.user_events || study.paths.states() > small) { return sentences; }
     std::vector<Known> known = known_channels(study.source.dialect);
     std::vector<ChannelSource> sources{study.source};
@@ -219,7 +220,7 @@ std::vector<std::string> known_equals(const Study& study, bool& is_beauty) {
         }
         for (const auto& [place, what] : found) { sentences.push_back(subject + what + place + "."); }
         if (!found.empty()) {
-            break;  // exactly equal to something: what holds only elsewhere is noise
+            break;  // an exact equality makes the conditional ones noise
         }
     }
     return sentences;

@@ -1,4 +1,4 @@
-// What explain.cpp works on: one expression as tree and automaton, and the traits of paths as automata beside it.
+// The data behind explain.cpp: one expression as tree and automaton, and automata for traits of paths.
 #pragma once
 
 #include <array>
@@ -16,13 +16,13 @@
 namespace raylex::lpe {
 
 struct Study {
-    ChannelSource source;  ///< names replaced by what they stand for
+    ChannelSource source;  ///< names are replaced by their definitions
     Expression expression;
-    Words words;               ///< without straight-through events where they are no letters
-    bool user_events = false;  ///< the expression has some; they may stand among the scattering then
+    Words words;               ///< without pass-through events where the expression does not use them as letters
+    bool user_events = false;  ///< the expression uses user events, so W contains them among the scattering events
     Languages languages;
     Dfa all;    ///< W
-    Dfa paths;  ///< what the expression accepts of W
+    Dfa paths;  ///< the words of W that the expression accepts
     std::array<Dfa, feature_count> features;
 
     [[nodiscard]] const Dfa& feature(Feature which) const { return features[static_cast<std::size_t>(which)]; }
@@ -30,16 +30,16 @@ struct Study {
     [[nodiscard]] bool occurs(Feature which) const;
 };
 
-/// Throws Failure.
+/// Parses and compiles the expression. Throws Failure.
 [[nodiscard]] Study study(const ChannelSource& channel, const Words& words);
 
-/// Further trees over the same W: whether each has a path in common with it. Null trees have none.
+/// For each further tree over the W of `study`: does the tree share a path with the expression? Null trees share none.
 [[nodiscard]] std::vector<bool> have_paths(const Study& study, std::vector<NodePtr> trees);
 
-/// "It is the beauty where there is no medium.", and the channels and names that mean the same.
+/// Sentences about equality: "It is the beauty where there is no medium.", and equivalent channels and names.
 [[nodiscard]] std::vector<std::string> known_equals(const Study& study, bool& is_beauty);
 
-/// What the expression leaves out that people expect in it, and how its letters were taken.
+/// Notes on paths that the expression omits although people expect them, and on how its letters were read.
 [[nodiscard]] std::vector<std::string> notes_about(const Study& study);
 
 }  // namespace raylex::lpe

@@ -1,4 +1,5 @@
-// Traits of paths as automata: "ends at emission", "has a volume scattering". explain asks a language about them.
+// Traits of paths as automata, such as "ends at emission" or "has a volume scattering". explain intersects an
+// expression's language with them.
 #pragma once
 
 #include <array>
@@ -11,11 +12,11 @@ namespace raylex::lpe {
 
 enum class Feature : std::uint8_t { volume, background, emission, straight, light, diffuse, glossy, singular };
 inline constexpr std::size_t feature_count = 8;
-/// Those that a scene may lack, so that two expressions are the same without them.
+/// Features that a scene can lack. Two expressions can be equal for scenes without them.
 inline constexpr std::array<Feature, 4> optional_features{Feature::volume, Feature::background, Feature::emission,
                                                           Feature::straight};
 
-/// All words with an event of that kind, straight-through events counted as letters.
+/// All words that contain an event of that kind; pass-through events count as letters.
 [[nodiscard]] Expression words_with(Feature feature);
 
 }  // namespace raylex::lpe

@@ -23,8 +23,8 @@ NodePtr repeated(NodePtr child, int max) {
     return node;
 }
 
-/// The words that the tree accepts by a way through `target`; null when the target is not in it, or where it takes part
-/// only by excluding. Of repetition counts only the upper is kept: a little too much, never too little.
+/// The words that the tree accepts on a way through `target`; null if the tree does not contain it, or if it only
+/// excludes paths. A repetition keeps only its upper count, so the result can contain too many words, never too few.
 NodePtr through(const Node& node, const Node* target) {
     if (&node == target) { return copy_of(node); }
     if (node.kind == NodeKind::complement || node.kind == NodeKind::event) { return nullptr; }

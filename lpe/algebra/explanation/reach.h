@@ -1,4 +1,4 @@
-// The pieces of an expression that take part in no path of W.
+// Finds pieces of an expression that no path of W uses.
 #pragma once
 
 #include <cstddef>
@@ -10,15 +10,15 @@
 
 namespace raylex::lpe {
 
-/// Whether a tree's language has a path of W; the tree is thrown away.
+/// Returns for each tree whether its language contains a path of W. The function consumes the trees.
 using HasPath = std::function<std::vector<bool>(std::vector<NodePtr> trees)>;
 
-/// The single events of the tree through which no path goes, outermost pieces first; events below '!' and behind '-'
-/// are not looked at. At most `limit` events are tried. Where repetition counts are given (`{2,5}`) a piece may be dead
-/// and not be found, never the contrary.
+/// The single events of the tree that no path uses, outermost pieces first. Events below '!' and behind '-' are
+/// skipped. At most `limit` events are tried. With repetition counts (`{2,5}`) a dead piece can be missed; a piece that
+/// is reported is always dead.
 [[nodiscard]] std::vector<const Node*> dead_events(const Node& root, std::size_t limit, const HasPath& has_path);
 
-/// For an expression that no path matches: the first piece of its sequence after which no path can go on.
+/// For an expression that matches no path: the first piece of its sequence after which no path can continue.
 [[nodiscard]] const Node* first_dead_step(const Node& root, const HasPath& has_path);
 
 }  // namespace raylex::lpe

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t most_marked_events = 200;
 
-/// The events of a tree in the order of the text, and whether operators on languages stand anywhere.
+/// Collects the events of a tree in text order; sets `operators` if the tree contains '!', '&' or '-'.
 void gather(const Node& node, std::vector<const Node*>& events, bool& operators) {
     if (node.kind == NodeKind::event) { events.push_back(&node); }
     operators = operators || node.kind == NodeKind::complement || node.kind == NodeKind::intersection ||
@@ -25,12 +25,12 @@ void gather(const Node& node, std::vector<const Node*>& events, bool& operators)
     for (const NodePtr& child : node.children) { gather(*child, events, operators); }
 }
 
-/// The event that stands for the k-th event of the expression: user event 0, which nothing else matches.
+/// A marker for the k-th event of the expression: user event 0, which matches no pattern.
 Event marker(std::size_t k) {
     return {EventType::user, Scatter::none, 0, {std::to_string(k)}};
 }
 
-/// The tree with "or the k-th marker" at its k-th event.
+/// A copy of the tree in which the k-th event also matches the k-th marker.
 NodePtr marked(const Node& node, std::size_t& k) {
     NodePtr copy = make_node(node.kind);
     copy->events = node.events;
@@ -61,7 +61,7 @@ Languages automaton(const ChannelSource& source, NodePtr tree) {
     return build_languages({&source, 1}, expressions, {});
 }
 
-/// The events of the expression that the prefix leads to.
+/// The events of the expression that can follow the prefix.
 std::vector<const Node*> next_events(const ChannelSource& source, const Node& root, std::span<const Event> prefix,
                                      const std::vector<const Node*>& events) {
     std::size_t count = 0;
@@ -90,7 +90,7 @@ std::string wanted_words(const EventTeller& teller, const EventTeller::Members& 
     return joined_by(items);
 }
 
-/// The labels of `event` that keep it out of patterns that would have its core.
+/// Names the labels of `event` that keep it out of patterns that accept its type and scattering.
 std::string label_hint(const Event& event, const std::vector<const Node*>& next) {
     for (const Node* node : next) {
         for (const EventPattern& pattern : node->events.any_of) {
@@ -105,7 +105,7 @@ std::string label_hint(const Event& event, const std::vector<const Node*>& next)
                 for (const std::string& name : test.names) { quoted.push_back("'" + name + "'"); }
                 const std::string found =
                     label.empty() ? "it has no label where " : "its label '" + label + "' is not ";
-                return found + joined_by(shortened(std::move(quoted))) + (label.empty() ? " is wanted" : "") +
+                return found + joined_by(shortened(std::move(quoted))) + (label.empty() ? " is required" : "") +
                        (near.empty() ? "" : "; did you mean '" + near + "'?");
             }
         }
@@ -113,7 +113,7 @@ std::string label_hint(const Event& event, const std::vector<const Node*>& next)
     return {};
 }
 
-/// As far along the path as the automaton lives; its state there.
+/// Follows the path as long as it is a prefix of an accepted path; returns the automaton's state there.
 std::uint32_t walk_along(std::span<const Event> events, const Dfa& dfa, const EventClasses& classes, WhyNot& answer) {
     std::uint32_t state = dfa.start;
     answer.any_path = state != 0;
@@ -149,7 +149,8 @@ WhyNot reason(const ChannelSource& channel, std::span<const Event> events) {
         try {
             next = next_events(source, *expression.root, events.first(answer.live_events), all);
         } catch (const Failure&) {
-            by_piece = false;  // markers take it past a bound; the automaton alone still knows what could follow
+            by_piece = false;  // the markers make the automaton too large; the unmarked automaton still gives the
+                               // possible next events
         }
     }
     const PathRoles roles(*expression.root);

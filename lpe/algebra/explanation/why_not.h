@@ -1,4 +1,5 @@
-// Why a path does not match: how far it went well, and what the expression wanted next.
+// Explains why a path does not match: how far it agrees with the expression, and which event the expression expects
+// next.
 #pragma once
 
 #include <cstddef>
@@ -19,19 +20,20 @@ struct WantedPiece {
 
 struct WhyNot {
     bool matches = false;
-    /// Events of the longest live prefix: some path that begins with them matches. The event after them, or the end of
-    /// the path, is where it failed.
+    /// Length in events of the longest prefix with which some matching path begins. The path fails at the next event,
+    /// or at its end.
     std::size_t live_events = 0;
-    bool any_path = true;   ///< false: the expression matches nothing at all
-    bool complete = false;  ///< the live prefix itself matches: the path goes on too long
-    std::string wanted;     ///< "one specular scattering or a light of group 'key'"; empty when nothing could follow
-    std::vector<WantedPiece> pieces;  ///< in the order of the text; empty where '&', '-' or '!' leave no single piece
+    bool any_path = true;   ///< false: the expression matches no path
+    bool complete = false;  ///< the prefix itself matches: the path has too many events
+    std::string wanted;     ///< the expected event: "one specular scattering or a light of group 'key'"; empty when no
+                            ///< event can follow
+    std::vector<WantedPiece> pieces;  ///< in text order; empty where '&', '-' or '!' make single pieces meaningless
     std::string hint;                 ///< "its label 'flor' is not 'floor'; did you mean 'floor'?"
-    std::string expression;           ///< with names replaced by what they stand for
+    std::string expression;           ///< names are replaced by their definitions
 };
 
-/// Labels that an event lacks are empty to `renderman` and absent to `osl`, as for match(). Errors: the expression does
-/// not parse or is too large.
+/// Compares one path with one channel. Missing labels are empty in `renderman` and absent in `osl`, as in match().
+/// Errors: the expression does not parse or is too large.
 Result<WhyNot> why_not(const ChannelSource& channel, std::span<const Event> events);
 
 }  // namespace raylex::lpe

@@ -12,7 +12,8 @@ namespace raylex::lpe {
 
 namespace {
 
-/// How many of the first `count` channels accept each word of W: output 1 for none, 2 for one, 3 for two or more.
+/// An automaton that counts accepting channels, of the first `count`, for each word of W: output 1 for none, 2 for one,
+/// 3 for two or more.
 Dfa counted(const Languages& languages, std::size_t count) {
     std::vector<Dfa> cut;
     cut.reserve(count);

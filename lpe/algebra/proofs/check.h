@@ -1,6 +1,6 @@
-// The algebra's verdicts: is a set of channels a partition of the beauty, are channels disjoint, are two expressions
-// the same? Each answer is a proof by exhausting an automaton, or the shortest path that shows the contrary. All are
-// relative to W (lpe/words.h): paths that no scene can produce never decide anything.
+// Proofs about channels: is a set a partition of the beauty, are channels disjoint, are two expressions equal? Each
+// answer is a proof over the whole automaton, or the shortest path that is a counterexample. All answers hold for W
+// (lpe/words.h): paths that no scene can produce never decide anything.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ namespace raylex::lpe {
 
 enum class Verdict { partition, missed, counted_twice, outside };
 
-/// A path that decides a question, shortest first; ties go to the plainest event.
+/// The shortest path that decides a question. Among paths of equal length the one with the simplest events is chosen.
 struct Witness {
     std::vector<Event> events;
     std::string text;      ///< "C,- R,D,floor L,-,key", as `raylex lpe match` reads it
@@ -29,14 +29,15 @@ struct Witness {
 struct PartitionReport {
     Verdict verdict = Verdict::partition;
     Witness witness;                    ///< empty when the verdict is `partition`
-    std::vector<std::size_t> channels;  ///< that accept the witness: none when missed, two or more when counted twice
-    std::string summary;                ///< one sentence for people, channels named, witness included
+    std::vector<std::size_t> channels;  ///< channels that accept the witness: none when missed, two or more when
+                                        ///< counted twice
+    std::string summary;                ///< one sentence that names the channels and the witness
     std::vector<std::string>
         warnings;  ///< e.g. where the two readings of '|' differ, with a word that tells them apart
 };
 
-/// Whether every word of W that `beauty` accepts (all of W when absent) is accepted by exactly one channel and no
-/// channel accepts another word of W. Errors: a channel that does not parse, carries prefixes, or is too large to
+/// Checks that every word of W that `beauty` accepts (all of W when absent) is accepted by exactly one channel, and
+/// that no channel accepts any other word of W. Errors: a channel does not parse, carries prefixes, or is too large to
 /// prove.
 Result<PartitionReport> check_partition(std::span<const ChannelSource> channels,
                                         const std::optional<ChannelSource>& beauty = std::nullopt,
@@ -45,15 +46,16 @@ Result<PartitionReport> check_partition(std::span<const ChannelSource> channels,
 struct DisjointReport {
     bool disjoint = true;
     Witness witness;                    ///< shortest path that two channels count
-    std::vector<std::size_t> channels;  ///< that accept the witness
+    std::vector<std::size_t> channels;  ///< channels that accept the witness
     std::string summary;
     std::vector<std::string> warnings;
 };
 
-/// Whether no word of W is accepted by two of the channels. For the automatic `rest` layer. Errors as above.
+/// Checks that no two channels accept a common word of W; the `rest` layer needs this. Errors: those of
+/// check_partition().
 Result<DisjointReport> check_disjoint(std::span<const ChannelSource> channels, const Words& words = {});
 
-/// The shortest word of W that one of the two accepts and the other does not; nothing when they are equivalent.
+/// The shortest word of W that exactly one of the two accepts; nothing when they are equivalent.
 Result<std::optional<Witness>> find_difference(const ChannelSource& a, const ChannelSource& b, const Words& words = {});
 
 /// The shortest word of W that the channel accepts; nothing when it can never match.
@@ -62,12 +64,12 @@ Result<std::optional<Witness>> find_word(const ChannelSource& channel, const Wor
 /// The prefixes ("unoccluded", "noclamp", ...) that the expression carries, in order.
 Result<std::vector<std::string>> expression_prefixes(const ChannelSource& channel);
 
-/// What keeps the channel out of every split of the beauty: "prefix noclamp", "user events" (which no word of W
-/// has), or nothing.
+/// The reason why the channel cannot be part of a split of the beauty: "prefix noclamp", or "user events", which no
+/// word of W contains. Empty when it can be.
 Result<std::string> why_no_part(const ChannelSource& channel);
 
-/// Warnings about how the expression was read: readings of '|' that differ (with the shortest word that tells them
-/// apart), text the dialect ignores.
+/// Warnings about the reading of the expression: two readings of '|' that differ, with the shortest word that shows it,
+/// and text that the dialect ignores.
 Result<std::vector<std::string>> expression_warnings(const ChannelSource& channel, const Words& words = {});
 
 }  // namespace raylex::lpe

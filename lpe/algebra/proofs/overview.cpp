@@ -14,10 +14,10 @@ namespace raylex::lpe {
 
 namespace {
 
-/// Transitions looked at for all pairs together, about a quarter of a second.
+/// Limit on the transitions visited for all pairs together; this takes about a quarter of a second.
 constexpr std::size_t most_pair_steps = 60'000'000;
 
-/// A channel cut to W, and what every path of it begins and ends with.
+/// A channel restricted to W, and the classes with which its words begin and end.
 struct Cut {
     Dfa dfa;
     ClassSet first, last;
@@ -52,7 +52,7 @@ bool meet(const ClassSet& a, const ClassSet& b) {
     return false;
 }
 
-/// The shortest word of both, the lowest classes among equals; `steps` counts what it took.
+/// The shortest word that both accept; ties go to the lowest classes. Adds the visited transitions to `steps`.
 std::optional<std::vector<EventClass>> shared_word(const Dfa& a, const Dfa& b, std::size_t& steps) {
     struct Reached {
         std::uint32_t in_a, in_b;
@@ -97,7 +97,7 @@ void find_overlaps(const std::vector<Cut>& cuts, const EventClasses& classes, Ov
     }
 }
 
-/// How missed paths begin. Glossy and singular lobes are one kind where no channel of the question tells them apart.
+/// The kind of a missed path by its first event. In renderman glossy and singular lobes are both "specular".
 std::string kind_of(const Event& event, bool osl) {
     if (event.type == EventType::light || event.type == EventType::background || event.type == EventType::emission) {
         return "seen directly";
@@ -119,7 +119,7 @@ std::string kind_of(const Event& event, bool osl) {
 
 constexpr std::array<EventType, 3> terminals{EventType::light, EventType::background, EventType::emission};
 
-/// The shortest word of `missed` that ends at each kind of terminal and whose second event is one of `seconds`.
+/// For each kind of terminal the shortest word of `missed` that ends there and whose second event is in `seconds`.
 std::array<std::optional<std::vector<EventClass>>, 3> shortest_by_terminal(const Dfa& missed,
                                                                            const EventClasses& classes,
                                                                            EventClass camera, const ClassSet& seconds) {
@@ -190,7 +190,7 @@ Overview overview_of(std::span<const ChannelSource> channels, const std::optiona
     Overview overview;
     const Words world = words_for(all, words);
     auto posed = guarded([&] { return pose(all, world, "a partition", true); });
-    if (!posed) {  // many labels times all letters are too many kinds of events: pairs need no letters
+    if (!posed) {  // labels times letters can give too many classes; comparing pairs needs no letters
         overview.holes_unknown = posed.error().message;
         posed = pose(all, world, "a partition", false);
     }
@@ -219,7 +219,7 @@ Overview overview_of(std::span<const ChannelSource> channels, const std::optiona
         const Dfa any = joined(members, union_of(), limits::boolean_states, languages.classes->count(),
                                "the channels of this proof");
         find_holes(difference(whole, any), *languages.classes, osl, overview);
-    } catch (Failure& failure) {  // pairs are small where all together are not
+    } catch (Failure& failure) {  // pairs are small even where all channels together are too large
         overview.holes_unknown = std::move(failure.error.message);
     }
     return overview;

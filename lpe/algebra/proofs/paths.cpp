@@ -11,7 +11,7 @@ namespace raylex::lpe {
 
 namespace {
 
-/// The language within W.
+/// The result of the operation, restricted to W.
 Dfa made_of(Operation operation, const Languages& languages) {
     const std::vector<Dfa>& channels = languages.channels;
     const Dfa& words = *languages.words;

@@ -1,5 +1,5 @@
-// Languages made of languages, and a look into them: which paths are in one channel and not in another, how many,
-// which.
+// Combines the languages of channels and lists, samples and counts the resulting paths: for example the paths of one
+// channel that another does not accept.
 #pragma once
 
 #include <cstddef>
@@ -16,13 +16,13 @@
 
 namespace raylex::lpe {
 
-/// What is made of the channels; dialects may differ.
+/// The operation on the channels; their dialects can differ.
 enum class Operation : std::uint8_t {
-    words,         ///< the one channel itself
-    complement,    ///< W but the one channel
-    intersection,  ///< what all accept
-    united,        ///< what any accepts
-    difference     ///< what the first accepts and no other
+    words,         ///< paths of the one channel
+    complement,    ///< paths of W that the one channel does not accept
+    intersection,  ///< paths that all channels accept
+    united,        ///< paths that at least one channel accepts
+    difference     ///< paths that the first channel accepts and no other
 };
 
 struct PathSetOptions {
@@ -30,20 +30,20 @@ struct PathSetOptions {
     std::size_t longest_counted = 8;  ///< events
 };
 
-/// What is known of a set of paths, cut to W.
+/// Facts about a set of paths, restricted to W.
 struct PathSet {
-    std::vector<Witness> samples;  ///< the shortest first; none when there is no path
-    /// Paths of 0, 1, ... events, at most 1e18. Events that differ in type or scattering count as different; lobe
-    /// numbers and labels only as far as the expressions tell them apart.
+    std::vector<Witness> samples;  ///< shortest first; empty when the set is empty
+    /// Numbers of paths with 0, 1, ... events, each at most 1e18. Events of different type or scattering count as
+    /// different. Lobe numbers and labels count as different only if an expression distinguishes them.
     std::vector<std::uint64_t> counts;
-    std::optional<std::size_t> longest;  ///< events of the longest path, where there is a longest
-    std::size_t states = 0;              ///< of the minimal automaton, the dead one left out
+    std::optional<std::size_t> longest;  ///< length in events of the longest path, if the set is finite
+    std::size_t states = 0;              ///< states of the minimal automaton, without the dead state
     std::vector<std::string> warnings;
     [[nodiscard]] bool empty() const { return samples.empty(); }
 };
 
-/// Errors: an expression that does not parse or is too large; no channel, or more than one for `words` and
-/// `complement`.
+/// Evaluates the operation. Errors: an expression does not parse or is too large; no channel, or more than one for
+/// `words` and `complement`.
 Result<PathSet> look_at_paths(Operation operation, std::span<const ChannelSource> channels, const Words& words = {},
                               const PathSetOptions& options = {});
 

@@ -87,8 +87,7 @@ void warn_about_bar(const ChannelSource& source, const Expression& expression, c
     const bool tight_accepts = !accepting(languages.channels, 1, *word).empty();
     std::string warning = source.name.empty() ? "'|'" : "channel '" + source.name + "': '|'";
     warning +=
-        " joins only the events beside it, as in CD|SL = C(D|S)L; read as looser than concatenation the expression "
-        "would ";
+        " joins only its neighbours, as in CD|SL = C(D|S)L; with '|' looser than concatenation the expression would ";
     warning += tight_accepts ? "not match " : "also match ";
     warning += in_words(witness);
     warnings.push_back(std::move(warning));
@@ -140,12 +139,12 @@ namespace {
     throw Failure{SourceText::whole_error(channel, std::move(error))};
 }
 
-/// Channels that take other than light of the beauty's words.
+/// Fails for a channel that counts anything besides the light of the beauty's paths.
 void refuse(const ChannelSource& channel, const Expression& expression, const std::string& part) {
     if (!expression.prefixes.empty()) {
         throw_barred(channel,
                      "the expression carries the prefix '" + expression.prefixes.front() +
-                         "', which changes what is splatted; channels with prefixes cannot take part in " + part,
+                         "', which changes the splatted value; channels with prefixes cannot take part in " + part,
                      "leave the prefix out of the check, or the channel out of the set");
     }
     if (names_user_events(*expression.root)) {

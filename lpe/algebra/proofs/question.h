@@ -1,4 +1,4 @@
-// What every proof starts from: channels read, made into automata over common event classes, W beside them.
+// The common start of every proof: parsed channels, compiled to automata over common event classes, together with W.
 #pragma once
 
 #include <cstddef>
@@ -14,41 +14,41 @@ namespace raylex::lpe {
 
 struct Question {
     Languages languages;
-    std::vector<Expression> expressions;  ///< one per channel; no tree for those with rest_of
+    std::vector<Expression> expressions;  ///< one per channel; the tree is null for channels with rest_of
     std::vector<std::string> warnings;
 };
 
-/// Reads the channels. `refuse_others_in`: what channels that take other than light of W (with prefixes, with user
-/// events) cannot take part in ("a partition"), or null.
-/// `telling_letters`: no event class holds events of different type or scattering, so that words of classes are words
-/// of letters. Throws Failure.
+/// Parses and compiles the channels. `refuse_others_in`: name of the proof ("a partition") that channels with prefixes
+/// or user events cannot take part in, or null to accept them. `telling_letters`: no event class contains events of
+/// different type or scattering, so that words of classes are words of letters. Throws Failure.
 [[nodiscard]] Question pose(std::span<const ChannelSource> channels, const Words& words, const char* refuse_others_in,
                             bool telling_letters = false);
 
-/// Whether some event of the tree is a user event.
+/// Returns whether the tree contains a user event.
 [[nodiscard]] bool names_user_events(const Node& node);
-/// See why_no_part().
+/// Why the expression cannot take part in a split; see why_no_part().
 [[nodiscard]] std::string what_bars(const Expression& expression);
 
-/// One event for every type and scattering there is: beside other expressions, it keeps their event classes apart so.
+/// A tree with one event for every type and scattering. Compiling it with other expressions keeps their event classes
+/// separate by type and scattering.
 [[nodiscard]] Expression letters();
 
-/// W for looking at these channels: straight-through events are left out where no channel has them as letters.
+/// W for these channels: without pass-through events where no channel uses them as letters.
 [[nodiscard]] Words words_for(std::span<const ChannelSource> channels, Words words);
 
 [[nodiscard]] Witness witness_of(const std::vector<EventClass>& word, const EventClasses& classes);
-/// The first `count` automata that accept the word.
+/// The indices of those of the first `count` automata that accept the word.
 [[nodiscard]] std::vector<std::size_t> accepting(const std::vector<Dfa>& dfas, std::size_t count,
                                                  const std::vector<EventClass>& word);
 
 /// "'a'", "'a' and 'b'", "'a', 'b' and 'c'"
 [[nodiscard]] std::string name_list(std::span<const ChannelSource> channels, const std::vector<std::size_t>& which);
-/// The channel's name in quotes, or its expression, marked 'osl:' where it is of that dialect.
+/// The channel's name in quotes, or its expression; an osl expression gets the prefix 'osl:'.
 [[nodiscard]] std::string name_of(const ChannelSource& channel);
 /// "camera, light (C,- L,-)"
 [[nodiscard]] std::string in_words(const Witness& witness);
 
-/// A product's automaton, minimised; throws Failure when the product was too large.
+/// The automaton of a product, minimised. Throws Failure when the product was too large.
 [[nodiscard]] Dfa required(std::optional<Dfa> dfa);
 [[nodiscard]] Dfa intersection(const Dfa& a, const Dfa& b);
 [[nodiscard]] Dfa difference(const Dfa& a, const Dfa& b);
@@ -59,7 +59,7 @@ struct Question {
     return output != 0;
 }
 
-/// Adds a warning when `expression` would mean something else with '|' looser than concatenation.
+/// Adds a warning if giving '|' lower precedence than concatenation changes the meaning of `expression`.
 void warn_about_bar(const ChannelSource& source, const Expression& expression, const Words& words,
                     std::vector<std::string>& warnings);
 

@@ -11,7 +11,7 @@ namespace raylex::lpe {
 
 namespace {
 
-/// The proof that `against` is empty; `holds` and `fails` are the sentences for either case.
+/// Builds the proof that `against` is empty. `holds` and `fails` give the summary for the two outcomes.
 Proof proof_of(Question& question, std::span<const ChannelSource> channels, const Dfa& against, std::string holds,
                const std::function<std::string(const Proof&)>& fails) {
     Proof proof;

@@ -9,7 +9,7 @@ namespace raylex::lpe {
 
 namespace {
 
-/// Walks from the start to an accepting state in at most so many events, taking turns that were taken least.
+/// Walks from the start to an accepting state in a limited number of events, and prefers the least used transitions.
 class Walker {
   public:
     Walker(const Dfa& dfa, const std::vector<std::uint32_t>& distance)
@@ -22,7 +22,7 @@ class Walker {
             std::optional<std::size_t> best;
             for (std::size_t k = 0; k < classes(); ++k) {
                 const std::uint32_t next = dfa_.step(state, static_cast<EventClass>(k));
-                if (distance_[next] >= left) {  // `unreachable` too
+                if (distance_[next] >= left) {  // holds for `unreachable`, too
                     continue;
                 }
                 if (!best || cost(state, k) < cost(state, *best)) { best = k; }
@@ -36,7 +36,7 @@ class Walker {
         return word;
     }
 
-    /// The walk that somebody else made counts as well.
+    /// Counts the transitions of a word that was found otherwise.
     void note(const std::vector<EventClass>& word) {
         std::uint32_t state = dfa_.start;
         for (const EventClass event_class : word) {
@@ -133,10 +133,10 @@ std::vector<std::uint64_t> count_words(const Dfa& dfa, std::size_t longest) {
 }
 
 std::optional<std::size_t> longest_word(const Dfa& dfa) {
-    // Longest ways over states that can still accept; a state met again on its own way means there is no longest.
+    // Finds the longest ways over states that can still accept; a cycle among them means that there is no longest word.
     const std::vector<std::uint32_t> distance = events_to_acceptance(dfa);
     if (distance[dfa.start] == unreachable) { return std::nullopt; }
-    // Rounds of relaxation: a way without loops has fewer events than there are states.
+    // Rounds of relaxation: a way without cycles has fewer events than the automaton has states.
     std::vector<std::size_t> incoming(dfa.states(), 0);
     const auto live_targets = [&](std::uint32_t state) {
         std::vector<std::uint32_t> targets;

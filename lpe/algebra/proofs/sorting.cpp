@@ -11,8 +11,9 @@ namespace raylex::lpe {
 
 namespace {
 
-constexpr std::size_t most_tries = 2'000;  // differences of automata, about half a second
-constexpr std::size_t most_sorted = 200;   // of one partition and to choose from: each is a level of the search
+constexpr std::size_t most_tries = 2'000;  // differences of automata; about half a second
+constexpr std::size_t most_sorted = 200;   // channels of one partition, and candidates; each is a level of the
+                                           // recursion
 
 class Sorter {
   public:
@@ -22,7 +23,7 @@ class Sorter {
         Sorting sorting;
         std::vector<bool> open;
         for (const Dfa& channel : channels_) {
-            // What counts nothing, or paths outside, is in no partition.
+            // A channel that counts no path, or paths outside the beauty, belongs to no partition.
             open.push_back(channel.start != 0 && !shortest_word(difference(channel, whole_), is_set));
         }
         for (std::size_t first = 0; first < channels_.size(); ++first) {
@@ -45,7 +46,7 @@ class Sorter {
     }
 
   private:
-    /// Adds channels until nothing of `missed` is left; false, and `chosen` as it was, where none can be chosen so.
+    /// Adds channels until `missed` is covered. Returns false, with `chosen` unchanged, if no choice covers it.
     bool extend(std::vector<std::size_t>& chosen, const std::vector<bool>& open, const Dfa& missed) {
         const auto word = shortest_word(missed, is_set);
         if (!word) { return true; }
@@ -66,7 +67,7 @@ class Sorter {
         return place->second;
     }
 
-    std::vector<Dfa> channels_;  // cut to W
+    std::vector<Dfa> channels_;  // restricted to W
     Dfa whole_;
     std::map<std::pair<std::size_t, std::size_t>, bool> disjoint_;
     std::size_t tries_ = 0;

@@ -1,4 +1,4 @@
-// Channels that are several splits of one beauty side by side (by lobe, and by light group), sorted into them.
+// Sorts channels that form several splits of one beauty (by lobe, and by light group) into these splits.
 #pragma once
 
 #include <cstddef>
@@ -13,13 +13,14 @@
 namespace raylex::lpe {
 
 struct Sorting {
-    std::vector<std::vector<std::size_t>> partitions;  ///< of the beauty, each proved; no channel is in two
-    std::vector<std::size_t> left;                     ///< channels in none of them
-    bool gave_up = false;  ///< more was tried than is worth it: channels that are left may still be in one
+    std::vector<std::vector<std::size_t>> partitions;  ///< proved partitions of the beauty; no channel is in two
+    std::vector<std::size_t> left;                     ///< channels in none of the partitions
+    bool gave_up = false;  ///< the search stopped at its limit: channels in `left` may still belong to a partition
 };
 
-/// Sorts the channels into partitions of `beauty` (of W when absent): from the first channel that is in none yet, the
-/// shortest path missed so far is given to one channel after the other that counts it. Errors as check_partition's.
+/// Sorts the channels into partitions of `beauty` (of W when absent). The search starts from the first channel that is
+/// in no partition yet, and repeatedly adds a channel that counts the shortest path missed so far. Errors: those of
+/// check_partition().
 Result<Sorting> sort_into_partitions(std::span<const ChannelSource> channels,
                                      const std::optional<ChannelSource>& beauty = std::nullopt,
                                      const Words& words = {});

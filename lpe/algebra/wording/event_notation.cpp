@@ -1,4 +1,4 @@
-// Sets of events in the notation of the expression language: the other half of event_words.h.
+// Writes sets of events in the notation of the expression language. event_words.cpp writes them in English.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -14,15 +14,15 @@ std::string label_text(const std::string& label, Dialect dialect) {
     return dialect == Dialect::renderman ? quoted_label(label) : "'" + label + "'";
 }
 
-/// 'floor', ['a''b'], [^'a'] or '.'
+/// A label choice in notation: 'floor', ['a''b'], [^'a'] or '.'
 std::string slot_text(const LabelChoice& choice, Dialect dialect) {
     if (choice.kind == LabelChoice::Kind::any) { return "."; }
     std::vector<std::string> items;
     for (const std::string& name : choice.names) { items.push_back(label_text(name, dialect)); }
     for (const std::string& glob : choice.globs) { items.push_back("'" + glob + "'"); }
     const bool except = choice.kind == LabelChoice::Kind::except;
-    // To renderman no label is the empty label. To osl it is none, and [^'a'] wants some label: "(.-'a')" and "''" are
-    // how we write what osl has no words for.
+    // In renderman a missing label is the empty label. In osl it is no label, and [^'a'] requires some other label. osl
+    // has no notation for that, so we write "(.-'a')" and "''".
     const bool only_empty = !except && items.empty();
     const bool any_name = except && items.empty();
     if (dialect == Dialect::renderman ? choice.empty_allowed != except
@@ -40,7 +40,8 @@ std::string slot_text(const LabelChoice& choice, Dialect dialect) {
     return text + "]";
 }
 
-/// A letter with its lobe number, one that it must be too, and those it must not be: S, D2, G&S2, S-S2, S-G.
+/// A letter with its lobe number, a letter that must match too, and letters that must not match: S, D2, G&S2, S-S2,
+/// S-G.
 struct Letter {
     std::string text, also;
     std::vector<std::string> without;
@@ -55,7 +56,7 @@ std::vector<Letter> scatter_letters(const std::vector<Scatter>& scatters, const 
         letters.push_back({"G", {}, {}});
     }
     if (has_scatter(scatters, Scatter::singular)) {
-        // In renderman S takes glossy lobes in; what is not glossy has no letter of its own.
+        // In renderman S includes glossy lobes; a specular lobe that is not glossy has no letter of its own.
         const bool narrower = dialect == Dialect::renderman && !has_scatter(scatters, Scatter::glossy);
         letters.push_back({"S", {}, narrower ? std::vector<std::string>{"G"} : std::vector<std::string>{}});
     }
@@ -63,7 +64,7 @@ std::vector<Letter> scatter_letters(const std::vector<Scatter>& scatters, const 
     for (const Letter& letter : letters) {
         if (part.numbers.empty() || part.numbers_excluded) { numbered.push_back(letter); }
         for (const std::uint8_t number : part.numbers) {
-            const bool glossy = letter.text == "G";  // has no numbers of its own: it shares those of S
+            const bool glossy = letter.text == "G";  // has no numbers of its own; it uses those of S
             const std::string text = (glossy ? "S" : letter.text) + std::to_string(number);
             if (part.numbers_excluded) {
                 numbered.back().without.push_back(text);
@@ -75,7 +76,7 @@ std::vector<Letter> scatter_letters(const std::vector<Scatter>& scatters, const 
     return numbered;
 }
 
-/// The events of one type: <R[DS]'floor'>, D, (<RS>-<RS2>).
+/// Writes the events of one type: <R[DS]'floor'>, D, (<RS>-<RS2>).
 void add_surface(const std::string& type, const std::vector<Scatter>& scatters, const ScatteringOutline& part,
                  const std::string& labels, Dialect dialect, std::vector<std::string>& items) {
     if (scatters.empty()) { return; }

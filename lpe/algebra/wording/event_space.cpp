@@ -16,11 +16,11 @@ namespace raylex::lpe {
 
 namespace {
 
-/// The label tests of the patterns, slot by slot, and what decides on lobe numbers.
+/// The label tests of the patterns, slot by slot, and the core sets that distinguish lobe numbers.
 struct Tests {
     std::set<std::string> object_names, lobe_names, group_names;
     std::set<std::string> object_globs, lobe_globs, group_globs;
-    std::set<std::string> seen;  // keys of event sets that were read
+    std::set<std::string> seen;  // keys of event sets that were already read
     std::vector<CoreSet> core_sets;
 };
 
@@ -62,7 +62,7 @@ int highest_number(Scatter scatter) {
     return scatter == Scatter::diffuse ? 4 : scatter == Scatter::glossy || scatter == Scatter::singular ? 8 : 0;
 }
 
-/// The lobe numbers of a core in groups that every pattern answers alike, the unnumbered one's group first.
+/// Groups the lobe numbers of a core that every pattern treats alike; the group of the unnumbered lobe comes first.
 void add_cores(EventType type, Scatter scatter, const Tests& tests, std::vector<CoreKind>& cores) {
     std::map<std::vector<bool>, std::size_t> known;
     for (int number = 0; number <= highest_number(scatter); ++number) {
@@ -134,7 +134,7 @@ EventSpace::EventSpace(const std::vector<const Node*>& trees) {
     fill(groups_, tests.group_names, tests.group_globs);
     none_.values.push_back({"", true, {}});
     if (cores_.size() * objects_.values.size() * lobes_.values.size() > limits::event_points) {
-        fail("the expression names too many labels to tell its events in words", "use fewer labels, or globs");
+        fail("the expression names too many labels to describe its events in words", "use fewer labels, or globs");
     }
 }
 
@@ -169,7 +169,8 @@ std::vector<CoreKind> EventSpace::possible(EventRole role,
 std::vector<EventBox> EventSpace::boxes(const std::function<Membership(const Event&)>& member) const {
     std::vector<EventBox> result;
     for (const EventRole role : {EventRole::camera, EventRole::scattering, EventRole::user, EventRole::terminal}) {
-        // Cores with the same answers about labels go together, those in whole first.
+        // Group cores that give the same answers about labels; cores that are in the set whatever their labels come
+        // first.
         std::vector<std::pair<Matrix, std::vector<CoreKind>>> groups;
         std::vector<CoreKind> whole;
         for (const CoreKind& core : cores_) {
@@ -192,7 +193,7 @@ std::vector<EventBox> EventSpace::boxes(const std::function<Membership(const Eve
         if (!whole.empty()) { result.push_back({role, std::move(whole), {}, {}}); }
         for (const auto& [matrix, cores] : groups) { cut(role, cores, matrix, result); }
     }
-    // In the order of cores, so that L stands before O whatever their labels.
+    // Sort by core, so that L comes before O whatever their labels.
     const auto earlier = [](const EventBox& a, const EventBox& b) {
         const CoreKind& first = a.cores.front();
         const CoreKind& second = b.cores.front();
@@ -202,7 +203,7 @@ std::vector<EventBox> EventSpace::boxes(const std::function<Membership(const Eve
     return result;
 }
 
-/// Rows of the matrix that are alike make one box.
+/// Makes one box from all equal rows of the matrix.
 void EventSpace::cut(EventRole role, const std::vector<CoreKind>& cores, const Matrix& matrix,
                      std::vector<EventBox>& boxes) const {
     const Slot& first = first_slot(role);
@@ -215,8 +216,7 @@ void EventSpace::cut(EventRole role, const std::vector<CoreKind>& cores, const M
         }
         return flags;
     };
-    std::vector<std::pair<std::vector<bool>, std::vector<bool>>>
-        distinct;  // in, and possible, of the rows that are alike
+    std::vector<std::pair<std::vector<bool>, std::vector<bool>>> distinct;  // membership and possibility of equal rows
     std::vector<std::vector<bool>> rows_of;
     std::vector<bool> some_possible(first.values.size());
     for (std::size_t row = 0; row < first.values.size(); ++row) {
@@ -236,7 +236,7 @@ void EventSpace::cut(EventRole role, const std::vector<CoreKind>& cores, const M
         }
         rows_of[index][row] = true;
     }
-    // The rows whose second label does not matter first: they say the most in the fewest words.
+    // Rows whose second label does not matter come first, because they give the shortest text.
     std::vector<std::size_t> order(distinct.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_partition(order.begin(), order.end(),
@@ -249,9 +249,9 @@ void EventSpace::cut(EventRole role, const std::vector<CoreKind>& cores, const M
 
 LabelChoice EventSpace::choice(const Slot& slot, const std::vector<bool>& in, const std::vector<bool>& possible) {
     LabelChoice result;
-    bool rest_in = false;  // labels that nothing names
+    bool rest_in = false;  // labels that no expression names
     bool all = true;
-    std::vector<std::size_t> open;  // kinds of labels that globs tell apart
+    std::vector<std::size_t> open;  // kinds of labels that differ only in the globs they match
     for (std::size_t k = 0; k < slot.values.size(); ++k) {
         all = all && (in[k] || !possible[k]);
         const Value& value = slot.values[k];
@@ -264,7 +264,8 @@ LabelChoice EventSpace::choice(const Slot& slot, const std::vector<bool>& in, co
     }
     if (all) { return {}; }
     result.kind = rest_in ? LabelChoice::Kind::except : LabelChoice::Kind::only;
-    // List what differs from the rest: globs whose labels all differ first, then the names that no such glob covers.
+    // List what differs from the rest: first the globs whose labels all differ, then the names that no such glob
+    // covers.
     std::vector<bool> listed(slot.values.size(), false);
     const auto differs = [&](std::size_t k) { return in[k] != rest_in; };
     for (std::size_t glob = 0; glob < slot.globs.size(); ++glob) {

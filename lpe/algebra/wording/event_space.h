@@ -1,8 +1,8 @@
-// Sets of events told by their outlines: which types and scatterings, which lobe numbers, which labels. An automaton
-// knows a set only as answers to "is this event in it?"; people want "<R[DS]'floor'>" and "a reflection off 'floor'".
+// Describes sets of events by type and scattering, lobe numbers and labels. An automaton only answers "is this event in
+// the set?"; people read "<R[DS]'floor'>" or "a reflection off 'floor'".
 //
-// The space holds one event for every combination of core and labels that the expressions at hand can tell apart. A set
-// is asked about each of them and cut into boxes, core set x first label x second label, that are as few as is easy.
+// The space holds one event for every combination of core and labels that the given expressions distinguish. It tests
+// each event for membership and divides the set into few boxes: core set x first label x second label.
 #pragma once
 
 #include <cstddef>
@@ -17,25 +17,25 @@
 
 namespace raylex::lpe {
 
-/// What an event does in a word of W.
+/// The role of an event in a word of W.
 enum class EventRole : std::uint8_t { camera, scattering, user, terminal };
 
 [[nodiscard]] EventRole role_of(EventType type);
 
-/// A core, or several that differ in lobe number only and that no expression tells apart.
+/// One core, or several cores that differ only in lobe numbers that no expression distinguishes.
 struct CoreKind {
     EventType type = EventType::camera;
     Scatter scatter = Scatter::none;
     std::vector<std::uint8_t> numbers{0};  ///< ascending
 };
 
-/// The labels that one slot may carry.
+/// The labels that one slot can have.
 struct LabelChoice {
     enum class Kind : std::uint8_t { any, only, except };
     Kind kind = Kind::any;
-    std::vector<std::string> names;  ///< labels; the empty one is left out
+    std::vector<std::string> names;  ///< labels, without the empty one
     std::vector<std::string> globs;  ///< as expressions write them
-    bool empty_allowed = true;       ///< an event without this label is in the set
+    bool empty_allowed = true;       ///< the set contains events without this label
     bool operator==(const LabelChoice&) const = default;
 };
 
@@ -46,32 +46,33 @@ struct EventBox {
     LabelChoice second;  ///< lobe
 };
 
-/// An answer about one event; `never`: it cannot occur, so nothing depends on it.
+/// Membership of one event; `never`: the event cannot occur, so its membership is arbitrary.
 enum class Membership : std::uint8_t { out, in, never };
 
 class EventSpace {
   public:
-    /// The space for the events that these trees tell apart. Throws Failure when they are too many.
+    /// The space of the events that these trees distinguish. Throws Failure when there are too many.
     explicit EventSpace(const std::vector<const Node*>& trees);
 
-    /// The set as boxes: camera, scattering, users, terminals in this order; within each, by type and scattering.
+    /// Divides the set into boxes in the order camera, scattering, user, terminal; within a role, by type and
+    /// scattering.
     [[nodiscard]] std::vector<EventBox> boxes(const std::function<Membership(const Event&)>& member) const;
 
-    /// The kinds of cores of that role that can occur, i.e. are not `never` whatever their labels.
+    /// The kinds of cores of that role that can occur, that is, not `never` for all labels.
     [[nodiscard]] std::vector<CoreKind> possible(EventRole role,
                                                  const std::function<Membership(const Event&)>& member) const;
 
   private:
     struct Value {
         std::string example;      // a label of this kind
-        bool named = false;       // only this very label
-        std::vector<bool> globs;  // which of the slot's globs match it
+        bool named = false;       // the kind contains only this label
+        std::vector<bool> globs;  // [glob of the slot]: it matches the label
     };
     struct Slot {
         std::vector<std::string> globs;
         std::vector<Value> values;
     };
-    /// Answers of one core: [first][second].
+    /// The membership of one core by labels: [first][second].
     using Matrix = std::vector<Membership>;
 
     [[nodiscard]] const Slot& first_slot(EventRole role) const {

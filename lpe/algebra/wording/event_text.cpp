@@ -11,7 +11,7 @@ namespace raylex::lpe {
 
 namespace {
 
-/// Of the table over all slots: some seventy labels; more would give no short text.
+/// Cells of the table over all slots, enough for some seventy labels. More labels would give no short text.
 constexpr std::size_t most_cells = 12'000;
 constexpr std::size_t most_boxes = 24;  // of one item
 constexpr EventClass no_class = 0xFFFF;
@@ -25,7 +25,7 @@ struct Lobe {
     int number = 0;
 };
 
-/// No scatter, D0 to D4, G0 to G8, S0 to S8.
+/// All lobes: no scatter, D0 to D4, G0 to G8, S0 to S8.
 const std::vector<Lobe>& lobes() {
     static const std::vector<Lobe> list = [] {
         std::vector<Lobe> all{{Scatter::none, 0}};
@@ -49,8 +49,7 @@ std::string joined(const std::vector<std::string>& texts) {
     return all;
 }
 
-/// The fewest letters found by taking the widest first, so that every value of `needed` is in one and none of
-/// `forbidden`.
+/// A small set of letters, chosen greedily by size, that covers every value of `needed` and no value of `forbidden`.
 template <class Letters>
 std::optional<std::vector<std::string>> choose(const Letters& letters, const std::vector<bool>& needed,
                                                const std::vector<bool>& forbidden) {
@@ -75,7 +74,7 @@ std::optional<std::vector<std::string>> choose(const Letters& letters, const std
         for (std::size_t v = 0; v < left.size(); ++v) { left[v] = left[v] && !best->values[v]; }
         chosen.push_back(best);
     }
-    std::sort(chosen.begin(), chosen.end());  // the letters' own order
+    std::sort(chosen.begin(), chosen.end());  // order of the letters
     std::vector<std::string> texts;
     for (const auto* letter : chosen) { texts.push_back(letter->text); }
     return texts;
@@ -197,7 +196,7 @@ std::vector<EventWriter::Cell> EventWriter::table(const ClassSet& wanted, const 
     return cells;
 }
 
-/// Whether nothing avoided is in the box.
+/// Returns whether the box contains no avoided cell.
 bool EventWriter::fits(const std::vector<Cell>& cells, const Box& box) const {
     for (std::size_t a = 0; a < sizes_[0]; ++a) {
         for (std::size_t b = 0; box[0][a] && b < sizes_[1]; ++b) {
@@ -211,7 +210,7 @@ bool EventWriter::fits(const std::vector<Cell>& cells, const Box& box) const {
     return true;
 }
 
-/// The widest box around a cell, slots widened in the order given.
+/// Grows a box from one cell as far as possible, slot by slot in the given order.
 EventWriter::Box EventWriter::grown(const std::vector<Cell>& cells, const std::array<std::size_t, slots>& from,
                                     const std::array<std::size_t, slots>& order) const {
     Box box;
@@ -232,7 +231,7 @@ EventWriter::Box EventWriter::grown(const std::vector<Cell>& cells, const std::a
     return box;
 }
 
-/// The values of a slot without which the box would lose wanted cells.
+/// The values of a slot that the box needs to keep its wanted cells.
 EventWriter::Values EventWriter::values_in_use(const std::vector<Cell>& cells, const Box& box, std::size_t slot) const {
     Values used(sizes_[slot], false);
     std::array<std::size_t, slots> at{};
@@ -248,7 +247,7 @@ EventWriter::Values EventWriter::values_in_use(const std::vector<Cell>& cells, c
     return used;
 }
 
-/// The box as items of a list: "<RD'floor'>", or several bare letters.
+/// The box as list items: "<RD'floor'>", or several single letters.
 std::optional<std::vector<std::string>> EventWriter::box_text(const std::vector<Cell>& cells, const Box& box,
                                                               const std::string& label) const {
     std::array<std::vector<std::string>, slots> parts;
@@ -274,7 +273,7 @@ std::optional<std::vector<std::string>> EventWriter::box_text(const std::vector<
     if (!label.empty()) { text[2] = label; }
     const bool any_label = text[2] == "." && text[3] == ".";
     if (any_label && text[0] == "." && text[1] == ".") { return std::vector<std::string>{"."}; }
-    // Alone in its slot a list of letters is a list of events.
+    // A list of letters that stands alone is a list of events.
     for (const std::size_t slot : {std::size_t{0}, std::size_t{1}}) {
         if (any_label && text[1 - slot] == "." && !parts[slot].empty()) { return parts[slot]; }
     }
@@ -289,7 +288,7 @@ bool EventWriter::holds(const Box& box, std::size_t cell) const {
            box[1][cell / (sizes_[2] * sizes_[3]) % sizes_[1]] && box[0][cell / (sizes_[1] * sizes_[2] * sizes_[3])];
 }
 
-/// The box around a cell that takes in most of the cells still left; of equals the one of the shortest text.
+/// The box around a cell that covers the most remaining cells; ties go to the shortest text.
 std::optional<EventWriter::Box> EventWriter::best_box(const std::vector<Cell>& cells, const std::vector<Cell>& left,
                                                       std::size_t cell) const {
     const std::array<std::size_t, slots> at{cell / (sizes_[1] * sizes_[2] * sizes_[3]),
@@ -333,7 +332,7 @@ std::optional<std::vector<std::string>> EventWriter::cover(const std::vector<Cel
     return !by_first || (by_last && joined(*by_last).size() <= joined(*by_first).size()) ? by_last : by_first;
 }
 
-/// The texts of the boxes of a cover. A cell in several of them need be in one text only, the last box's:
+/// The texts of the boxes of a cover. A cell that several boxes contain is written only by the last of them:
 /// [<L.[^'key']>O] and not [<[LO].[^'key']>O].
 std::optional<std::vector<std::string>> EventWriter::texts(const std::vector<Cell>& cells,
                                                            const std::vector<Box>& boxes,
@@ -366,7 +365,7 @@ std::optional<std::string> EventWriter::write(const ClassSet& wanted, const Clas
     std::optional<std::string> text;
     if (items && !items->empty()) { text = items->size() == 1 ? items->front() : as_list(*items, "["); }
     if (text && text->size() <= 4) {
-        return text;  // no excluding form is shorter
+        return text;  // no form with [^...] is shorter
     }
     const auto others = cover(table(avoided, wanted));
     if (others && !others->empty()) {

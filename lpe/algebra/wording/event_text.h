@@ -1,10 +1,8 @@
-// Sets of events as people write them: a set of event classes becomes one item of a `renderman` expression, `D`,
-// `[DS]`,
-// `<R[^D2]>`, `<L.[^'key''fill']>`.
+// Writes a set of event classes as one item of a `renderman` expression: `D`, `[DS]`, `<R[^D2]>`, `<L.[^'key''fill']>`.
 //
-// The set is seen as a table over four slots (type, lobe, first label, second label). It is covered by boxes, each a
-// set of values a slot, and a box is a <...>; of the cover and the excluding form [^...] the shorter is taken. Events
-// that cannot stand where the item will stand are free: a box may hold them or not, whatever is shorter.
+// The set is a table over four slots (type, lobe, first label, second label). Boxes cover the table; each box is a set
+// of values per slot and becomes one <...>. The shorter of the cover and the excluding form [^...] is used. Events that
+// cannot occur where the item occurs are free: a box can contain them or not, whichever is shorter.
 #pragma once
 
 #include <array>
@@ -19,36 +17,35 @@
 
 namespace raylex::lpe {
 
-/// The labels that expressions name, slot by slot: object or light group, then lobe.
+/// The labels that expressions name, by slot: object or light group, then lobe.
 struct SlotLabels {
     std::array<std::vector<std::string>, 2> names, globs;
-    bool deeper = false;  ///< some expression tests a third label, which sets of events cannot show
+    bool deeper = false;  ///< an expression tests a third label, which the four slots cannot represent
 
-    /// Adds what the tree names.
+    /// Adds the labels that the tree names.
     void gather(const Node& root);
 };
 
 class EventWriter {
   public:
-    /// Throws Failure when the labels are too many to lay out. `extensions`: the letters B, V and G may be written,
-    /// which RenderMan does not know.
+    /// `extensions`: the writer can use the letters B, V and G, which RenderMan does not support. Throws Failure when
+    /// there are too many labels for the table.
     EventWriter(const EventClasses& classes, const SlotLabels& labels, bool extensions = true);
 
-    /// An item that matches every class of `wanted` and none of `avoided`; nothing where only a longer construction
-    /// could.
+    /// An item that matches every class of `wanted` and no class of `avoided`; nothing if one item cannot express this.
     [[nodiscard]] std::optional<std::string> write(const ClassSet& wanted, const ClassSet& avoided) const;
-    /// The same for the events that also carry a first label: `label` is its text, "'floor'" or "[^'floor''wall']". The
-    /// sets say nothing of labels then. Several items come without brackets around them.
+    /// An item for events that also carry the first label `label`, written as "'floor'" or "[^'floor''wall']". `wanted`
+    /// and `avoided` must not depend on labels. If several items are needed, the result has no brackets around them.
     [[nodiscard]] std::optional<std::string> write_labelled(const ClassSet& wanted, const ClassSet& avoided,
                                                             const std::string& label) const;
 
   private:
     static constexpr std::size_t slots = 4;  // type, lobe, first label, second label
-    using Values = std::vector<bool>;        // of one slot
+    using Values = std::vector<bool>;        // values of one slot
     using Box = std::array<Values, slots>;
     enum class Cell : std::uint8_t { avoided, wanted, free };
 
-    /// A text that stands for some values of a slot.
+    /// The text of a set of values of a slot.
     struct Letter {
         std::string text;
         Values values;
@@ -78,7 +75,7 @@ class EventWriter {
     std::array<std::size_t, slots> sizes_{};
     std::array<std::vector<Letter>, slots> letters_;
     std::array<std::vector<std::string>, 2> label_examples_;
-    std::vector<EventClass> class_of_cell_;  // no_class where no event of W is such
+    std::vector<EventClass> class_of_cell_;  // no_class for cells without an event of W
 };
 
 }  // namespace raylex::lpe

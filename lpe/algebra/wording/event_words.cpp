@@ -32,7 +32,7 @@ std::string adjectives(const std::vector<Scatter>& scatters, Dialect dialect) {
     return joined_by(words) + " ";
 }
 
-/// The labels of a choice, each as a noun: `labelled` stands before what a glob matches.
+/// The labels of a choice as nouns; `matched` precedes each glob.
 std::vector<std::string> listed(const LabelChoice& choice, const std::string& matched) {
     std::vector<std::string> items;
     for (const std::string& name : choice.names) { items.push_back(quoted(name)); }
@@ -40,7 +40,7 @@ std::vector<std::string> listed(const LabelChoice& choice, const std::string& ma
     return shortened(std::move(items));
 }
 
-/// What stands after "off", "through", "at" or "in".
+/// The object words after "off", "through", "at" or "in".
 std::string object_words(const LabelChoice& choice) {
     std::vector<std::string> items = listed(choice, "what is called ");
     if (choice.kind == LabelChoice::Kind::only) {
@@ -94,7 +94,7 @@ struct NounForms {
     std::string one, many, preposition;
 };
 
-/// The nouns of a part: what it takes to say all of it.
+/// The noun phrases that together describe a part.
 std::vector<NounForms> nouns(const ScatteringOutline& part, Dialect dialect) {
     std::vector<NounForms> forms;
     const std::string number = number_words(part);
@@ -155,7 +155,7 @@ EventPhrase terminal_phrase(const EventBox& box, const std::vector<CoreKind>& po
     };
     const bool light = has_type(box.cores, EventType::light);
     const bool background = has_type(box.cores, EventType::background);
-    // In renderman a light is a light, infinite ones included.
+    // In renderman every light is "a light", infinite lights included.
     const bool merged =
         dialect == Dialect::renderman && light && (background || !has_type(possible, EventType::background));
     if (merged) {
@@ -202,7 +202,7 @@ std::string joined_by(const std::vector<std::string>& items, const std::string& 
 }
 
 std::vector<ScatteringOutline> outline(const std::vector<CoreKind>& cores, const std::vector<CoreKind>& possible) {
-    // All numbers that a (type, scatter) pair has, and those of the box.
+    // The lobe numbers of each (type, scatter) pair: all possible ones, and those of the box.
     std::map<std::pair<EventType, Scatter>, std::pair<std::vector<std::uint8_t>, std::vector<std::uint8_t>>> cells;
     for (const CoreKind& core : possible) {
         auto& all = cells[{core.type, core.scatter}].first;

@@ -25,7 +25,7 @@ bool has_role(const EventSet& set, EventRole role) {
     return false;
 }
 
-/// Everything a path can still become.
+/// The progress that a path can reach from `in`.
 ProgressSet any_later(ProgressSet in) {
     return static_cast<ProgressSet>(in | ((in & before_camera) != 0 ? under_way | ended : 0) |
                                     ((in & under_way) != 0 ? ended : 0));
@@ -35,7 +35,7 @@ ProgressSet any_earlier(ProgressSet out) {
                                     ((out & under_way) != 0 ? before_camera : 0));
 }
 
-/// Progress never goes back, so after this many rounds of one child another round changes nothing.
+/// Progress never decreases, so further rounds of the same child change nothing.
 constexpr int settled = 4;
 int rounds(const Node& repeat) {
     const int most = std::min(repeat.min, settled) + settled;
@@ -49,7 +49,7 @@ PathRoles::PathRoles(const Node& root) {
     possible_ = (backward(root, ended) & before_camera) != 0;
 }
 
-/// What a path can have become behind the node.
+/// The possible progress of a path after the node.
 ProgressSet PathRoles::forward(const Node& node, ProgressSet in) {
     std::optional<ProgressSet>& answer = known_[&node].forward[in];
     if (!answer) {
@@ -97,7 +97,7 @@ ProgressSet PathRoles::forward_once(const Node& node, ProgressSet in) {
     return out;
 }
 
-/// What a path can have been before the node to be `out` behind it. A repetition's rounds are not told apart.
+/// The possible progress of a path before the node, given `out` after it. All rounds of a repetition are treated alike.
 ProgressSet PathRoles::backward(const Node& node, ProgressSet out) {
     std::optional<ProgressSet>& answer = known_[&node].backward[out];
     if (!answer) { answer = backward_once(node, out); }

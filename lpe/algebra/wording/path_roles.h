@@ -1,6 +1,6 @@
-// Which part of a path each event of an expression can be. Words of W are camera, scattering, terminal in this order,
-// so a
-// '.' after the camera is no camera, and the one at the end is a terminal. Only the order is looked at, not labels.
+// Finds the role that each event of an expression can have in a path. Words of W are camera, scattering, terminal in
+// this order, so a '.' after the camera is no camera, and a '.' at the end is a terminal. The analysis uses the order
+// only and ignores labels.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace raylex::lpe {
 
-/// How far a path has come, as a set of bits.
+/// The progress of a path, as a set of bits.
 enum Progress : std::uint8_t { before_camera = 1, under_way = 2, ended = 4 };
 using ProgressSet = std::uint8_t;
 
@@ -21,19 +21,20 @@ class PathRoles {
   public:
     explicit PathRoles(const Node& root);
 
-    /// Whether some order of events is a path at all. If not, every event can be whatever it is.
+    /// Returns whether some order of events forms a path. If not, every event can have every role.
     [[nodiscard]] bool possible() const { return possible_; }
     [[nodiscard]] bool can_be(const Node& event, EventRole role) const;
-    /// How far a path may have come when it leaves the node on its way to the end of a word.
+    /// The possible progress of a path that leaves the node and goes on to the end of a word.
     [[nodiscard]] ProgressSet after(const Node& node) const;
-    /// Whether a path that went through the node has always come to its end.
+    /// Returns whether every path has ended after the node.
     [[nodiscard]] bool always_ends(const Node& node) const { return after(node) == ended; }
 
   private:
     struct Range {
-        ProgressSet in = 0, out = 0;  // that lie on some way from the start to the end
+        ProgressSet in = 0, out = 0;  // on some way from start to end
     };
-    /// What was found about a node, for each of the eight sets: repetitions inside one another ask again and again.
+    /// Cached results for a node and each of the eight sets; without the cache nested repetitions would repeat the
+    /// work.
     struct Known {
         std::array<std::optional<ProgressSet>, 8> forward, backward;
         ProgressSet reached = 0;

@@ -9,12 +9,12 @@ namespace raylex::lpe {
 
 namespace {
 
-constexpr int most_nodes = 400;  ///< of an expression that is told; a longer one gets "..."
+constexpr int most_nodes = 400;  ///< limit on described nodes; "..." replaces the rest of a longer expression
 constexpr int most_depth = 12;
 constexpr std::size_t most_pieces = 60;
 constexpr const char* ellipsis = "...";
 
-/// The events of a node that is one event or a choice among single events; else nothing.
+/// Collects the events of a node that is one event, or a choice among single events; otherwise returns false.
 bool single_events(const Node& node, std::vector<const Node*>& events) {
     if (node.kind == NodeKind::event) {
         events.push_back(&node);
@@ -43,12 +43,12 @@ std::string counted_words(const EventPhrase& phrase, int min, int max) {
     return (min == 0 ? "up to " + number_word(max) : number_word(min) + " to " + number_word(max)) + " " + many;
 }
 
-/// What follows "ending at".
+/// The words after "ending at".
 std::string end_words(const EventPhrase& phrase) {
     return joined_by(phrase.one, phrase.one.size() == 2 ? " or at " : " or ");
 }
 
-/// A part of a sentence, in parentheses where it would run into the next.
+/// A part of a sentence, in parentheses if it contains commas or semicolons.
 std::string set_apart(const std::string& text) {
     return text.find_first_of(",;") == std::string::npos ? text : "(" + text + ")";
 }
@@ -70,7 +70,7 @@ bool PathTeller::too_long(const Node& /*node*/) {
     return ++said_ > most_nodes || depth_ > most_depth;
 }
 
-/// The events that these nodes mean where they can stand in a path.
+/// Describes the events of these nodes that can have the role.
 EventPhrase PathTeller::phrase(const std::vector<const Node*>& nodes, EventRole role) {
     std::vector<const Node*> able;
     for (const Node* node : nodes) {
@@ -136,7 +136,7 @@ std::vector<PathTeller::Step> PathTeller::repeat_steps(const Node& node) {
 }
 
 std::vector<PathTeller::Step> PathTeller::choice_steps(const Node& node) {
-    // A choice inside a choice is one choice.
+    // Flattens nested choices.
     std::vector<const Node*> options;
     for (const NodePtr& child : node.children) {
         const bool nested = child->kind == NodeKind::alternatives;
@@ -168,7 +168,7 @@ std::vector<PathTeller::Step> PathTeller::choice_steps(const Node& node) {
     return {{camera ? StepKind::camera : StepKind::middle, text}};
 }
 
-/// '&', '-' and '!'.
+/// Describes the operators '&', '-' and '!'.
 std::vector<PathTeller::Step> PathTeller::language_steps(const Node& node) {
     const bool camera = after_camera_;
     std::string text;
@@ -211,7 +211,7 @@ std::vector<PathTeller::Step> PathTeller::steps(const Node& node) {
     return result;
 }
 
-/// `inner`: the steps stand inside something, where a path may begin in the middle.
+/// Joins steps to a sentence. `inner`: the steps are part of a larger phrase, so their path can begin after the camera.
 std::string PathTeller::join(const std::vector<Step>& steps, bool inner) const {
     std::string text;
     bool straight = inner && after_camera_;  // nothing has happened since the camera

@@ -1,4 +1,4 @@
-// Expressions in English: the whole as a sentence, and piece by piece.
+// Describes expressions in English: as one sentence, and piece by piece.
 #pragma once
 
 #include <cstddef>
@@ -13,20 +13,20 @@
 
 namespace raylex::lpe {
 
-/// A part of an expression and what it says.
+/// A piece of an expression and its description.
 struct Piece {
     std::size_t begin = 0, end = 0;  ///< its bytes in the text
-    int depth = 0;                   ///< how deep it stands in other pieces
+    int depth = 0;                   ///< nesting depth
     std::string words;
 };
 
 class PathTeller {
   public:
-    /// `root` is the whole expression. All arguments must outlive the teller.
+    /// `root` is the root of the expression. All arguments must outlive the object.
     PathTeller(const EventTeller& events, const EventTeller::Members& occurring, const Node& root);
 
-    /// "from the camera, one diffuse reflection, ending at a light". What is too long to be said is left out with a
-    /// mark.
+    /// "from the camera, one diffuse reflection, ending at a light". A mark replaces the part of the description that
+    /// would be too long.
     std::string sentence();
     std::vector<Piece> pieces();
 
@@ -35,7 +35,7 @@ class PathTeller {
     struct Step {
         StepKind kind = StepKind::middle;
         std::string text;
-        std::string straight{};  ///< of an end: what follows "straight to"
+        std::string straight{};  ///< for an end: the words after "straight to"
     };
     struct Count {
         int min = 1, max = 1;
@@ -55,7 +55,7 @@ class PathTeller {
     const EventTeller::Members& occurring_;
     const Node& root_;
     PathRoles roles_;
-    int said_ = 0;  // nodes told so far
+    int said_ = 0;  // number of nodes described so far
     int depth_ = 0;
     bool after_camera_ = false;
     std::map<std::pair<std::vector<const Node*>, EventRole>, EventPhrase> phrases_;

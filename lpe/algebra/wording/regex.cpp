@@ -13,7 +13,7 @@ bool same(const RegexPtr& a, const RegexPtr& b) {
     return a->text == b->text;
 }
 
-/// What stands under a repetition, and how often; anything else is itself, once.
+/// A part and its repetition counts; a part that is not repeated counts once.
 struct Counted {
     RegexPtr part;
     int min = 1, max = 1;
@@ -33,7 +33,7 @@ std::vector<RegexPtr> parts_of(const RegexPtr& regex) {
     return regex->kind == Kind::sequence ? regex->parts : std::vector<RegexPtr>{regex};
 }
 
-/// The text as one atom, to be repeated.
+/// The text as one atom, to which a repetition can be attached.
 std::string atom(const RegexPtr& regex) {
     return regex->kind == Kind::events ? regex->text : "(" + regex->text + ")";
 }
@@ -44,7 +44,7 @@ std::string suffix(int min, int max) {
     return min == max ? "{" + std::to_string(min) + "}" : "{" + std::to_string(min) + "," + std::to_string(max) + "}";
 }
 
-/// One of several alternatives: whole in parentheses unless it is a single item.
+/// The text as one of several alternatives: in parentheses unless it is a single item.
 std::string choice(const RegexPtr& regex) {
     return regex->kind == Kind::sequence ? "(" + regex->text + ")" : regex->text;
 }
@@ -57,18 +57,18 @@ RegexPtr RegexBuilder::finish(Regex regex) {
             regex.text.clear();
             break;
         case Kind::events:
-            break;  // written by events()
+            break;  // events() writes the text
         case Kind::sequence:
             for (const RegexPtr& part : regex.parts) { regex.text += part->text; }
             break;
         case Kind::alternatives:
-            // In parentheses, so that both readings of '|' agree.
+            // The parentheses make both readings of '|' agree.
             for (const RegexPtr& part : regex.parts) { regex.text += (regex.text.empty() ? "(" : "|") + choice(part); }
             regex.text += ")";
             break;
         case Kind::repeat: {
             const RegexPtr& part = regex.parts.front();
-            // Alternatives have their parentheses already.
+            // Alternatives already have parentheses.
             regex.text = (part->kind == Kind::alternatives ? part->text : atom(part)) + suffix(regex.min, regex.max);
             break;
         }
@@ -96,7 +96,7 @@ RegexPtr RegexBuilder::events(ClassSet set) {
 RegexPtr RegexBuilder::repeat(const RegexPtr& part, int min, int max) {
     if (part->kind == Kind::epsilon || (min == 1 && max == 1)) { return part; }
     const Counted inner = counted(part);
-    // (X?)* = (X+)* = (X*)+ = X*, (X+)? = X*: repetitions of repetitions that leave no gaps.
+    // (X?)* = (X+)* = (X*)+ = X*, (X+)? = X*: nested repetitions without gaps.
     if (part->kind == Kind::repeat && inner.min <= 1 && (inner.max == Regex::unbounded || max == Regex::unbounded) &&
         min <= 1) {
         return repeat(inner.part, std::min(inner.min, min), Regex::unbounded);
@@ -119,7 +119,7 @@ RegexPtr RegexBuilder::star(const RegexPtr& a) {
 }
 
 RegexPtr RegexBuilder::sequence_of(std::vector<RegexPtr> parts) {
-    // Neighbours that repeat the same thing: XX* = X+.
+    // Join neighbours that repeat the same part: XX* = X+.
     std::vector<RegexPtr> joined;
     for (RegexPtr& part : parts) {
         if (!joined.empty()) {
@@ -162,7 +162,7 @@ RegexPtr RegexBuilder::sequence(const RegexPtr& a, const RegexPtr& b) {
     return alternatives(all_of(without), all_of(with));
 }
 
-/// What the first or last parts of both share, taken out: AX | AY = A(X|Y). Null when they share nothing.
+/// Factors out a common first or last part: AX | AY = A(X|Y). Null when there is none.
 RegexPtr RegexBuilder::factored(const RegexPtr& a, const RegexPtr& b, bool from_front) {
     std::vector<RegexPtr> left = parts_of(a), right = parts_of(b);
     if (left.empty() || right.empty()) { return nullptr; }
@@ -171,7 +171,7 @@ RegexPtr RegexBuilder::factored(const RegexPtr& a, const RegexPtr& b, bool from_
     };
     const Counted x = counted(end_of(left)), y = counted(end_of(right));
     if (!same(x.part, y.part)) { return nullptr; }
-    // X{2,}A | XB = X(X+A | B): one X at a time, so that every overlap is seen.
+    // X{2,}A | XB = X(X+A | B): factoring one X at a time finds every overlap.
     RegexPtr shared;
     if (same(end_of(left), end_of(right))) {
         shared = end_of(left);
@@ -195,14 +195,14 @@ RegexPtr RegexBuilder::factored(const RegexPtr& a, const RegexPtr& b, bool from_
     if (!optional_mark_ && left.empty() != right.empty()) {
         const std::vector<RegexPtr>& more = left.empty() ? right : left;
         if (!std::all_of(more.begin(), more.end(), [](const RegexPtr& part) { return part->nullable; })) {
-            return nullptr;  // the rest would be (X)?
+            return nullptr;  // the remainder would be (X)?
         }
     }
     const RegexPtr rest = alternatives(sequence_of(std::move(left)), sequence_of(std::move(right)));
     return from_front ? sequence(shared, rest) : sequence(rest, shared);
 }
 
-/// Both as one simpler expression, or null.
+/// The union as one simpler expression, or null.
 RegexPtr RegexBuilder::merged(const RegexPtr& a, const RegexPtr& b) {
     if (same(a, b)) { return a; }
     if (a->kind == Kind::events && b->kind == Kind::events) {
@@ -217,7 +217,7 @@ RegexPtr RegexBuilder::merged(const RegexPtr& a, const RegexPtr& b) {
     }
     const Counted x = counted(a), y = counted(b);
     if (same(x.part, y.part)) {
-        // Ranges that touch: X | XX+ = X+.
+        // Join adjacent ranges: X | XX+ = X+.
         const bool touch =
             (x.max == Regex::unbounded || y.min <= x.max + 1) && (y.max == Regex::unbounded || x.min <= y.max + 1);
         if (touch) {
@@ -233,7 +233,7 @@ RegexPtr RegexBuilder::merged(const RegexPtr& a, const RegexPtr& b) {
     return nullptr;
 }
 
-/// Merges the first two parts that can be; true when there were any.
+/// Merges the first two parts that can be merged; returns whether there were such parts.
 bool RegexBuilder::merge(std::vector<RegexPtr>& parts) {
     for (std::size_t i = 0; i < parts.size(); ++i) {
         for (std::size_t j = i + 1; j < parts.size(); ++j) {

@@ -1,4 +1,4 @@
-// Regular expressions under construction: texts with enough structure to simplify as they are put together.
+// Builds regular expressions as texts, and simplifies them during construction.
 #pragma once
 
 #include <cstddef>
@@ -15,25 +15,24 @@ namespace raylex::lpe {
 struct Regex;
 using RegexPtr = std::shared_ptr<const Regex>;
 
-/// A language of words. Null stands for the empty language.
+/// A language of words. Null is the empty language.
 struct Regex {
     enum class Kind { epsilon, events, sequence, alternatives, repeat };
     static constexpr int unbounded = -1;
 
     Kind kind = Kind::epsilon;
     ClassSet events;
-    std::vector<RegexPtr> parts;  // of a sequence or of alternatives; the one part of a repetition
+    std::vector<RegexPtr> parts;  // of a sequence or of alternatives; the single part of a repetition
     int min = 1, max = 1;
-    std::string text;  // as it stands in a sequence; equal texts are equal languages
+    std::string text;  // as written in a sequence; equal texts are equal languages
     bool nullable = false;
 };
 
-/// Builds expressions, simplified, and writes their texts. Gives up (`failed`) as soon as a set of events has no text
-/// or an expression passes the length bound.
+/// Builds simplified expressions and their texts. It sets `failed` when a set of events has no text, or when an
+/// expression exceeds the length limit.
 class RegexBuilder {
   public:
-    /// `write` turns a set of events into one item, or into nothing when it cannot. Without `optional_mark` X?Y is
-    /// written Y|XY.
+    /// `write` converts a set of events to one item, or returns nothing. Without `optional_mark`, X?Y is written Y|XY.
     RegexBuilder(std::function<std::optional<std::string>(const ClassSet&)> write, std::size_t longest,
                  bool optional_mark = true)
         : write_(std::move(write)), longest_(longest), optional_mark_(optional_mark) {}

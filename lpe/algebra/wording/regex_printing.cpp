@@ -1,5 +1,6 @@
-// State elimination (Brzozowski and McCluskey): states are taken out one by one, each leaving the expressions of the
-// ways through it on the edges between its neighbours. The order decides how long the text gets; a few are tried.
+// State elimination (Brzozowski and McCluskey): removes states one by one and moves the expressions of the ways through
+// each state to the edges between its neighbours. The order decides the length of the text, so several orders are
+// tried.
 #include "lpe/algebra/wording/regex_printing.h"
 
 #include <algorithm>
@@ -20,9 +21,9 @@ namespace raylex::lpe {
 
 namespace {
 
-constexpr std::size_t most_states = 40;  // a text for more would be long
+constexpr std::size_t most_states = 40;  // more states would give a long text
 
-/// What kind of place in a path an event class stands in.
+/// The event classes of each role in a path.
 struct Roles {
     ClassSet camera, scattering, terminal;
 };
@@ -41,20 +42,20 @@ Roles find_roles(const Languages& languages) {
         const Event& example = languages.classes->example(static_cast<EventClass>(k));
         const std::uint32_t target = words.step(after_camera, static_cast<EventClass>(k));
         if (target == 0 || example.scatter == Scatter::straight) {
-            continue;  // straight-through events leave no event in this dialect
+            continue;  // in this dialect pass-through events leave no event
         }
         (words.output[target] != 0 ? roles.terminal : roles.scattering)[k] = true;
     }
     return roles;
 }
 
-/// The automaton with an expression on every edge; state `states` is the one accepting end.
+/// The automaton with an expression on every edge. State `states` is the only accepting state.
 struct Graph {
     std::size_t end = 0, start = 0;
     std::map<std::pair<std::size_t, std::size_t>, RegexPtr> edges;
 };
 
-/// States from which something is accepted.
+/// States from which an accepting state is reachable.
 std::vector<bool> live_states(const Dfa& dfa) {
     std::vector<bool> live(dfa.states(), false);
     for (bool changed = true; changed;) {
@@ -115,7 +116,7 @@ void eliminate(Graph& graph, std::size_t state, RegexBuilder& builder) {
     }
 }
 
-/// How much text taking the state out would write now.
+/// The length of the text that removing the state would add.
 std::size_t cost(const Graph& graph, std::size_t state) {
     std::size_t ins = 0, outs = 0, in_text = 0, out_text = 0, loop_text = 0;
     for (const auto& [ends, regex] : graph.edges) {
@@ -151,7 +152,7 @@ std::optional<std::string> eliminated(Graph graph, Order order, RegexBuilder bui
         eliminate(graph, left[pick], builder);
         left.erase(left.begin() + static_cast<std::ptrdiff_t>(pick));
     }
-    // The start is never come back to: no word has a second camera.
+    // No edge returns to the start, because no word has a second camera.
     const auto whole = graph.edges.find({graph.start, graph.end});
     if (builder.failed() || whole == graph.edges.end() || graph.edges.count({graph.start, graph.start}) != 0) {
         return std::nullopt;
@@ -164,8 +165,8 @@ std::optional<std::string> text_of(const Dfa& language, const Languages& languag
     if (language.states() > most_states || language.start == 0) { return std::nullopt; }
     const Roles roles = find_roles(languages);
     const EventWriter writer(*languages.classes, labels, reader == Reader::raylex);
-    // An item among terminals may match scattering events no more than it may match other terminals, and the other way
-    // round: [LO] rather than '.', though W would forgive it. What is on no path of W is free.
+    // A terminal item must not match scattering events, and must not match other terminals; scattering items likewise:
+    // [LO] and not '.', although W would allow it. Events on no path of W are free.
     std::map<ClassSet, std::optional<std::string>> written;
     const auto write = [&](const ClassSet& wanted) -> std::optional<std::string> {
         const auto [place, fresh] = written.try_emplace(wanted);
@@ -183,7 +184,7 @@ std::optional<std::string> text_of(const Dfa& language, const Languages& languag
         }
         return place->second;
     };
-    // While states are taken out texts may be longer than the result.
+    // Intermediate texts can be longer than the result.
     RegexBuilder builder(write, 8 * longest_printed_expression, reader == Reader::raylex);
     const Graph graph = graph_of(language, roles, builder);
     if (builder.failed()) { return std::nullopt; }
@@ -196,7 +197,7 @@ std::optional<std::string> text_of(const Dfa& language, const Languages& languag
     return best && best->size() <= longest_printed_expression ? best : std::nullopt;
 }
 
-/// Channels as automata, labels gathered, W beside them.
+/// The channels and W as automata, with the labels that the channels name.
 struct PrintingQuestion {
     Languages languages;
     SlotLabels labels;
@@ -227,7 +228,7 @@ ChannelSource printed(const std::string& text) {
     return source;
 }
 
-/// What the channels leave of the beauty, cut to `words`, as text.
+/// The paths of the beauty that no channel counts, restricted to `words`, as text.
 std::optional<std::string> left_over(std::span<const ChannelSource> channels,
                                      const std::optional<ChannelSource>& beauty, const Words& words, Reader reader) {
     std::vector<ChannelSource> all(channels.begin(), channels.end());
@@ -249,7 +250,8 @@ std::optional<std::string> left_over(std::span<const ChannelSource> channels,
     return text_of(language, question.languages, question.labels, reader);
 }
 
-/// W itself, and W with fewer cuts: the rest of more words is a rest of fewer, and often has the shorter text.
+/// W itself, and W with fewer restrictions: a rest for a larger W is also a rest for a smaller one, and its text is
+/// often shorter.
 std::vector<Words> worlds_around(const Words& words) {
     Words wider = words;
     wider.alphabet.reset();
@@ -280,7 +282,7 @@ std::optional<std::string> rest_text(std::span<const ChannelSource> channels,
     for (const Words& world : worlds_around(words)) {
         auto left = guarded([&] { return left_over(channels, beauty, world, reader); });
         if (!left) {
-            failure = left.error();  // another world may be small enough
+            failure = left.error();  // a different W can give a smaller automaton
             continue;
         }
         std::optional<std::string> text = std::move(*left);

@@ -1,4 +1,4 @@
-// From an automaton back to a text that people read, in the `renderman` dialect.
+// Converts automata back to readable expressions in the `renderman` dialect.
 #pragma once
 
 #include <cstddef>
@@ -13,18 +13,18 @@
 
 namespace raylex::lpe {
 
-/// Longer texts are no help to anybody and are not shown.
+/// Maximum length in bytes; a longer text does not help a reader.
 inline constexpr std::size_t longest_printed_expression = 160;
 
-/// An expression for what the channels leave of `beauty` (of W when absent): every word of it that none of them
-/// accepts. Nothing when no short one was found, or when they leave nothing. What is returned was read again and
-/// proved: together with the channels it covers every word, and it shares none with them. What `words` rule out is used
-/// where that makes the text shorter, and only there. Errors: a channel that does not parse.
+/// An expression for the rest: every word of `beauty` (of W when absent) that no channel accepts. Nothing when no short
+/// expression was found, or when the rest is empty. The result is parsed again and proved: together with the channels
+/// it covers every word, and it shares none with them. Restrictions in `words` are used only where they make the text
+/// shorter. Errors: a channel does not parse.
 Result<std::optional<std::string>> rest_expression(std::span<const ChannelSource> channels,
                                                    const std::optional<ChannelSource>& beauty = std::nullopt,
                                                    const Words& words = {}, Reader reader = Reader::raylex);
 
-/// The same for one channel: a plain expression that accepts the same words of W.
+/// A simpler expression for one channel that accepts the same words of W; nothing when no short one was found.
 Result<std::optional<std::string>> plain_expression(const ChannelSource& channel, const Words& words = {});
 
 }  // namespace raylex::lpe

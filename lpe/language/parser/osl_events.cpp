@@ -11,8 +11,8 @@ std::string symbol_of(Scatter scatter) {
     return scatter == Scatter::none ? std::string(none_symbol) : std::string(1, scatter_letter(scatter));
 }
 
-/// What names of events in the first slot and of lobes in the second stand for. Wildcards and [^...] mean none of
-/// them.
+/// Adds the events that registered names denote: event names in the first slot, lobe names in the second. Wildcards and
+/// [^...] match none of them.
 void add_registered(CoreSet& cores, const LabelTest& type, const LabelTest& scatter, const Vocabulary& vocabulary) {
     if (!type.negated && scatter.matches(none_symbol)) {
         for (const std::string& name : type.names) {
@@ -65,7 +65,7 @@ EventSet osl_events(const SymbolSequences& sequences, bool open, const Vocabular
         if (vocabulary != nullptr) { add_registered(pattern.cores, symbols[0], symbols[1], *vocabulary); }
         pattern.labels.assign(symbols.begin() + 2, symbols.end());
         for (LabelTest& label : pattern.labels) {
-            std::erase(label.names, none_symbol);  // a label that is there is never NONE
+            std::erase(label.names, none_symbol);  // an existing label never equals NONE
         }
         pattern.missing = Missing::refuses;
         pattern.extra = open ? Extra::unreserved : Extra::refused;

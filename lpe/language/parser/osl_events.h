@@ -1,5 +1,5 @@
-// The event level of the `osl` dialect, where an event is a word of symbols: type, scatter, labels. parser_osl.cpp
-// reads the words.
+// Events of the `osl` dialect. There an event is a word of symbols: type, scatter, labels. parser_osl.cpp parses the
+// words.
 #pragma once
 
 #include <string_view>
@@ -10,18 +10,18 @@
 
 namespace raylex::lpe {
 
-/// OSL's NONE, which the unquoted letter x stands for. No quoted text is equal to it, as it is to no label: quoted
-/// texts hold no quote.
+/// OSL's NONE, written as the unquoted letter x. It equals no quoted text and no label, because quoted texts contain no
+/// quote.
 inline constexpr std::string_view none_symbol = "'";
 
 using SymbolSequence = std::vector<LabelTest>;
 using SymbolSequences = std::vector<SymbolSequence>;
 
-/// Adds alternatives, all of the single symbols among them as one test.
+/// Adds alternatives; all single symbols among them become one test.
 void add_alternatives(SymbolSequences& list, SymbolSequences more);
 
-/// The events whose symbols are one of the sequences, each of two symbols at least; `open`: further labels may follow.
-/// Names of `vocabulary`, which may be null, stand for what it says.
+/// The events whose symbols match one of the sequences, each of at least two symbols. `open`: further labels can
+/// follow. `vocabulary` defines registered names and can be null.
 EventSet osl_events(const SymbolSequences& sequences, bool open, const Vocabulary* vocabulary);
 
 }  // namespace raylex::lpe

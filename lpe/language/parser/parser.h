@@ -1,4 +1,4 @@
-// Text to tree. The grammars stand in lpe/README.md.
+// Parses text to a tree. lpe/README.md has the grammars.
 #pragma once
 
 #include "lpe/language/ast.h"
@@ -7,10 +7,10 @@
 
 namespace raylex::lpe {
 
-/// Throws Failure with file, line and column.
+/// Parses in the source's dialect. Throws Failure with file, line and column.
 [[nodiscard]] Expression parse(const ChannelSource& source, BarReading bar = BarReading::tight);
 
-// One per dialect; `parse` chooses.
+// One parser per dialect; parse() selects it.
 [[nodiscard]] Expression parse_renderman(const SourceText& text, BarReading bar);
 [[nodiscard]] Expression parse_osl(const SourceText& text, BarReading bar);
 

@@ -1,10 +1,10 @@
-// The `osl` dialect: agrees with Open Shading Language's own parser (liboslexec/lpeparse) construct by construct, its
-// oddities included. There, an event is a word of symbols: type, scatter, labels. What stands inside <...> is an
-// expression over those symbols, without repetitions, so each item is a finite set of fixed-length symbol sequences.
+// The parser of the `osl` dialect. It agrees with Open Shading Language's parser (liboslexec/lpeparse) in every
+// construct, oddities included. An event is a word of symbols: type, scatter, labels. <...> contains an expression over
+// these symbols without repetitions, so each item is a finite set of fixed-length symbol sequences.
 //
-// Oddities kept, because channels written for OSL rely on what OSL does with them:
-// - a leading '(' ends the expression at its ')'; OSL ignores the rest (a warning says so);
-// - every byte that is no other token is a symbol inside <...>, digits and blanks included, and may never match;
+// Oddities that are kept because channels written for OSL depend on them:
+// - a leading '(' ends the expression at its ')'; OSL ignores the rest (raylex warns);
+// - inside <...> every byte that is no other token is a symbol, digits and blanks included, and it may never match;
 // - a quoted '.' inside <...> is the wildcard;
 // - the slot of [^...] outside <...> is that of its last symbol;
 // - {n,m} with m < n repeats n times.
@@ -84,7 +84,7 @@ class OslParser {
 
     // ---- whole events -------------------------------------------------------------------------------------------
 
-    /// Items up to `closer` (not consumed) or the end of the text. '|' joins the previous item and the next.
+    /// Parses items up to `closer` (not consumed) or the end of the text. '|' joins the previous and the next item.
     NodePtr parse_items(char closer) {
         NodePtr sequence = make_node(NodeKind::sequence);
         NodePtr choices;  // loose reading only
@@ -113,7 +113,7 @@ class OslParser {
             }
             NodePtr item = parse_item();
             if (join_next) {
-                // One node for a whole chain: later stages walk the tree by recursion.
+                // A whole chain becomes one node, because later stages walk the tree recursively.
                 NodePtr joined = chained ? std::move(sequence->children.back()) : make_node(NodeKind::alternatives);
                 if (!chained) joined->children.push_back(std::move(sequence->children.back()));
                 joined->children.push_back(std::move(item));
@@ -224,7 +224,7 @@ class OslParser {
         return {min, max};
     }
 
-    /// A decimal number, or -1 when there is none.
+    /// Parses a decimal number; -1 when there is none.
     int parse_count() {
         const std::size_t begin = position_;
         int count = -1;
@@ -238,7 +238,7 @@ class OslParser {
         return count;
     }
 
-    /// A letter or quoted label that stands for a whole event.
+    /// Parses a letter or quoted label that matches a whole event.
     EventSet parse_letter() {
         const std::size_t offset = position_;
         const auto [name, quoted] = parse_symbol();
@@ -271,8 +271,8 @@ class OslParser {
 
     // ---- symbols inside <...> -----------------------------------------------------------------------------------
 
-    /// One byte, or a quoted text; second: whether it was quoted. Quoted, a text is compared as it is, so 'x' is a
-    /// label like any other and 'D' is the symbol D.
+    /// Parses one byte or a quoted text; the second value is true for a quoted text. A quoted text is compared
+    /// verbatim: 'x' is an ordinary label, and 'D' is the symbol D.
     std::pair<std::string, bool> parse_symbol() {
         if (at('x')) {
             ++position_;
@@ -286,7 +286,7 @@ class OslParser {
         return {std::string(text_.substr(opening + 1, end - opening - 1)), true};
     }
 
-    /// [^...] after its '[': the excluded symbols, and the slot that the last of them belongs to.
+    /// Parses [^...] from its '[': the excluded symbols, and the slot of the last one.
     std::pair<LabelTest, Slot> parse_negated_symbols(std::size_t opening) {
         ++position_;  // '^'
         LabelTest test = LabelTest::any();
@@ -347,7 +347,7 @@ class OslParser {
             item = parse_symbol_list();
         } else {
             const auto [name, quoted] = parse_symbol();
-            // OSL compares the text only, so a quoted '.' is the wildcard too.
+            // OSL compares only the text, so a quoted '.' is the wildcard, too.
             item = {{name == "." ? LabelTest::any() : one_symbol(name)}};
         }
         if (at('*') || at('+') || at('{')) {
@@ -406,7 +406,7 @@ class OslParser {
     SymbolSequences concatenate(const SymbolSequences& left, const SymbolSequences& right, std::size_t offset) const {
         SymbolSequences result;
         if (left.size() * right.size() > limits::group_variants) {
-            source_.fail_at(offset, "this <...> stands for more than " + std::to_string(limits::group_variants) +
+            source_.fail_at(offset, "this <...> contains more than " + std::to_string(limits::group_variants) +
                                         " symbol sequences");
         }
         for (const SymbolSequence& head : left) {

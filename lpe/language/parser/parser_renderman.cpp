@@ -1,7 +1,8 @@
-// The `renderman` dialect: the language of RenderMan 20-27 (public documentation and RenderManForBlender's channel
-// definitions), extended by `?`, blanks, '#' comments, label globs, V, B, G, '&', '-' and '!'. Grammar: lpe/README.md.
+// The parser of the `renderman` dialect: the language of RenderMan 20-27 (public documentation and
+// RenderManForBlender's channel definitions), extended by `?`, blanks, '#' comments, label globs, V, B, G, '&', '-' and
+// '!'. Grammar: lpe/README.md.
 //
-// Words here have no straight-through events, L stands for every light (L and B), S for every specular lobe (G and S).
+// Words of this dialect have no pass-through events. L is every light (L and B), S every specular lobe (G and S).
 #include <algorithm>
 #include <array>
 #include <string>
@@ -94,7 +95,7 @@ class RendermanParser : private RendermanEvents {
         return left;
     }
 
-    /// A chain of operators is as deep a tree as brackets are, and every later stage walks it by recursion.
+    /// A chain of operators is as deep a tree as nested brackets, and every later stage walks it recursively.
     void count_operator(std::size_t offset) {
         if (++operators_ > limits::operators) {
             source_.fail_at(offset, "found more than " + std::to_string(limits::operators) +
@@ -137,7 +138,7 @@ class RendermanParser : private RendermanEvents {
                     choices->children.push_back(
                         placed_around_children(std::exchange(sequence, make_node(NodeKind::sequence))));
                     item = parse_item();
-                } else if (chained) {  // one node for the whole chain: later stages walk the tree by recursion
+                } else if (chained) {  // one node for the whole chain, because later stages walk the tree recursively
                     item->children.push_back(parse_item());
                     item = placed_around_children(std::move(item));
                 } else {

@@ -23,7 +23,7 @@ CoreSet cores_of_type(EventType type) {
     return cores & universe();
 }
 
-/// Every core that scatters so; lobe number 0 stands for all of them.
+/// All cores with this scattering; lobe number 0 means all numbers.
 CoreSet cores_of_scatter(Scatter scatter, int number) {
     CoreSet cores;
     for (int type = 0; type < scene_types; ++type) {
@@ -106,7 +106,7 @@ EventSet RendermanEvents::parse_event() {
     }
     if (!take_type(cores) && !take_scatter(cores)) {
         if (at('!')) {
-            fail_unexpected("'!' negates a whole expression and stands before it; [^...] excludes single events");
+            fail_unexpected("'!' negates a whole expression and precedes it; [^...] excludes single events");
         }
         fail_unexpected("expected an event: C L O B V R T D G S U . 'label' <...> [...] or (...)");
     }
@@ -175,7 +175,7 @@ bool RendermanEvents::take_scatter(CoreSet& cores) {
     }
 }
 
-/// The number that directly follows the letter at the position; 0 when there is none.
+/// Parses the number directly after the letter at the position; 0 when there is none.
 int RendermanEvents::parse_lobe_number(const std::string& letter, int highest) {
     const std::size_t begin = ++position_;
     int number = 0;
@@ -184,13 +184,13 @@ int RendermanEvents::parse_lobe_number(const std::string& letter, int highest) {
         ++position_;
     }
     if (position_ > begin && (number < 1 || number > highest)) {
-        source_.fail_at(begin, "there is no lobe " + letter + std::string(text_.substr(begin, position_ - begin)) +
+        source_.fail_at(begin, "no such lobe: " + letter + std::string(text_.substr(begin, position_ - begin)) +
                                    "; expected " + letter + "1 to " + letter + std::to_string(highest));
     }
     return number;
 }
 
-// <type scatter label label ...>
+// Parses <type scatter label label ...>.
 EventSet RendermanEvents::parse_group() {
     const std::size_t opening = position_++;
     EventPattern pattern{universe(), {}, Missing::is_empty, Extra::ignored};
@@ -198,7 +198,7 @@ EventSet RendermanEvents::parse_group() {
     pattern.cores = parse_slot(Slot::type);
     if (!at('>')) {
         const CoreSet scatter = parse_slot(Slot::scatter);
-        // User events are no scene events; <.U2'label'> is the way to give one a label.
+        // User events are not scene events; <.U2'label'> gives one a label.
         const bool user = (scatter & ~universe()).any();
         pattern.cores = user && pattern.cores == universe() ? scatter : pattern.cores & scatter;
     }

@@ -1,5 +1,5 @@
-// The event level of the renderman parser: characters, letters, labels and <...>. parser_renderman.cpp builds languages
-// out of these.
+// Events of the `renderman` dialect: characters, letters, labels and <...>. parser_renderman.cpp parses the languages
+// over them.
 #pragma once
 
 #include <cstddef>
@@ -17,14 +17,14 @@ class RendermanEvents {
     explicit RendermanEvents(const SourceText& source) : source_(source), text_(source.text()) {}
 
   protected:
-    /// Skips blanks and comments, then tells whether the text is used up.
+    /// Skips blanks and comments, then returns whether the text is at its end.
     bool at_end();
     bool at(char c) { return !at_end() && text_[position_] == c; }
     bool take(char c);
     [[noreturn]] void fail_unexpected(const std::string& expected);
     void expect_closing(char closer, char opener, std::size_t opening);
 
-    /// A letter, a quoted label or a <...>: the events it stands for.
+    /// Parses a letter, a quoted label or a <...>; returns the events that it matches.
     EventSet parse_event();
 
     const SourceText& source_;
@@ -36,7 +36,7 @@ class RendermanEvents {
 
     bool take_type(CoreSet& cores);
     bool take_scatter(CoreSet& cores);
-    /// The quoted text at the position; nothing when there is none or it is no registered name.
+    /// The events of the quoted text at the position; nothing if there is no text, or if it is not a registered name.
     std::optional<CoreSet> find_registered(std::size_t& after);
     bool take_registered(CoreSet& cores);
     int parse_lobe_number(const std::string& letter, int highest);

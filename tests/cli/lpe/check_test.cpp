@@ -134,7 +134,7 @@ TEST_CASE("what RenderMan does not read is an error in files that are for it", "
                                  channel("mirror", "C(<RS>-<RG>).*") + channel("fog", "CV.*") +
                                  channel("beauty_Village", "beauty_Village") + channel("sampled", "s1t3;C.*"));
     check_refused(folder, "lpe check show.rib",
-                  {"show.rib:2:", "'glossy' has 'G', which raylex reads and RenderMan does not", "S is every specular",
+                  {"show.rib:2:", "'glossy' has 'G', which RenderMan does not support", "S is every specular",
                    "show.rib:3:", "'mirror' has '-', 'G'", "show.rib:4:", "'fog' has 'V'", "show.rib:6:", "s1t3;",
                    "4 errors in the channels", "--for raylex"});
     CHECK_FALSE(contains(run_raylex(folder, "lpe check show.rib").err, "Village"));

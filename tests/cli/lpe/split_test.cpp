@@ -31,8 +31,7 @@ TEST_CASE("lpe split writes every format, and lpe check reads each back as a par
     CHECK(printed.out.find("DisplayChannel \"color diffuse\" \"string source\" [\"color lpe:C<RD>.*[<L.>O]\"]") !=
           std::string::npos);
     // For RenderMan itself a split has no media.
-    check_refused(folder, "lpe split --by lobe -o r.rib",
-                  {"'V', which raylex reads and RenderMan does not", "--no-volume"});
+    check_refused(folder, "lpe split --by lobe -o r.rib", {"'V', which RenderMan does not support", "--no-volume"});
     CHECK(run_raylex(folder, "lpe split --by light-group,lobe --groups key --no-volume -o r.usda").code == 0);
     CHECK(run_raylex(folder, "lpe check r.usda --no-volume").code == 0);
     CHECK(run_raylex(folder, "lpe split --by lobes").code == 2);

@@ -100,7 +100,7 @@ TEST_CASE("a job asks for buckets too", "[buckets]") {
     folder.write("bad.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\nbucket_rows = 0\n");
     check_refused(folder, "render bad.toml", {"bad.toml:4", "bucket_rows"});
     folder.write("bad.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\nmemory = \"much\"\n");
-    check_refused(folder, "render bad.toml", {"bad.toml:4", "no amount of memory"});
+    check_refused(folder, "render bad.toml", {"bad.toml:4", "not an amount of memory"});
 }
 
 TEST_CASE("finished buckets are not rendered again after a kill, whatever the size of the others",

@@ -62,7 +62,7 @@ TEST_CASE("a budget is raised by a flag or the environment, and a wrong one is r
         run_shell(folder, "RAYLEX_BUDGETS=include_files=1 \"$RAYLEX\" render a.pbrt --spp 1 --budget include_files=2");
     INFO(raised.err);
     CHECK(raised.code == 0);
-    refuses(folder, "render a.pbrt --budget includes=2", "sets no budget");
+    refuses(folder, "render a.pbrt --budget includes=2", "names no budget");
     const Outcome wrong = run_shell(folder, "RAYLEX_BUDGETS=nonsense \"$RAYLEX\" render a.pbrt");
     CHECK(wrong.code == 2);
     CHECK(contains(wrong.err, "RAYLEX_BUDGETS"));

@@ -91,7 +91,7 @@ TEST_CASE("what cannot be a cryptomatte or an AOV is refused with the reason") {
     refused("--cryptomatte object --cryptomatte-ranks 5", "even");
     refused("--cryptomatte object --filter mitchell", "has negative lobes");
     refused("--cryptomatte object --lpe CryptoObject00=CDL", "cryptomatte");
-    refused("--aov motionFore", "does not work that out yet");
+    refused("--aov motionFore", "does not compute yet");
     refused("--aov incidence_angle", "did you mean 'incidenceAngle'?");
     const std::string job =
         folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[channels]\ncryptomatte = [\"objekt\"]\n");

@@ -59,7 +59,7 @@ TEST_CASE("layers that cannot be are refused before rendering", "[cli][layers][l
     says("--layer z_far", "says nothing of a channel");
     says("--layer z_far=z", "names no rule");
     says("--layer z_far=z:zmxa", "did you mean 'zmax'?");
-    says("--aov z --layer far=Z:zmax", "there is no channel 'Z'");
+    says("--aov z --layer far=Z:zmax", "unknown channel 'Z'");
     says("--aov z --layer z=beauty:max", "'z' is taken");
     says("--layer 'a b=beauty:max'", "cannot be a channel name");
     folder.write("job.toml",

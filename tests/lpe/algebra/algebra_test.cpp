@@ -1,4 +1,4 @@
-// Coverage, equality, containment, emptiness, and languages made of languages, held against enumeration by match().
+// Coverage, equality, containment, emptiness, and combined languages, compared with enumeration by match().
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ std::vector<ChannelSource> sources(const std::vector<std::string>& texts) {
     return channels;
 }
 
-/// Words of W without labels, lobe numbers and straight-through events, of at most `longest` events.
+/// Words of W with at most `longest` events, without labels, lobe numbers and pass-through events.
 std::vector<std::vector<Event>> short_words(std::size_t longest) {
     std::vector<Event> scattering{{EventType::volume, Scatter::none, 0, {}}};
     for (const EventType type : {EventType::reflection, EventType::transmission}) {
@@ -58,7 +58,7 @@ std::vector<bool> accepted(const ChannelSource& channel, const std::vector<std::
     return answers;
 }
 
-/// Length of the shortest of the words for which `wanted` holds; 0 for none.
+/// The length of the shortest word for which `wanted` is true; 0 for none.
 std::size_t shortest_length(const std::vector<std::vector<Event>>& words, const std::vector<bool>& wanted) {
     std::size_t shortest = 0;
     for (std::size_t i = 0; i < words.size(); ++i) {
@@ -67,7 +67,7 @@ std::size_t shortest_length(const std::vector<std::vector<Event>>& words, const 
     return shortest;
 }
 
-// Without labels and lobe numbers, so that enumeration over the plain letters is exhaustive.
+// Without labels and lobe numbers, so that an enumeration over the plain letters is exhaustive.
 const std::vector<std::string> expressions{"C.*",        "CD*L",         "C[DS]*[<L.>O]", "C<RD>.+",
                                            "C.*D.*S.*",  "C(D|SS)*B",    "!(C.*D.*)",     "C[^D]*L&C.S*.",
                                            "C<T.>?[LO]", "CV{1,2}[LBO]", "CLD",           "C.{2}O - CD.O",
@@ -78,7 +78,7 @@ constexpr std::size_t longest = 4;
 
 TEST_CASE("equality, containment and emptiness agree with enumeration, and their counterexamples are shortest") {
     const auto words = short_words(longest);
-    Words without_straight;  // enumeration has none
+    Words without_straight;  // the enumeration has none
     without_straight.straight = false;
     std::vector<std::vector<bool>> sets;
     for (const std::string& text : expressions) { sets.push_back(accepted(source(text), words)); }
@@ -86,7 +86,7 @@ TEST_CASE("equality, containment and emptiness agree with enumeration, and their
         CAPTURE(expressions[a]);
         const auto empty = check_empty(source(expressions[a]), without_straight);
         REQUIRE(empty);
-        // Every one of these that has a path has one of at most four events.
+        // Each of these with a path has one of at most four events.
         CHECK(empty->holds == (shortest_length(words, sets[a]) == 0));
         if (!empty->holds) { CHECK(empty->witness.events.size() == shortest_length(words, sets[a])); }
         for (std::size_t b = 0; b < expressions.size(); ++b) {
@@ -119,7 +119,7 @@ TEST_CASE("equality, containment and emptiness agree with enumeration, and their
     }
 }
 
-TEST_CASE("complement, union, intersection and difference have the paths that enumeration finds, and as many") {
+TEST_CASE("complement, union, intersection and difference have the paths that enumeration finds, and the same counts") {
     const auto words = short_words(longest);
     Words without_straight;
     without_straight.straight = false;
@@ -158,7 +158,7 @@ TEST_CASE("complement, union, intersection and difference have the paths that en
     }
 }
 
-TEST_CASE("the samples of a set of paths are in it") {
+TEST_CASE("the samples of a set of paths belong to it") {
     for (const std::string text :
          {"C<RD'floor'>[DSV]+<L.'key*'>", "C(D2|S4)+<L.[^'key']>", "osl:C<RS[^'D']>.*B", "osl:C<Ts>*L"}) {
         CAPTURE(text);
@@ -176,13 +176,13 @@ TEST_CASE("the samples of a set of paths are in it") {
     CHECK(finite->longest == 5U);
     CHECK_FALSE(look_at_paths(Operation::words, sources({"C.*"}))->longest);
     CHECK(look_at_paths(Operation::difference, sources({"CDL", "C.*"}))->empty());
-    // More words than 64 bits can count are cut, not wrapped.
+    // Counts beyond 64 bits are clamped, not wrapped.
     PathSetOptions many;
     many.longest_counted = 64;
     CHECK(look_at_paths(Operation::words, sources({"C.*"}), {}, many)->counts.back() == 1'000'000'000'000'000'000U);
 }
 
-TEST_CASE("whatever denotes the beauty is the beauty") {
+TEST_CASE("every expression for the beauty is recognised as the beauty") {
     Words no_medium;
     no_medium.volume = false;
     for (const std::string text : {"C.*", "C.*[LOB]", "C.+", "lpe:C.*", "C[DSV]*[<L.>O]", "C.*L|O|B"}) {
@@ -193,7 +193,7 @@ TEST_CASE("whatever denotes the beauty is the beauty") {
     }
     CHECK(*is_beauty(source("osl:C.*")));
     CHECK(*is_beauty(source("osl:C[DGSsV]*[LOB]")));
-    CHECK_FALSE(*is_beauty(source("osl:C[DGSV]*[LOB]")));  // Ts is left out
+    CHECK_FALSE(*is_beauty(source("osl:C[DGSV]*[LOB]")));  // Ts is missing
     CHECK_FALSE(*is_beauty(source("C[DS]*[<L.>O]")));
     CHECK(*is_beauty(source("C[DS]*[<L.>O]"), no_medium));
     CHECK_FALSE(*is_beauty(source("C[DS]*L"), no_medium));
@@ -204,12 +204,12 @@ TEST_CASE("whatever denotes the beauty is the beauty") {
     shallow.max_depth = 2;
     CHECK(*is_beauty(source("C.{1,3}"), shallow));
     CHECK_FALSE(*is_beauty(source("C.{1,3}")));
-    // A prefix changes what is splatted: such a channel is not the beauty.
+    // A prefix changes the splatted value, so such a channel is not the beauty.
     CHECK_FALSE(*is_beauty(source("unoccluded;C.*")));
     CHECK_FALSE(is_beauty(source("C(")));
 }
 
-TEST_CASE("a partition of an expression that denotes the beauty says so") {
+TEST_CASE("the summary of a partition mentions that its expression is the beauty") {
     std::vector<ChannelSource> channels = sources({"CL", "!CL"});
     channels[0].name = "a";
     channels[1].name = "b";
@@ -219,7 +219,7 @@ TEST_CASE("a partition of an expression that denotes the beauty says so") {
     CHECK(report->summary.find("the beauty") != std::string::npos);
 }
 
-TEST_CASE("coverage allows paths to be counted twice but not to be missed") {
+TEST_CASE("coverage permits paths that are counted twice, but no missed paths") {
     CHECK(check_covers(sources({"C[DSV]*L", "C.*O", "C.*L"}))->holds);
     const auto missed = check_covers(sources({"CL", "C.+L"}));
     REQUIRE(missed);
@@ -231,10 +231,10 @@ TEST_CASE("coverage allows paths to be counted twice but not to be missed") {
     CHECK_FALSE(check_covers(sources({"noclamp;C.*"})));
 }
 
-TEST_CASE("proofs cross dialects and say which expression is which") {
+TEST_CASE("proofs can mix dialects, and identify each expression") {
     const auto equal = check_equal(sources({"C<RD>L", "osl:C<RD>[LB]"}));
     REQUIRE(equal);
-    // renderman words have no straight-through events, so the osl channel misses what goes through a cutout.
+    // renderman words have no pass-through events, so the osl channel misses paths through a cutout.
     CHECK_FALSE(equal->holds);
     CHECK(equal->summary.find("osl:") != std::string::npos);
     Words no_cutouts;
@@ -245,7 +245,7 @@ TEST_CASE("proofs cross dialects and say which expression is which") {
     CHECK(prefixes->warnings.size() == 1);
 }
 
-TEST_CASE("hostile expressions end in an error that says what was too much") {
+TEST_CASE("hostile expressions are errors that name the exceeded limit") {
     const std::string doubling = "C.*D.{24}L";
     for (const auto& failed :
          {check_empty(source(doubling)).ok(), check_equal(sources({doubling, "C.*"})).ok(),

@@ -16,7 +16,7 @@ using lpe_test::shipped;
 
 namespace {
 
-/// RenderMan's documented basic set, which knows no volumes.
+/// RenderMan's documented basic set, which has no volumes.
 std::vector<ChannelSource> renderman_basic_set() {
     return channels_of({{"emissive", "C[<L.>O]"},
                         {"directDiffuse", "C<RD>[<L.>O]"},
@@ -48,7 +48,7 @@ TEST_CASE("the shipped partition is a partition of the beauty in both dialects",
     }
 }
 
-TEST_CASE("no layer of the shipped partition can be left out", "[check]") {
+TEST_CASE("no layer of the shipped partition can be omitted", "[check]") {
     for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
         const auto all = shipped(dialect);
         for (std::size_t left_out = 0; left_out < all.size(); ++left_out) {
@@ -57,7 +57,7 @@ TEST_CASE("no layer of the shipped partition can be left out", "[check]") {
             const auto report = check_partition(some);
             REQUIRE(report);
             REQUIRE(report->verdict == Verdict::missed);
-            // The witness is a path of exactly the layer that is gone.
+            // The witness is a path of exactly the removed layer.
             const auto inside = match(all[left_out].expression, report->witness.events, dialect);
             REQUIRE(inside);
             CHECK(*inside);
@@ -111,7 +111,7 @@ TEST_CASE("paths outside a declared beauty are named", "[check]") {
     CHECK(holds->verdict == Verdict::partition);
 }
 
-TEST_CASE("the rest of channels completes them to a partition", "[check]") {
+TEST_CASE("the rest of channels completes a partition", "[check]") {
     auto channels = channels_of({{"caustics", "CDS+L"}, {"floor", "C<RD'floor'>L"}, {"rest", ""}});
     channels[2].rest_of = {0, 1};
     const auto report = check_partition(channels);
@@ -124,7 +124,7 @@ TEST_CASE("the rest of channels completes them to a partition", "[check]") {
     CHECK_FALSE(check_partition(bad));
 }
 
-TEST_CASE("channels with prefixes take no part in a partition", "[check][law7]") {
+TEST_CASE("channels with prefixes cannot be part of a partition", "[check][law7]") {
     const auto report = check_partition(channels_of({{"a", "lpe:unoccluded;noclamp;CDL"}}));
     REQUIRE_FALSE(report);
     CHECK(report.error().message.find("unoccluded") != std::string::npos);
@@ -134,7 +134,7 @@ TEST_CASE("channels with prefixes take no part in a partition", "[check][law7]")
     CHECK(*prefixes == std::vector<std::string>{"unoccluded", "noclamp"});
 }
 
-TEST_CASE("a scene's alphabet decides what a channel can match", "[check]") {
+TEST_CASE("a scene's alphabet determines what a channel can match", "[check]") {
     Words scene;
     scene.alphabet = Alphabet{{{EventType::reflection, Scatter::diffuse, 0, {"floor", "diffuse"}}},
                               {{EventType::light, Scatter::none, 0, {"key"}}}};
@@ -149,7 +149,7 @@ TEST_CASE("a scene's alphabet decides what a channel can match", "[check]") {
     }
 }
 
-TEST_CASE("whatever denotes the beauty is recognised", "[check]") {
+TEST_CASE("every expression for the beauty is recognised", "[check]") {
     CHECK(equivalent("C.*", "C[DSV]*[<L.>O]"));
     CHECK(equivalent("C.*", "C.*[LO]"));
     CHECK_FALSE(equivalent("C.*", "C[DS]*[<L.>O]"));
@@ -169,7 +169,7 @@ TEST_CASE("the identities of Boolean algebra hold", "[check]") {
     CHECK_FALSE(equivalent(a, b));
 }
 
-TEST_CASE("the two readings of | are told apart by a word", "[check]") {
+TEST_CASE("a word shows the difference between the two readings of '|'", "[check]") {
     // C(D|S)L against CD or SL.
     const auto warnings = expression_warnings(channel_of("CD|SL"));
     REQUIRE(warnings);

@@ -1,4 +1,4 @@
-// Expressions in words: what the sentences say, what is recognised, what is warned of.
+// Expressions in English: sentences, recognised equalities, warnings.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ bool any_has(const std::vector<std::string>& lines, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("expressions are said as a person would say them") {
+TEST_CASE("expressions are described in English") {
     const std::vector<std::pair<std::string, std::string>> cases{
         {"C<RD>L", "From the camera, one diffuse reflection, ending at a light."},
         {"C<RD>[DSV]+[<L.'key'>O]",
@@ -82,7 +82,7 @@ TEST_CASE("expressions are said as a person would say them") {
     }
 }
 
-TEST_CASE("every piece names its own bytes") {
+TEST_CASE("every piece has its own byte range") {
     const Explanation explanation = explained("C <RD> ([DSV]+) # far\n <L.'key'>");
     std::vector<std::string> texts;
     for (const Piece& piece : explanation.pieces) {
@@ -112,35 +112,35 @@ TEST_CASE("the beauty, shipped channels and names are recognised by meaning") {
             CHECK(any_has(explanation->same_as, "the shipped channel '" + std::string(entry.name) + "'."));
         }
     }
-    // Written in another way.
+    // The same channel in a different form.
     CHECK(any_has(explained("(C<R[D]>)(L|O)").same_as, "'directDiffuse'"));
     CHECK(any_has(explained("C<RD>[DS]+[<L.>O]").same_as, "'indirectDiffuse' where there is no medium"));
     CHECK(explained("C<RD>V<L.'x'>").same_as.empty());
 }
 
-TEST_CASE("what people expect in a channel and is not there is said") {
+TEST_CASE("notes list paths that people expect in a channel and that it omits") {
     CHECK(any_has(explained("C<RD>L").notes, "never ends at emission"));
-    CHECK(any_has(explained("C<RD>L").notes, "the background (infinite lights) included"));
+    CHECK(any_has(explained("C<RD>L").notes, "including the background (infinite lights)"));
     CHECK(any_has(explained("osl:C<RD>L").notes, "never ends at the background"));
     CHECK(any_has(explained("osl:CS*L").notes, "Glossy lobes (G) do not match"));
     CHECK(any_has(explained("osl:CS*L").notes, "cutout"));
     CHECK(any_has(explained("CG+L").notes, "RenderMan itself has no G"));
-    CHECK(any_has(explained("CS+L").notes, "G is within S"));
+    CHECK(any_has(explained("CS+L").notes, "S includes G"));
     CHECK(any_has(explained("C[DS]*L").notes, "medium"));
     CHECK(any_has(explained("CD2L").notes, "numbered lobe"));
-    CHECK(any_has(explained("C<RD[^'a']>L").notes, "has no label, too"));
-    CHECK(any_has(explained("osl:C<RD[^'a']>L").notes, "has none does not match"));
+    CHECK(any_has(explained("C<RD[^'a']>L").notes, "also matches events without a label"));
+    CHECK(any_has(explained("osl:C<RD[^'a']>L").notes, "events without a label do not match"));
     CHECK(explained("C.*").notes.empty());
     const Explanation prefixes = explained("unoccluded;holdouts;C[DS]+L");
     REQUIRE(prefixes.prefixes.size() == 2);
     CHECK(prefixes.prefixes[1].first == "holdouts");
 }
 
-TEST_CASE("slips are warned of") {
-    CHECK(any_has(explained("CD|SL|(DS)L").warnings, "read as looser than concatenation"));
+TEST_CASE("typos give warnings") {
+    CHECK(any_has(explained("CD|SL|(DS)L").warnings, "looser than concatenation"));
     CHECK(any_has(explained("C(D|C)L").warnings, "'C' (column 5) can never match"));
     CHECK(any_has(explained("CL(D|O)?").warnings, "'D' (column 4) can never match"));
-    CHECK(any_has(explained("CLD").warnings, "no path can go on at 'D' (column 3)"));
+    CHECK(any_has(explained("CLD").warnings, "no path can continue at 'D' (column 3)"));
     CHECK(explained("CLD").samples.empty());
     CHECK(any_has(explained("C<RD'f\xD0\xBEor'>L").warnings, "mixes Latin letters"));
     CHECK(any_has(explained("C<RD'\xD0\xA1'>L").warnings, "looks like 'C'"));
@@ -148,7 +148,7 @@ TEST_CASE("slips are warned of") {
     CHECK(any_has(explained("osl:C<R'coat'>.*").warnings, "never matches"));
     CHECK(explained("osl:C<R.'coat'>.*").warnings.empty());
     CHECK(explained("C<RD>[DSV]+[<L.>O]").warnings.empty());
-    // A scene without the label: a piece that can never match there.
+    // In a scene without the label, a piece that can never match.
     Words scene;
     scene.alphabet =
         Alphabet{{{EventType::reflection, Scatter::diffuse, 0, {"floor"}}}, {{EventType::light, Scatter::none, 0, {}}}};
@@ -161,8 +161,8 @@ TEST_CASE("every built-in name can be explained") {
     CHECK(any_has(indirect.same_as, "'indirectdiffuse'"));
 }
 
-TEST_CASE("samples match, and pieces said to be dead can be struck out") {
-    std::mt19937 random(20261121);  // a fixed seed: the same expressions on every run
+TEST_CASE("samples match, and pieces reported as dead can be removed") {
+    std::mt19937 random(20261121);  // fixed seed: the same expressions in every run
     for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
         const auto& tokens = oracle::tokens(dialect);
         std::uniform_int_distribution<std::size_t> pick(0, tokens.size() - 1);
@@ -177,7 +177,7 @@ TEST_CASE("samples match, and pieces said to be dead can be struck out") {
             const auto explanation = explain(channel);
             CAPTURE(channel.expression);
             if (!explanation) {
-                continue;  // "C" before it made it another expression, which need not parse
+                continue;  // the preceding "C" made it a different expression, which need not parse
             }
             ++explained_count;
             CHECK(explanation->sentence.size() > 10);
@@ -191,7 +191,7 @@ TEST_CASE("samples match, and pieces said to be dead can be struck out") {
                 ChannelSource without = channel;
                 const auto at = static_cast<std::size_t>(std::stoi(warning.substr(column + 8))) - 1;
                 REQUIRE(without.expression.substr(at, piece.size()) == piece);
-                without.expression.replace(at, piece.size(), "U12");  // in no word of W
+                without.expression.replace(at, piece.size(), "U12");  // which no word of W contains
                 const auto same = check_equal(std::vector<ChannelSource>{channel, without});
                 REQUIRE(same);
                 CHECK(same->holds);
@@ -218,6 +218,6 @@ TEST_CASE("hostile expressions are explained or refused within seconds") {
             CHECK(explanation->sentence.size() < 100'000);
         }
     }
-    // Eight bounded compilations; each is stopped after about two seconds of work on a slow machine.
+    // Eight limited compilations; each stops after about two seconds of work on a slow machine.
     CHECK(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC < 120);
 }

@@ -1,4 +1,4 @@
-// The whole picture of channels that are no partition; restricted words; texts that RenderMan itself reads.
+// The overview of channels that are not a partition; restricted words; texts for RenderMan's own parser.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -55,7 +55,7 @@ TEST_CASE("the overview names every pair that overlaps, with the shortest path o
     CHECK(found->outside.empty());
     CHECK(found->empty.empty());
     CHECK(found->pairs_left == 0);
-    // Each pair by itself is what the check of two channels says.
+    // For each pair, a check of only these two channels gives the same answer.
     for (const SharedPath& each : found->overlaps) {
         const std::vector<ChannelSource> pair{channels[each.first], channels[each.second]};
         const auto report = check_disjoint(pair, surfaces());
@@ -64,7 +64,7 @@ TEST_CASE("the overview names every pair that overlaps, with the shortest path o
     }
 }
 
-TEST_CASE("the overview names every kind of path that is missed", "[overview]") {
+TEST_CASE("the overview lists every kind of missed path", "[overview]") {
     const auto found = look_over(channels_of({{"diffuse", "C<RD>.*"}, {"light", "C<L.>"}, {"never", "CLD"}}));
     REQUIRE(found);
     std::vector<std::string> lines;
@@ -84,7 +84,7 @@ TEST_CASE("the overview names every kind of path that is missed", "[overview]") 
     CHECK(found->empty == std::vector<std::size_t>{2});
 }
 
-TEST_CASE("paths outside what is split are named for each channel", "[overview]") {
+TEST_CASE("paths outside the split expression are listed for each channel", "[overview]") {
     ChannelSource of;
     of.expression = "CD[DS]*[<L.>O]";
     const auto found = look_over(channels_of({{"all", "C[DS]*L"}, {"emission", "CD[DS]*O"}}), of, surfaces());
@@ -95,7 +95,7 @@ TEST_CASE("paths outside what is split are named for each channel", "[overview]"
     CHECK(found->holes.empty());
 }
 
-TEST_CASE("five hundred channels are looked over, all overlapping or none", "[overview][release-only]") {
+TEST_CASE("an overview of five hundred channels works, with all or no overlaps", "[overview][release-only]") {
     for (const bool overlap : {false, true}) {
         std::vector<std::pair<std::string, std::string>> list;
         for (int group = 0; group < 125; ++group) {
@@ -110,7 +110,7 @@ TEST_CASE("five hundred channels are looked over, all overlapping or none", "[ov
     }
 }
 
-TEST_CASE("light groups and labels that are known cut the words", "[words]") {
+TEST_CASE("known light groups and labels restrict the words", "[words]") {
     Words words;
     words.volume = false;
     words.light_groups = {"key", "fill"};
@@ -141,7 +141,7 @@ TEST_CASE("light groups and labels that are known cut the words", "[words]") {
     CHECK(anything->verdict == Verdict::missed);
 }
 
-TEST_CASE("channels that are several splits are sorted into them", "[sorting]") {
+TEST_CASE("channels of several splits are sorted into them", "[sorting]") {
     const auto channels = channels_of({{"diffuse", "CD[DS]*[LO]"},
                                        {"key", "C[DS]*<L.'key'>"},
                                        {"specular", "CS[DS]*[LO]"},
@@ -159,12 +159,12 @@ TEST_CASE("channels that are several splits are sorted into them", "[sorting]") 
         REQUIRE(report);
         CHECK(report->verdict == Verdict::partition);
     }
-    const auto none = sort_into_partitions(channels);  // with media nothing is whole
+    const auto none = sort_into_partitions(channels);  // with media no split is complete
     REQUIRE(none);
     CHECK(none->partitions.empty());
 }
 
-TEST_CASE("a rest for RenderMan has nothing but RenderMan's own syntax", "[rest]") {
+TEST_CASE("a rest for RenderMan has only RenderMan's own syntax", "[rest]") {
     const std::vector<std::vector<std::pair<std::string, std::string>>> sets{
         {{"diffuse", "C<RD>.*"}},
         {{"seen", "C[<L.>O]"}, {"direct", "C<RD>[<L.>O]"}},
@@ -185,7 +185,7 @@ TEST_CASE("a rest for RenderMan has nothing but RenderMan's own syntax", "[rest]
         REQUIRE(proof);
         CHECK(proof->verdict == Verdict::partition);
     }
-    // What needs V cannot be said there.
+    // RenderMan's syntax cannot express V.
     const auto volume = rest_expression(channels_of({{"surfaces", "C[DS]*[LO]"}}), std::nullopt, {}, Reader::renderman);
     REQUIRE(volume);
     if (volume->has_value()) { CHECK(extensions_in(**volume).empty()); }
@@ -223,7 +223,7 @@ TEST_CASE("extensions are found outside labels and comments", "[extensions]") {
 }
 
 TEST_CASE("in osl a quoted label is a label, whatever letter it is", "[osl]") {
-    // Open Shading Language's parser makes NONE of the unquoted x alone; quoted texts are compared as they are.
+    // Open Shading Language's parser reads only the unquoted x as NONE; quoted texts are compared verbatim.
     CHECK(matches_path("C<RD'x'>L", "C,- R,D,x L,-,x"));
     CHECK(matches_path("C<RD'x'>L", "C,- R,D,x L,-"));
     CHECK_FALSE(matches_path("C<RD'x'>L", "C,- R,D L,-"));
@@ -239,7 +239,7 @@ TEST_CASE("in osl a quoted label is a label, whatever letter it is", "[osl]") {
     CHECK(matches_path("C<V[^'x']>L", "C,- V,- L,-"));
     CHECK(matches_path("C<RD[^'x']>L", "C,- R,D,y L,-"));
     CHECK_FALSE(matches_path("C<RD[^'x']>L", "C,- R,D,x L,-"));
-    // Quoted basic symbols are those symbols, and labels named so are not eaten.
+    // Quoted basic symbols are these symbols, and wildcards do not match labels with these names.
     CHECK(matches_path("C<'R''D'>L", "C,- R,D L,-"));
     CHECK_FALSE(matches_path("CDL", "C,- R,D,D L,-"));
     CHECK(matches_path("C<RD'D'>L", "C,- R,D,D L,-"));
@@ -249,7 +249,7 @@ TEST_CASE("in osl a quoted label is a label, whatever letter it is", "[osl]") {
     CHECK(matches_path("C'.'L", "C,- R,D,. L,-"));
 }
 
-TEST_CASE("in renderman quoted labels are labels, whatever letters they are", "[renderman]") {
+TEST_CASE("in renderman quoted labels are labels, also if they look like letters", "[renderman]") {
     const auto is = [](const std::string& expression, const std::string& events) {
         return matches_path(expression, events, Dialect::renderman);
     };

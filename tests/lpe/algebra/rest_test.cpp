@@ -1,4 +1,4 @@
-// What channels leave, as an expression that people read.
+// The rest of channels as a readable expression.
 #include <catch2/catch.hpp>
 
 #include <random>
@@ -38,7 +38,7 @@ std::string plain(const std::string& expression) {
 
 }  // namespace
 
-TEST_CASE("a rest is written as a person would", "[rest]") {
+TEST_CASE("a rest is written in a readable form", "[rest]") {
     CHECK(rest_of({"C<RD>.*"}) == "C([STV].*)?[LO]");
     CHECK(rest_of({"C[DS]*[LO]"}) == "C[DS]*V.*[LO]");
     CHECK(rest_of({"C.*<L.'key'>"}) == "C.*[<L.[^'key']>O]");
@@ -57,10 +57,10 @@ TEST_CASE("sets of events are written compactly", "[rest]") {
     CHECK(plain("C.*-C[LO]") == "C.+[LO]");
 }
 
-TEST_CASE("nothing is written where nothing is left, or nothing short is", "[rest]") {
+TEST_CASE("there is no expression for an empty rest or a rest without a short expression", "[rest]") {
     CHECK(rest_of({"C.*"}) == "none");
     CHECK(rest_of({"C[DS]*[LO]", "C[DS]*V.*"}) == "none");
-    // Whether the 12th event from the end is D takes 2^12 states.
+    // Testing whether the 12th event from the end is D takes 2^12 states.
     CHECK(rest_of({"C.*D.{11}[LO]"}) == "none");
     CHECK(rest_of({"C<RD"}).find("error") == 0);
     const auto overlap = rest_expression(numbered({"CD.*", "C<RD>.*"}));
@@ -68,7 +68,7 @@ TEST_CASE("nothing is written where nothing is left, or nothing short is", "[res
     CHECK_FALSE(overlap->has_value());  // no rest completes channels that share paths
 }
 
-TEST_CASE("the rest of a split of something smaller stays inside it", "[rest]") {
+TEST_CASE("the rest of a split of less than the beauty stays inside it", "[rest]") {
     ChannelSource beauty;
     beauty.expression = "C<RD>.*";
     const auto text = rest_expression(numbered({"C<RD>[LO]"}), beauty);
@@ -77,7 +77,7 @@ TEST_CASE("the rest of a split of something smaller stays inside it", "[rest]") 
     CHECK(**text == "C<RD>.+[LO]");
 }
 
-TEST_CASE("words of a scene make rests shorter", "[rest]") {
+TEST_CASE("the words of a scene make rests shorter", "[rest]") {
     Words words;
     words.volume = false;
     words.emission = false;
@@ -88,7 +88,7 @@ TEST_CASE("words of a scene make rests shorter", "[rest]") {
     CHECK((*text == "CL" || *text == "C[LO]"));
 }
 
-TEST_CASE("whatever is printed was proved: random sets of channels", "[rest]") {
+TEST_CASE("every printed rest is proved: random sets of channels", "[rest]") {
     const std::vector<std::string> pieces{"D",       "S",    "<RD>", "<TS>",  "V",     ".",   "'a'",
                                           "<RD'b'>", "[DS]", "[^D]", "<RS4>", "(D|S)", "(SV)"};
     const std::vector<std::string> repeats{"", "", "*", "+", "?", "{2}"};

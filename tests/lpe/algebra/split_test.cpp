@@ -1,4 +1,4 @@
-// Generated splits: partitions by construction, proved, named for layers, and quick.
+// Generated splits: partitions by construction, proved, with names for layers, and fast.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ std::string expression_of(const Split& split, const std::string& name) {
     return "no channel " + name;
 }
 
-/// The names of the channels that a path is in.
+/// The names of the channels that contain a path.
 std::vector<std::string> channels_of(const Split& split, const std::string& path) {
     const auto events = parse_events(path);
     REQUIRE(events);
@@ -53,7 +53,7 @@ using Names = std::vector<std::string>;
 
 }  // namespace
 
-TEST_CASE("a split by light group, lobe and bounce puts each path where its name says", "[split][law1]") {
+TEST_CASE("a split by light group, lobe and bounce assigns each path to the bin with its name", "[split][law1]") {
     SplitRequest request = by({SplitAxis::light_group, SplitAxis::lobe, SplitAxis::bounce});
     request.groups = {"key", "fill"};
     const Split split = required(request);
@@ -91,7 +91,7 @@ TEST_CASE("every combination of axes is a partition in both dialects", "[split][
                 continue;
             }
             REQUIRE(split);
-            // Proved once more, from the texts alone.
+            // Prove it once more from the texts.
             const auto proof = check_partition(split->channels, std::nullopt, request.words);
             REQUIRE(proof);
             CHECK(proof->verdict == Verdict::partition);
@@ -123,11 +123,11 @@ TEST_CASE("lobes are events, earlier ones first, or names", "[split]") {
     CHECK(channels_of(names, "C,- R,S,floor,coat L,-") == Names{"coat"});
     CHECK(channels_of(names, "C,- R,S,coat,glass L,-") == Names{"glass"});
     CHECK(channels_of(names, "C,- R,D,coat L,-") == Names{"other"});
-    request.lobes = {"'S4'"};  // quoted: a name, though it looks like an event
+    request.lobes = {"'S4'"};  // in quotes it is a name, although it looks like an event
     CHECK(channels_of(required(request), "C,- R,D,x,S4 L,-") == Names{"S4"});
 }
 
-TEST_CASE("objects are split by the first one that is hit, media count as others", "[split]") {
+TEST_CASE("objects are split by the first hit, and media belong to `other`", "[split]") {
     SplitRequest request = by({SplitAxis::object, SplitAxis::bounce});
     request.objects = {"floor", "wall"};
     request.bounces = 2;
@@ -139,7 +139,7 @@ TEST_CASE("objects are split by the first one that is hit, media count as others
     CHECK(channels_of(split, "C,- O,-") == Names{"visible"});
 }
 
-TEST_CASE("a split of less than the beauty is cut to it", "[split][law1]") {
+TEST_CASE("a split of less than the beauty is restricted to it", "[split][law1]") {
     SplitRequest request = by({SplitAxis::light_group, SplitAxis::bounce});
     request.groups = {"key"};
     request.bounces = 2;
@@ -150,10 +150,10 @@ TEST_CASE("a split of less than the beauty is cut to it", "[split][law1]") {
     CHECK(split.of.has_value());
     CHECK(channels_of(split, "C,- R,D L,-,key") == Names{"key_direct"});
     CHECK(channels_of(split, "C,- R,S L,-,key").empty());
-    CHECK(split.notes.size() == 1);  // the two bins of light seen directly hold nothing of it
+    CHECK(split.notes.size() == 1);  // the two bins of light seen directly are empty
     of.expression = "C[DSV]*[<L.>O]";
     request.of = of;
-    CHECK_FALSE(required(request).of.has_value());  // the beauty in other words
+    CHECK_FALSE(required(request).of.has_value());  // the beauty in a different form
     of.expression = "noclamp;C.*";
     request.of = of;
     CHECK_FALSE(generate_split(request));
@@ -168,12 +168,12 @@ TEST_CASE("512 channels are generated and proved within a second", "[split]") {
     const std::clock_t start = std::clock();
     const Split split = required(request);
     const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-    CHECK(split.channels.size() == 8 * (16 * 4 + 1));  // 512, and light seen directly for each group
-    // 0.05 s on the reference machine; the bound leaves room for sanitizers.
+    CHECK(split.channels.size() == 8 * (16 * 4 + 1));  // 512, plus light seen directly for each group
+    // 0.05 s on the reference machine; the bound allows for sanitizers.
     CHECK(seconds < 10);
 }
 
-TEST_CASE("requests that make no split are refused with the reason", "[split][law7]") {
+TEST_CASE("requests without a valid split are refused with the reason", "[split][law7]") {
     const auto message = [](const SplitRequest& request) {
         const auto split = generate_split(request);
         return split ? std::string("no error") : split.error().message + " " + split.error().hint;
@@ -186,12 +186,12 @@ TEST_CASE("requests that make no split are refused with the reason", "[split][la
     request.lobes = {"D", "D2"};
     CHECK(message(request).find("'D2' is covered") != std::string::npos);
     request.lobes = {"D2", "coat"};
-    CHECK(message(request).find("two kinds") != std::string::npos);
-    request.lobes = {"TRT", "R"};  // hair's lobe R is written as the event of reflection
-    CHECK(message(request).find("a lobe whose name is 'R' is asked for in quotes: \"'R'\"") != std::string::npos);
+    CHECK(message(request).find("different kinds") != std::string::npos);
+    request.lobes = {"TRT", "R"};  // the name of hair's lobe R is also the event of reflection
+    CHECK(message(request).find("a lobe whose name is 'R' must be in quotes: \"'R'\"") != std::string::npos);
     request.lobes = {"V"};
     request.words.volume = false;
-    CHECK(message(request).find("do not occur") != std::string::npos);
+    CHECK(message(request).find("cannot occur") != std::string::npos);
     request = by({SplitAxis::bounce});
     request.bounces = 65;
     CHECK(message(request).find("1 to 64") != std::string::npos);
@@ -206,7 +206,7 @@ TEST_CASE("requests that make no split are refused with the reason", "[split][la
     CHECK(parse_split_axis("lobes").error().hint == "did you mean 'lobe'?");
 }
 
-TEST_CASE("names of bins are fit for layers and fall apart", "[split]") {
+TEST_CASE("names of bins are valid layer names, and unique", "[split]") {
     SplitRequest request = by({SplitAxis::light_group});
     request.groups = {"R", "rim light", "rim_light", "default", "\xC3\xA9t\xC3\xA9", "7"};
     const Split split = required(request);

@@ -1,4 +1,4 @@
-// Why a path does not match: the longest live prefix, and what was wanted after it.
+// Why a path does not match: the longest live prefix, and the events that were expected after it.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ std::vector<std::string> pieces_of(const WhyNot& why) {
 
 }  // namespace
 
-TEST_CASE("the longest live prefix and the pieces that could have followed are named") {
+TEST_CASE("the longest live prefix and the pieces that could follow are reported") {
     const std::vector<WhyNotCase> cases{
         {"CDSL", "C,- R,D,floor L,-,key", 2, "one specular scattering", {"3:S"}},
         {"CDL", "R,D L,-", 0, "the camera", {"1:C"}},
@@ -63,16 +63,16 @@ TEST_CASE("the longest live prefix and the pieces that could have followed are n
     }
 }
 
-TEST_CASE("a label that is nearly right is named with the one that was meant") {
+TEST_CASE("a misspelt label is reported with the likely one") {
     const auto near = why_not(source("C<RD'floor'>L"), *parse_events("C,- R,D,flor L,-"));
     REQUIRE(near);
     CHECK(near->hint == "its label 'flor' is not 'floor'; did you mean 'floor'?");
     const auto none = why_not(source("C<RD'floor'>L"), *parse_events("C,- R,D L,-"));
-    CHECK(none->hint == "it has no label where 'floor' is wanted");
+    CHECK(none->hint == "it has no label where 'floor' is required");
     CHECK(why_not(source("C<RD'floor'>L"), *parse_events("C,- R,S,flor L,-"))->hint.empty());
 }
 
-TEST_CASE("of very many labels only a few are listed") {
+TEST_CASE("only a few of many labels are listed") {
     std::string expression = "C[";
     for (int k = 0; k < 500; ++k) { expression += "<R.'object" + std::to_string(k) + "'>"; }
     const auto why = why_not(source(expression + "]L"), *parse_events("C,- R,D L,-"));
@@ -81,26 +81,26 @@ TEST_CASE("of very many labels only a few are listed") {
     CHECK(why->wanted.find("others") != std::string::npos);
 }
 
-TEST_CASE("a path that matches, a language without paths and a path that goes on too long are told apart") {
+TEST_CASE("a matching path, an empty language and a path with too many events give different answers") {
     CHECK(why_not(source("CDL"), *parse_events("C,- R,D L,-"))->matches);
     CHECK_FALSE(why_not(source("CDL - C.*"), *parse_events("C,-"))->any_path);
     const auto longer = why_not(source("CD*"), *parse_events("C,- R,D L,-"));
     CHECK(longer->complete);
     CHECK(longer->live_events == 2);
     CHECK_FALSE(why_not(source("CD("), {}));
-    // Operators on languages have no single piece to name, but what could follow is known.
+    // Operators on languages have no single piece to report, but the possible next events are known.
     const auto difference = why_not(source("C.* - CD.*"), *parse_events("C,- R,D L,-"));
     CHECK(difference->live_events == 1);
     CHECK(difference->pieces.empty());
     CHECK(difference->wanted.find("specular") != std::string::npos);
-    // Too large to be marked piece by piece: the answer is the same without pieces.
+    // Too large for markers: the answer is the same, but without pieces.
     const auto large = why_not(source("C(D{2}){900}L"), *parse_events("C,- R,D R,S"));
     REQUIRE(large);
     CHECK(large->live_events == 2);
     CHECK(large->wanted == "one diffuse scattering");
 }
 
-TEST_CASE("no path that goes on as the refused one did is accepted, and events told as wanted are live") {
+TEST_CASE("no path that continues like the refused one is accepted, and the expected events are live") {
     for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
         const auto paths = oracle::all_paths(dialect, 3);
         const std::vector<std::string> expressions =
@@ -117,7 +117,7 @@ TEST_CASE("no path that goes on as the refused one did is accepted, and events t
             }
             std::size_t seen = 0;
             for (const oracle::Path& path : paths) {
-                if (++seen % 37 != 0) {  // a prime step: a varied sample of a large list
+                if (++seen % 37 != 0) {  // a prime step gives a varied sample of a large list
                     continue;
                 }
                 const auto why = why_not(channel, path);

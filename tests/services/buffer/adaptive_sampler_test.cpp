@@ -1,4 +1,4 @@
-// The adaptive sampler's decisions, against its formula written out again.
+// The adaptive sampler's decisions, compared with an independent implementation of its formula.
 #include "display/buffer/adaptive/adaptive_sampler.h"
 
 #include <catch2/catch.hpp>
@@ -22,7 +22,7 @@ std::vector<ChannelDefinition> two_channels() {
     return channels;
 }
 
-/// `blocks` blocks of 16 samples of every pixel, value(pixel, sample) each.
+/// A frame buffer with `blocks` blocks of 16 samples per pixel, with the values value(pixel, sample).
 FrameBuffer sampled(int blocks, const std::function<double(int, int)>& value) {
     const auto channels = two_channels();
     FrameBuffer buffer({width, height}, channels);
@@ -41,7 +41,7 @@ FrameBuffer sampled(int blocks, const std::function<double(int, int)>& value) {
     return buffer;
 }
 
-/// value(pixel) +- spread(pixel) in turn: the variance is known.
+/// Samples alternate between value(pixel) + spread(pixel) and value(pixel) - spread(pixel), so the variance is known.
 FrameBuffer flickering(int blocks, const std::function<double(int)>& value, const std::function<double(int)>& spread) {
     return sampled(blocks, [&](int pixel, int sample) {
         return value(pixel) + (sample % 2 == 0 ? spread(pixel) : -spread(pixel));
@@ -64,7 +64,7 @@ int open_count(const AdaptiveSampler& sampler) {
     return count;
 }
 
-/// Of n samples that are v + d and v - d in turn: sample variance n d^2 / (n - 1), of the mean d^2 / (n - 1).
+/// For n samples that alternate between v + d and v - d: sample variance n d^2 / (n - 1), of the mean d^2 / (n - 1).
 double deviation_of_mean(double d, int n) {
     return d / std::sqrt(n - 1.0);
 }
@@ -84,7 +84,7 @@ TEST_CASE("the error of a pixel is its standard error over its value or the floo
     for (int pixel = 0; pixel < width * height; ++pixel) {
         const double expected = deviation_of_mean(spread(pixel), 32) / std::max(value(pixel), 0.1 * mean);
         CAPTURE(pixel);
-        // Values are exact; roots and quotients of doubles round a few times each.
+        // The values are exact; roots and quotients of doubles round a few times each.
         CHECK(sampler.errors()[static_cast<std::size_t>(pixel)] == Approx(expected).epsilon(1e-12));
         CHECK(sampler.open(pixel % width, pixel / width) == (expected > 0.012));
         mean_square += expected * expected / (width * height);
@@ -94,7 +94,7 @@ TEST_CASE("the error of a pixel is its standard error over its value or the floo
     CHECK(sampler.progress().open_pixels == static_cast<std::uint64_t>(open_count(sampler)));
 }
 
-TEST_CASE("a neighbour's error keeps a pixel open, and the most samples end it", "[adaptive]") {
+TEST_CASE("a neighbour's error keeps a pixel open until max_samples", "[adaptive]") {
     const auto one = [](int) { return 1.0; };
     const auto corner = [](int pixel) { return pixel == 2 * width + 4 ? 1.0 : 0.0; };
     const FrameBuffer buffer = flickering(1, one, corner);
@@ -131,13 +131,13 @@ TEST_CASE("the metric takes the worst of its weighted channels", "[adaptive]") {
     CHECK(sampler.errors()[0] == Approx(3 * error).epsilon(1e-12));
 }
 
-TEST_CASE("the prediction is what errors that fall with the root of the samples need", "[adaptive]") {
+TEST_CASE("the prediction assumes that errors fall with the root of the samples", "[adaptive]") {
     const FrameBuffer buffer = flickering(
         4, [](int) { return 1.0; }, [](int) { return 0.8; });
     const double error = deviation_of_mean(0.8, 64);
     AdaptiveSampler sampler(settings_with(error / 3, 0), two_channels(), 0, buffer.layout());
     sampler.decide(buffer);
-    // Three times less error: nine times the samples. A unit for rounding down to whole samples.
+    // A third of the error needs nine times the samples. 1 allows for rounding down to whole samples.
     CHECK(std::abs(static_cast<double>(sampler.progress().predicted_samples) - 9.0 * 64 * width * height) <= 1);
     AdaptiveSampler capped(settings_with(error / 30, 0), two_channels(), 0, buffer.layout());
     capped.decide(buffer);
@@ -148,29 +148,30 @@ TEST_CASE("the prediction is what errors that fall with the root of the samples 
     CHECK(finished.progress().predicted_samples == 64 * width * height);
 }
 
-TEST_CASE("samples that most pixels have not met yet are in the prediction", "[adaptive]") {
-    // One pixel of four has met a sample that makes it five times as bright: of 64 samples whose others are 1, so
-    // the variance of its mean is the square of what that adds. All pixels have such a neighbour.
+TEST_CASE("the prediction includes samples that most pixels have not found yet", "[adaptive]") {
+    // One pixel of four has found a sample that makes it five times as bright: of 64 samples the others are 1, so the
+    // variance of its mean is the square of the increase. All pixels have such a neighbour.
     const FrameBuffer buffer = sampled(4, [](int pixel, int sample) {
         return sample == 0 && pixel % 2 == 0 && pixel / width % 2 == 0 ? 1.0 + 64 * 4 : 1.0;
     });
     AdaptiveSampler sampler(settings_with(0.5, 1), two_channels(), 0, buffer.layout());
     sampler.decide(buffer);
     CHECK(open_count(sampler) == width * height);
-    // Of four pixels pooled, and of sixteen: 1 more on a mean of 1. By the scatter of the pixels' variances the
-    // deviation of that square is 1 and sqrt(0.2) of it; of nine, the largest is 1.485 deviations more than the mean.
+    // Four pixels pooled, and sixteen: an increase of 1 on a mean of 1. By the scatter of the pixels' variances the
+    // relative deviation of that square is 1 and sqrt(0.2); the expected maximum of nine is 1.485 deviations above the
+    // mean.
     const double four = 0.25 * (1 + 1.485), sixteen = 0.25 / 4 * (1 + 1.485 * std::sqrt(0.2));
     const double needed = 256 * std::pow(4, std::log(four / 0.25) / std::log(four / sixteen));
     const AdaptiveProgress& progress = sampler.progress();
-    // A unit for rounding down to whole samples.
+    // 1 allows for rounding down to whole samples.
     CHECK(std::abs(static_cast<double>(progress.predicted_samples) - needed * width * height) <= 1);
-    // The image is a single part: by itself it does not say how far off that may be.
+    // The image is a single part, so its parts do not show the uncertainty.
     CHECK(std::abs(static_cast<double>(progress.least_samples) - needed * width * height * std::exp(-1)) <= 1);
-    // By the errors alone it would be 2.56 times what there is: the bright pixels' error is 4 / 5.
+    // The errors alone would give 2.56 times the current samples: the bright pixels' error is 4 / 5.
     CHECK(needed > 2 * samples_to_error(64, 0.8, 0.5));
 }
 
-TEST_CASE("an image that is black ends, with or without a floor", "[adaptive]") {
+TEST_CASE("a black image converges, with or without a floor", "[adaptive]") {
     const FrameBuffer buffer = flickering(
         1, [](int) { return 0.0; }, [](int) { return 0.0; });
     AdaptiveSettings settings = settings_with(0.01, 1);
@@ -183,7 +184,7 @@ TEST_CASE("an image that is black ends, with or without a floor", "[adaptive]") 
     }
 }
 
-TEST_CASE("decisions go through bytes and back", "[adaptive][record][law3]") {
+TEST_CASE("decisions are written to bytes and read back", "[adaptive][record][law3]") {
     const FrameBuffer buffer = flickering(
         2, [](int pixel) { return 1.0 + pixel; }, [](int pixel) { return 0.1 * pixel; });
     AdaptiveSampler sampler(settings_with(0.012, 1), two_channels(), 0, buffer.layout());
@@ -210,7 +211,7 @@ TEST_CASE("decisions go through bytes and back", "[adaptive][record][law3]") {
     CHECK_FALSE(fresh.restore_record(bytes.substr(1)).ok());
 }
 
-TEST_CASE("settings that make no sense are refused by name", "[adaptive][law7]") {
+TEST_CASE("invalid settings are refused by name", "[adaptive][law7]") {
     const auto channels = two_channels();
     const auto refusal = [&](const AdaptiveSettings& settings, ChannelId beauty = 0) {
         const Status status = AdaptiveSampler::check(settings, channels, beauty);

@@ -9,7 +9,7 @@
 namespace raylex::display {
 namespace {
 
-/// The same conversion by the arithmetic of the language: exact for |value| < 2^(62 + quantum).
+/// The conversion by the language's arithmetic, exact for |value| < 2^(62 + quantum).
 bool by_long_double(double value, int quantum, Int128& out) {
     const long double scaled = std::ldexp(static_cast<long double>(value), -quantum);
     if (!(std::abs(scaled) < 0x1p62L)) return false;
@@ -48,7 +48,7 @@ TEST_CASE("values near half a quantum round to nearest, ties to even", "[fixed_p
 TEST_CASE("doubles without bits below the quantum come back exactly", "[fixed_point]") {
     test::Random random(8);
     for (int i = 0; i < 100'000; ++i) {
-        // 53 bits ending at 2^-80 at the lowest, 2^46 at the highest.
+        // 53 bits that end between 2^-80 and 2^46.
         const double value = std::ldexp(random.uniform() - 0.5, random.below(73) - 26);
         Int128 fixed = 0;
         REQUIRE(to_fixed(value, -80, fixed));
@@ -56,7 +56,7 @@ TEST_CASE("doubles without bits below the quantum come back exactly", "[fixed_po
     }
 }
 
-TEST_CASE("a sum of arrays is the sum of what each number becomes", "[fixed_point]") {
+TEST_CASE("a sum of arrays is the sum of the converted numbers", "[fixed_point]") {
     test::Random random(11);
     const auto sums = [&]<std::size_t count>(int quantum, int highest, int span) {
         FixedSum<count> sum(quantum);
@@ -66,7 +66,7 @@ TEST_CASE("a sum of arrays is the sum of what each number becomes", "[fixed_poin
             for (double& value : values) {
                 value = std::ldexp(random.uniform() - 0.5, highest + quantum - random.below(span));
                 if (random.below(20) == 0) value = 0;
-                if (random.below(20) == 0) value = std::ldexp(random.below(64) - 32, quantum - 1);  // ties among them
+                if (random.below(20) == 0) value = std::ldexp(random.below(64) - 32, quantum - 1);  // includes ties
             }
             REQUIRE(sum.add(values));
             for (std::size_t c = 0; c < count; ++c) {
@@ -85,7 +85,7 @@ TEST_CASE("a sum of arrays is the sum of what each number becomes", "[fixed_poin
     }
 }
 
-TEST_CASE("a sum of arrays takes no array that is too large or not finite", "[fixed_point]") {
+TEST_CASE("a sum of arrays refuses arrays that are too large or not finite", "[fixed_point]") {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     FixedSum<3> sum(-80);
     for (const double bad : {infinity, -infinity, std::nan(""), 0x1p30, -0x1p30, 0x1p1000})
@@ -101,19 +101,19 @@ TEST_CASE("a sum of arrays takes no array that is too large or not finite", "[fi
     CHECK((sum.total() == std::array<Int128, 3>{one << 29, -one, one}));
 }
 
-TEST_CASE("fixed point becomes the nearest long double", "[fixed_point]") {
+TEST_CASE("fixed point converts to the nearest long double", "[fixed_point]") {
     test::Random random(9);
     for (int i = 0; i < 100'000; ++i) {
         const Int128 fixed =
             ((static_cast<Int128>(random.bits()) << 64) | static_cast<Int128>(random.bits())) >> random.below(127);
         if (as_long_double(fixed) != static_cast<long double>(fixed)) FAIL("differs after " << i);
-        const int exponent = random.below(2400) - 1200;  // beyond the range of double, within that of long double
+        const int exponent = random.below(2400) - 1200;  // beyond the range of double, within the range of long double
         if (to_long_double(fixed, exponent) != std::ldexp(static_cast<long double>(fixed), exponent))
             FAIL("2^" << exponent);
     }
 }
 
-TEST_CASE("what does not fit is refused, never wrapped", "[fixed_point][law6]") {
+TEST_CASE("values that do not fit are refused, never wrapped", "[fixed_point][law6]") {
     Int128 fixed = 5;
     for (const double value : {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
                                std::numeric_limits<double>::quiet_NaN(), 0x1p46, -0x1p46, 1e300})

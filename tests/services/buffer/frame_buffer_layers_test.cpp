@@ -1,4 +1,4 @@
-// One channel feeding several outputs: layers made of another channel's samples by rules of their own.
+// One channel with several outputs: layers that combine another channel's samples by rules of their own.
 #include <catch2/catch.hpp>
 #include <limits>
 #include <string>
@@ -12,7 +12,7 @@
 namespace raylex::display {
 namespace {
 
-/// Shown by Catch when it fails: the text itself is no part of the expression.
+/// Catch shows the text if the check fails; it is not part of the expression.
 bool contains(const std::string& text, const std::string& part) {
     UNSCOPED_INFO(text);
     return text.find(part) != std::string::npos;
@@ -23,7 +23,7 @@ using test::plain_channel;
 constexpr float infinite = std::numeric_limits<float>::infinity();
 const SourceLocation here{"job.toml", 3, 1};
 
-/// color (filter), depth (zmin), light (an expression), and layers of each.
+/// The channels color (filter), depth (zmin), light (an expression), and layers of each.
 std::vector<ChannelDefinition> channels() {
     std::vector<ChannelDefinition> list{plain_channel("color", ChannelType::rgb),
                                         plain_channel("depth", ChannelType::real, FilterRule::zmin, infinite),
@@ -42,14 +42,14 @@ constexpr ChannelId color = 0, depth = 1, light = 2, brightest = 3, nearest = 4,
 
 }  // namespace
 
-TEST_CASE("what is sent to a channel reaches every output, each by its own rule", "[frame_buffer][display_services]") {
+TEST_CASE("values sent to a channel reach every output, each by its own rule", "[frame_buffer][display_services]") {
     const std::vector<ChannelDefinition> list = channels();
     SampleTable table(list, 4);
     DisplayServices services(table);
     FrameBuffer buffer({1, 1}, list);
     table.begin(test::pixel_rows(0, 0, 0, 4));
     const float depths[] = {5, 3, 4};
-    for (int row = 0; row < 3; ++row) {  // the fourth row sees nothing
+    for (int row = 0; row < 3; ++row) {  // the fourth row has no value
         CHECK(services.write(color, row, Rgb(static_cast<float>(row + 1))));
         CHECK(services.write(depth, row, depths[row]));
         CHECK(services.splat(light, row, Rgb(2.0f * static_cast<float>(row))));
@@ -59,14 +59,15 @@ TEST_CASE("what is sent to a channel reaches every output, each by its own rule"
     buffer.accumulate(table);
     CHECK(buffer.resolve(color)[0] == 6.0 / 4);
     CHECK(buffer.resolve(brightest)[0] == 3);
-    CHECK(buffer.resolve(nearest)[0] == 2);  // of row 1, at depth 3
+    CHECK(buffer.resolve(nearest)[0] == 2);  // the value of row 1, at depth 3
     CHECK(buffer.resolve(depth)[0] == 3);
-    CHECK(buffer.resolve(mean_depth)[0] == 4);  // of the rows that were written
+    CHECK(buffer.resolve(mean_depth)[0] == 4);  // over the written rows
     CHECK(buffer.resolve(light)[0] == 6.0 / 4);
     CHECK(buffer.resolve(strongest)[0] == 4);
     CHECK(buffer.resolve(all_light)[0] == 6);
 
-    // A layer has what a channel of its own would have, bit by bit, in any number of batches and merged in any order.
+    // A layer equals a channel of its own with that rule, bit for bit, for any number of batches and any order of
+    // merging.
     FrameBuffer first({1, 1}, list), second({1, 1}, list);
     for (int block = 0; block < 2; ++block) {
         table.begin(test::pixel_rows(0, 0, 16 * static_cast<std::uint64_t>(block), 4));
@@ -79,7 +80,7 @@ TEST_CASE("what is sent to a channel reaches every output, each by its own rule"
     CHECK(second.resolve(nearest)[0] == 11);
 }
 
-TEST_CASE("layers are no channels to send to, and patterns do not see them", "[display_services][law7]") {
+TEST_CASE("values cannot be sent to layers, and patterns do not see them", "[display_services][law7]") {
     const std::vector<ChannelDefinition> list = channels();
     SampleTable table(list, 4);
     DisplayServices services(table);
@@ -93,21 +94,21 @@ TEST_CASE("layers are no channels to send to, and patterns do not see them", "[d
     CHECK_FALSE(services.write(nearest, std::span(rows), std::span(values)));
     CHECK(services.refusals()[nearest].of(Refusal::unknown_channel) == 3);
     CHECK(refusal_warnings(list, services.refusals()).front() ==
-          "channel 'nearest' refused 3 calls: 3 to a layer that is made of another channel's samples");
+          "channel 'nearest' refused 3 calls: 3 to a layer that uses another channel's samples");
     for (ChannelId id = 0; id < table.channel_count(); ++id) CHECK_FALSE(table.touched(id));
 }
 
-TEST_CASE("a layer takes the memory of its rule and none in the sample table", "[frame_buffer]") {
+TEST_CASE("a layer needs the memory of its rule, and none in the sample table", "[frame_buffer]") {
     const std::vector<MemoryItem> items = frame_buffer_memory({.width = 10, .height = 10}, channels());
     REQUIRE(items.size() == 9);
     CHECK(items[0].bytes == 100 * (8 + 2 * 16));  // no layer makes its source keep statistics
     CHECK(items[1 + color].bytes == 100 * 48);
-    CHECK(items[1 + brightest].bytes == 100 * (3 * 8 + 8));    // picked values, rows taken in
-    CHECK(items[1 + nearest].bytes == 100 * (3 * 8 + 8 + 4));  // and the depth
+    CHECK(items[1 + brightest].bytes == 100 * (3 * 8 + 8));    // picked values and number of rows
+    CHECK(items[1 + nearest].bytes == 100 * (3 * 8 + 8 + 4));  // plus the depth
     CHECK(items[1 + mean_depth].bytes == 100 * (16 + 8));
 }
 
-TEST_CASE("layers of what is not there, or by a rule that cannot be, are refused", "[display_services][law7]") {
+TEST_CASE("layers of unknown channels, or with impossible rules, are refused", "[display_services][law7]") {
     std::vector<ChannelDefinition> list = channels();
     list.push_back(plain_channel("id", ChannelType::integer, FilterRule::zmin));
     const auto refused = [&](const LayerRequest& request) {
@@ -118,11 +119,11 @@ TEST_CASE("layers of what is not there, or by a rule that cannot be, are refused
         CHECK(added.error().line == 3);
         return added.error().to_string();
     };
-    CHECK(contains(refused({"x", "colour", FilterRule::max, here}), "no channel 'colour'"));
+    CHECK(contains(refused({"x", "colour", FilterRule::max, here}), "unknown channel 'colour'"));
     CHECK(contains(refused({"x", "colour", FilterRule::max, here}), "did you mean 'color'?"));
-    CHECK(contains(refused({"x", "nearest", FilterRule::max, here}), "no channel 'nearest'"));
+    CHECK(contains(refused({"x", "nearest", FilterRule::max, here}), "unknown channel 'nearest'"));
     CHECK(contains(refused({"light", "color", FilterRule::max, here}), "name 'light' is taken"));
-    CHECK(contains(refused({"x", "id", FilterRule::average, here}), "holds integers"));
+    CHECK(contains(refused({"x", "id", FilterRule::average, here}), "contains integers"));
     ChannelDefinition stray = plain_channel("stray", ChannelType::rgb);
     stray.source = depth;  // of another type
     list.push_back(stray);

@@ -1,4 +1,4 @@
-// Law 3 of the canonical record: threads, shards and sessions may bring the blocks of an image in any way.
+// Law 3 for the record: threads, shards and sessions can deliver the blocks of an image in any way.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -34,7 +34,7 @@ std::vector<ChannelDefinition> every_rule() {
     return channels;
 }
 
-/// Fills `table` with one block of one pixel: values over many orders of magnitude, equal depths among them.
+/// Fills `table` with one block of one pixel: values over many orders of magnitude, with some equal depths.
 void fill_block(SampleTable& table, int pixel, int block) {
     Random random(static_cast<std::uint64_t>(pixel * 1000 + block));
     std::vector<CameraRow> rows = test::pixel_rows(pixel % merged_width, pixel / merged_width,
@@ -94,8 +94,7 @@ void shuffle(std::vector<std::pair<int, int>>& blocks, Random& random) {
     for (std::size_t i = blocks.size(); i > 1; --i) std::swap(blocks[i - 1], blocks[random.bits() % i]);
 }
 
-TEST_CASE("blocks dealt to several buffers at random and merged in random order give the same bits",
-          "[frame_buffer][law3]") {
+TEST_CASE("blocks assigned to random buffers and merged in random order give the same bits", "[frame_buffer][law3]") {
     const std::vector<std::uint64_t> expected = bits_of(render_in_order());
     const std::vector<ChannelDefinition> channels = every_rule();
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -138,7 +137,7 @@ TEST_CASE("threads that share a buffer by pixel give the same bits", "[frame_buf
     CHECK(bits_of(buffer) == expected);
 }
 
-TEST_CASE("a batch that holds several blocks gives the same bits as the blocks one by one", "[frame_buffer][law3]") {
+TEST_CASE("a batch with several blocks gives the same bits as single blocks", "[frame_buffer][law3]") {
     const std::vector<ChannelDefinition> channels{plain_channel("v", ChannelType::real)};
     Random random(4);
     std::vector<double> values(100);
@@ -161,7 +160,7 @@ TEST_CASE("a batch that holds several blocks gives the same bits as the blocks o
     CHECK(render(112) == expected);
 }
 
-TEST_CASE("records of different images do not merge, and the error says why", "[frame_buffer][law7]") {
+TEST_CASE("records of different images do not merge, and the error gives the reason", "[frame_buffer][law7]") {
     std::vector<ChannelDefinition> channels = every_rule();
     FrameBuffer buffer = render_in_order();
     const std::vector<std::uint64_t> before = bits_of(buffer);

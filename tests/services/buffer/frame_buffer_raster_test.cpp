@@ -1,4 +1,4 @@
-// Raster splats of the frame buffer against sums done by hand, in any order and through the record.
+// Raster splats of the frame buffer against direct sums, in any order and through the record.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -54,7 +54,7 @@ void feed(FrameBuffer& buffer, std::span<const Splat> list) {
 
 }  // namespace
 
-TEST_CASE("raster splats count by the kernel wherever they land, in any order", "[framebuffer][splat][law3]") {
+TEST_CASE("raster splats are weighted by the kernel wherever they land, in any order", "[framebuffer][splat][law3]") {
     const std::vector<ChannelDefinition> channels{test::expression_channel("beauty", "C.*")};
     const std::vector<Splat> list = random_splats();
     for (const char* name : {"box", "mitchell"}) {
@@ -72,7 +72,7 @@ TEST_CASE("raster splats count by the kernel wherever they land, in any order", 
         REQUIRE(first.merge(*restored).ok());
         CHECK(first.resolve(0) == whole.resolve(0));
         CHECK(first.light_path_count() == splats);
-        // Going on after a restart.
+        // Continue after a restart.
         restored->adopt_kernels(second);
         feed(*restored, {backwards.data(), 100});
         CHECK(restored->resolve(0) == whole.resolve(0));
@@ -93,7 +93,7 @@ TEST_CASE("raster splats count by the kernel wherever they land, in any order", 
                         magnitude += std::abs(term);
                     }
                     const double pixel = image[static_cast<std::size_t>(3 * (y * width + x) + c)];
-                    // 300 additions in double by hand.
+                    // 300 additions in double.
                     CHECK(std::abs(pixel - sum * width * height / splats) <=
                           300 * 0x1p-52 * magnitude * width * height / splats);
                     if (c == 1) total += pixel;
@@ -102,12 +102,12 @@ TEST_CASE("raster splats count by the kernel wherever they land, in any order", 
             if (splat.row.screen_x >= 0 && splat.row.screen_x < width && splat.row.screen_y >= 0 &&
                 splat.row.screen_y < height)
                 sent += static_cast<double>(splat.row.filter_weight) * splat.color[1];
-        // A box is a partition of the image: not even what lands on an edge is lost or counted twice.
+        // A box is a partition of the image: even splats on an edge are neither lost nor counted twice.
         if (std::string(name) == "box") CHECK(total == Approx(sent * width * height / splats).epsilon(1e-6));
     }
 }
 
-TEST_CASE("what raster splats cannot fill is refused", "[framebuffer][splat][law7]") {
+TEST_CASE("channels that raster splats cannot fill are refused", "[framebuffer][splat][law7]") {
     const PixelFilter filter = filter_named("gaussian");
     std::vector<ChannelDefinition> channels{test::expression_channel("beauty", "C.*")};
     CHECK(FrameBuffer::create({width, height}, channels, nullptr, &filter).ok());

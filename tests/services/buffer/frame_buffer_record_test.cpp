@@ -1,4 +1,4 @@
-// The record of a frame buffer as bytes: whole and back, merged, and never misread.
+// The record of a frame buffer as bytes: written and read back, merged, and never misread.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -78,7 +78,7 @@ std::string record_of(const FrameBuffer& buffer) {
 
 }  // namespace
 
-TEST_CASE("a frame buffer's record is the frame buffer", "[framebuffer][record][law3]") {
+TEST_CASE("a frame buffer's record restores the frame buffer", "[framebuffer][record][law3]") {
     const auto channels = every_recorded_rule();
     const FrameBuffer buffer = filled(channels, 0);
     REQUIRE(buffer.rejected_count(7) > 0);
@@ -110,9 +110,9 @@ TEST_CASE("records of shards merge to the whole, in any order", "[framebuffer][r
     CHECK((record_of(*odd) == record_of(whole)));
 }
 
-TEST_CASE("a record does not depend on how many blocks of a pixel come in one batch", "[framebuffer][record][law3]") {
+TEST_CASE("a record does not depend on the number of a pixel's blocks per batch", "[framebuffer][record][law3]") {
     const auto channels = every_recorded_rule();
-    constexpr int blocks = 70, rows = 16;  // more than one run has room for
+    constexpr int blocks = 70, rows = 16;  // more than fit in one run
     const auto filled_by = [&](int together) {
         FrameBuffer buffer({2, 1}, channels);
         SampleTable table(channels, rows * together);
@@ -125,7 +125,7 @@ TEST_CASE("a record does not depend on how many blocks of a pixel come in one ba
             table.begin(camera);
             for (int row = 0; row < count; ++row) {
                 Random random(sample + static_cast<std::uint64_t>(row));
-                // From below the quantum to so large that a block is added by itself, and now and then too large.
+                // From below the quantum to so large that a block is added separately; some are too large.
                 const auto value = [&] {
                     const int exponent = random.below(50) == 0 ? 47 : random.below(120) - 80;
                     return static_cast<float>(std::ldexp(random.uniform() - 0.5, exponent));
@@ -163,7 +163,7 @@ TEST_CASE("a record does not depend on how many blocks of a pixel come in one ba
     }
 }
 
-TEST_CASE("a record that ends too early or is of another version is refused", "[framebuffer][record][law7]") {
+TEST_CASE("a record that ends early or has another version is refused", "[framebuffer][record][law7]") {
     const std::string bytes = record_of(filled(every_recorded_rule(), 0));
     for (std::size_t size = 0; size < bytes.size(); size += 64) {
         CAPTURE(size);
@@ -175,11 +175,11 @@ TEST_CASE("a record that ends too early or is of another version is refused", "[
     const auto refused = FrameBuffer::from_record(other);
     REQUIRE_FALSE(refused.ok());
     CHECK(refused.error().message.find("version 9, expected 6") != std::string::npos);
-    // A size that no memory holds is an error too.
+    // A size that exceeds any memory is an error, too.
     other = bytes;
     other[7] = 0x7f;
     CHECK_FALSE(FrameBuffer::from_record(other).ok());
-    // And a quantum that with a channel's scale is no exponent.
+    // So is a quantum that, combined with a channel's scale, exceeds the range of exponents.
     other = bytes;
     const int largest = std::numeric_limits<int>::max();
     std::memcpy(&other[16], &largest, sizeof largest);
@@ -188,9 +188,8 @@ TEST_CASE("a record that ends too early or is of another version is refused", "[
     CHECK(coarse.error().message.find("expected -512 to 512") != std::string::npos);
 }
 
-TEST_CASE("sums of every width go through bytes and back", "[framebuffer][record]") {
-    // A page has 256 numbers: one page of each width and shift, whose widest number is as wide as can be, and of each
-    // sign.
+TEST_CASE("sums of every width are written to bytes and read back", "[framebuffer][record]") {
+    // A page has 256 numbers: one page for each width, shift and sign, whose widest number has the full width.
     std::vector<Int128> values(256, 0);  // a page of zeros, which is not written
     Random random(7);
     for (int width = 1; width <= 16; ++width)
@@ -203,7 +202,7 @@ TEST_CASE("sums of every width go through bytes and back", "[framebuffer][record
                     values.push_back((negative ? -value - 1 : value) << (8 * low));
                 }
             }
-    values.resize(values.size() - 100);  // the last page is not a whole one
+    values.resize(values.size() - 100);  // the last page is incomplete
     const std::span<const Int128> all = values;
     const auto through = [](std::span<const Int128> given, std::span<const Int128> like, std::size_t& bytes) {
         std::string record;
@@ -223,13 +222,13 @@ TEST_CASE("sums of every width go through bytes and back", "[framebuffer][record
     };
     std::size_t bytes = 0;
     CHECK((through(all, {}, bytes) == values));
-    CHECK(bytes < all.size_bytes() * 6 / 10);  // the mean width is under 6 of 16, where shifts count as often as widths
-    // Like another plane but for one number: its page alone is written.
+    CHECK(bytes < all.size_bytes() * 6 / 10);  // the mean width is below 6 of 16, if shifts are as frequent as widths
+    // Equal to another plane except for one number: only the page of that number is written.
     std::vector<Int128> changed = values;
     changed[256 * 40 + 3] += 1;
     CHECK((through(changed, all, bytes) == changed));
     CHECK(bytes < 16 * 256 + 12 * (values.size() / 256 + 2));
-    // A width or shift that cannot be is refused.
+    // An impossible width or shift is refused.
     std::string record;
     RecordWriter(record).sums(all.subspan(256, 256));
     for (const auto& [at, value] : {std::pair(16, 0), std::pair(16, 17), std::pair(16, 255), std::pair(17, 16)}) {
@@ -243,7 +242,7 @@ TEST_CASE("sums of every width go through bytes and back", "[framebuffer][record
     }
 }
 
-TEST_CASE("coverage goes through bytes and back", "[coverage][record][law3]") {
+TEST_CASE("coverage is written to bytes and read back", "[coverage][record][law3]") {
     RankedCoverage coverage(7, 5, {0, 11, 22, 33});
     for (std::size_t pixel = 0; pixel < 35; ++pixel)
         for (std::uint32_t id = 0; id < 3 * pixel; ++id) {  // some pixels drop ids into the remainder

@@ -1,4 +1,4 @@
-// Splat mode of the frame buffer against sums done by hand, and its laws.
+// Splat mode of the frame buffer against direct sums, and its laws.
 #include <algorithm>
 #include <numeric>
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr int width = 7, height = 5, samples = 20;
 
-/// One sample of one pixel, in the image or around it.
+/// One sample of one pixel, inside the image or around it.
 struct Sample {
     CameraRow row;
     RgbD a, b;
@@ -25,7 +25,7 @@ std::vector<ChannelDefinition> split_channels() {
             test::expression_channel("b", "CSL")};
 }
 
-/// Evenly over the image and `reach` pixels around it.
+/// Samples spread evenly over the image and `reach` pixels around it.
 std::vector<Sample> even_samples(int reach, std::uint64_t seed) {
     std::vector<Sample> list;
     test::Random random(seed);
@@ -47,7 +47,7 @@ std::vector<Sample> even_samples(int reach, std::uint64_t seed) {
     return list;
 }
 
-/// A block of at most 16 samples of one pixel.
+/// Adds a block of at most 16 samples of one pixel.
 void feed(FrameBuffer& buffer, std::span<const Sample> block) {
     SampleTable table(buffer.channels(), 16);
     std::vector<CameraRow> rows;
@@ -95,7 +95,8 @@ TEST_CASE("a splatted pixel is the kernel-weighted mean of all samples in reach"
                     size += std::abs(w) * 10;
                 }
                 const auto pixel = static_cast<std::size_t>(y * width + x);
-                // Some 500 terms of one size, summed in another order: at most 500 roundings of 2^-53 of their sum.
+                // Some 500 terms of similar size in a different order: at most 500 rounding errors of 2^-53 of their
+                // sum.
                 const double rounding = 500 * 0x1p-53 * size / std::abs(weight);
                 CHECK(image[3 * pixel + 1] == Approx(sum / weight).margin(rounding));
                 CHECK(alpha[pixel] == Approx(covered / weight).margin(rounding));
@@ -104,7 +105,7 @@ TEST_CASE("a splatted pixel is the kernel-weighted mean of all samples in reach"
     }
 }
 
-TEST_CASE("splatted layers sum to the beauty, and their order does not show", "[splat][law1][law3]") {
+TEST_CASE("splatted layers sum to the beauty, and their order does not matter", "[splat][law1][law3]") {
     const PixelFilter kernel = *make_pixel_filter("gaussian", {});
     const std::vector<Sample> list = even_samples(1, 9);
     std::vector<std::span<const Sample>> blocks = blocks_of(list);
@@ -123,7 +124,7 @@ TEST_CASE("splatted layers sum to the beauty, and their order does not show", "[
     CHECK(forwards.rejected_count() == 0);
 }
 
-TEST_CASE("rules other than the pixel filter's take a pixel's own samples in splat mode too", "[splat]") {
+TEST_CASE("rules other than the pixel filter use a pixel's own samples in splat mode, too", "[splat]") {
     const PixelFilter kernel = *make_pixel_filter("gaussian", {});
     std::vector<ChannelDefinition> channels = split_channels();
     channels[1].rule = FilterRule::max;

@@ -60,7 +60,7 @@ TEST_CASE("even and odd are the images of half the samples each, whatever the we
         }
         feed_block(buffer, table, 0, first, values, weights);
     }
-    // Sums of 27 terms of one size in another order: 27 roundings of 2^-53 each at most, of terms up to 10 x 1.3.
+    // Sums of 27 terms in a different order: at most 27 rounding errors of 2^-53 each, of terms up to 10 x 1.3.
     constexpr double rounding = 27 * 27 * 0x1p-53 * 13;
     const std::vector<double> even = buffer.resolve(even_id), odd = buffer.resolve(odd_id),
                               whole = buffer.resolve(value_id);
@@ -73,7 +73,7 @@ TEST_CASE("even and odd are the images of half the samples each, whatever the we
     }
 }
 
-TEST_CASE("light in the even samples alone leaves the odd half at zero exactly", "[frame_buffer][statistics]") {
+TEST_CASE("light in only the even samples leaves the odd half at exactly zero", "[frame_buffer][statistics]") {
     const std::vector<ChannelDefinition> channels = with_statistics();
     FrameBuffer buffer({2, 1}, channels);
     SampleTable table(channels, 16);
@@ -82,10 +82,10 @@ TEST_CASE("light in the even samples alone leaves the odd half at zero exactly",
     feed_block(buffer, table, 0, 0, values, std::vector<float>(16, 1.0f));
     CHECK(buffer.resolve(odd_id)[0] == 0);
     CHECK(buffer.resolve(even_id)[0] == Approx(2 * buffer.resolve(value_id)[0]).epsilon(1e-15));
-    CHECK(buffer.resolve(even_id, {1, 0, 2, 1}) == std::vector<double>{0});  // nothing there
+    CHECK(buffer.resolve(even_id, {1, 0, 2, 1}) == std::vector<double>{0});  // this pixel has no samples
 }
 
-TEST_CASE("variance is the sample variance and mse that of the mean", "[frame_buffer][statistics]") {
+TEST_CASE("variance is the sample variance, and mse is the variance of the mean", "[frame_buffer][statistics]") {
     const std::vector<ChannelDefinition> channels = with_statistics();
     FrameBuffer buffer({1, 1}, channels);
     SampleTable table(channels, 16);
@@ -104,8 +104,8 @@ TEST_CASE("variance is the sample variance and mse that of the mean", "[frame_bu
     CHECK(buffer.resolve(mse_id) == buffer.resolve_variance_of_mean(value_id));
 }
 
-// Half the difference of independent halves estimates the mean's error: E ((even - odd) / 2)^2 = mse.
-TEST_CASE("the halves differ by what mse says", "[frame_buffer][statistics][statistical]") {
+// Half the difference of independent halves estimates the error of the mean: E ((even - odd) / 2)^2 = mse.
+TEST_CASE("the halves differ as mse predicts", "[frame_buffer][statistics][statistical]") {
     const std::vector<ChannelDefinition> channels = with_statistics();
     constexpr int pixels = 4000;
     FrameBuffer buffer({pixels, 1}, channels);
@@ -123,7 +123,7 @@ TEST_CASE("the halves differ by what mse says", "[frame_buffer][statistics][stat
         halves += (even[i] - odd[i]) * (even[i] - odd[i]) / 4 / pixels;
         predicted += mse[i] / pixels;
     }
-    // 4000 squares of normal deviates: relative standard error sqrt(2 / 4000) = 2.2 %; 4 of them.
+    // 4000 squares of normal deviates: relative standard error sqrt(2 / 4000) = 2.2 %; the bound is 4 of them.
     CHECK(halves == Approx(predicted).epsilon(0.09));
     CHECK(predicted == Approx(1 / 16.0).epsilon(0.03));  // 4000 x 15 degrees of freedom: 4 x 0.6 %
 }
@@ -164,7 +164,7 @@ TEST_CASE("nothing can be sent to a layer of statistics", "[frame_buffer][statis
     CHECK(services.refusals()[odd_id].total() == 2);
 }
 
-TEST_CASE("rules and statistics by name, or errors that say what there is", "[statistics][law7]") {
+TEST_CASE("rules and statistics by name, or errors that list the known names", "[statistics][law7]") {
     const auto text = [](const Status& status) { return status.ok() ? std::string() : status.error().to_string(); };
     const SourceLocation where{"job.toml", 3, 5};
     CHECK(parse_rule_request("v", "zmn", where).error().to_string().find("did you mean 'zmin'") != std::string::npos);
@@ -177,26 +177,26 @@ TEST_CASE("rules and statistics by name, or errors that say what there is", "[st
     };
     CHECK(text(rule("Nm", "zmin")).find("did you mean 'Nn'") != std::string::npos);
     CHECK(text(rule("Nm", "zmin")).find("job.toml:3:5") != std::string::npos);
-    CHECK(text(rule("beauty", "zmin")).find("the beauty is made by the pixel filter alone") != std::string::npos);
+    CHECK(text(rule("beauty", "zmin")).find("the beauty always uses the pixel filter") != std::string::npos);
     CHECK(text(rule("id", "average")).find("integers") != std::string::npos);
     const RuleRequest twice = *parse_rule_request("Nn", "max", where);
-    CHECK(text(apply_rules({twice, twice}, 0, channels)).find("twice") != std::string::npos);
+    CHECK(text(apply_rules({twice, twice}, 0, channels)).find("two rules") != std::string::npos);
     REQUIRE(rule("Nn", "zmax").ok());
     CHECK(channels[1].rule == FilterRule::zmax);
 
     const auto statistic = [&](const char* name, const char* value) {
         return add_statistics({*parse_statistic_request(name, value, where)}, channels);
     };
-    CHECK(text(statistic("Nn", "mse")).find("has the rule 'zmax' and no statistics") != std::string::npos);
+    CHECK(text(statistic("Nn", "mse")).find("has the rule 'zmax', which has no statistics") != std::string::npos);
     CHECK(text(statistic("beaty", "mse")).find("did you mean 'beauty'") != std::string::npos);
     REQUIRE(statistic("beauty", "mse").ok());
     CHECK(channels.back().name == "beauty_mse");
-    CHECK(text(statistic("beauty", "mse")).find("asked for twice") != std::string::npos);
-    CHECK(text(statistic("beauty_mse", "mse")).find("there is no channel") != std::string::npos);
+    CHECK(text(statistic("beauty", "mse")).find("requested twice") != std::string::npos);
+    CHECK(text(statistic("beauty_mse", "mse")).find("unknown channel") != std::string::npos);
     channels.push_back(plain_channel("beauty_even", ChannelType::rgb));
     CHECK(text(statistic("beauty", "even")).find("name of another channel") != std::string::npos);
 
-    channels.back().statistic = Statistic::odd;  // built by hand, of a channel with another rule
+    channels.back().statistic = Statistic::odd;  // made directly, from a channel with a different rule
     channels.back().source = 1;
     CHECK_FALSE(FrameBuffer::create({1, 1}, channels).ok());
     channels.back().source = 77;

@@ -20,7 +20,7 @@ using test::Random;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-/// `samples` of pixel (0, 0), in batches of 256, `fill(table, row, sample)` called for each.
+/// Adds `samples` samples of pixel (0, 0) in batches of 256, and calls `fill(table, row, sample)` for each.
 void feed(FrameBuffer& buffer, std::span<const ChannelDefinition> channels, std::uint64_t samples,
           const std::function<void(SampleTable&, int, std::uint64_t)>& fill) {
     SampleTable table(channels, 256);
@@ -33,7 +33,7 @@ void feed(FrameBuffer& buffer, std::span<const ChannelDefinition> channels, std:
     }
 }
 
-TEST_CASE("a channel of another scale has the same digits", "[frame_buffer][law3]") {
+TEST_CASE("a channel with a different scale has the same digits", "[frame_buffer][law3]") {
     const auto values_at = [](int scale) {
         std::vector<ChannelDefinition> channels{test::expression_channel("light", "CL"),
                                                 plain_channel("v", ChannelType::rgb),
@@ -59,7 +59,7 @@ TEST_CASE("a channel of another scale has the same digits", "[frame_buffer][law3
     const std::vector<double> usual = values_at(0);
     for (const int scale : {-256, -80, -1, 1, 66, 256}) {
         CAPTURE(scale);
-        CHECK(values_at(scale) == usual);  // powers of two round nothing
+        CHECK(values_at(scale) == usual);  // scaling by a power of two does not round
     }
     std::vector<ChannelDefinition> channels{test::expression_channel("a", "CL"), test::expression_channel("b", "CDL")};
     channels[1].scale_exponent = 3;
@@ -90,7 +90,7 @@ TEST_CASE("statistics survive an offset of 1e6", "[frame_buffer][statistical]") 
     for (const double v : values)
         squares += (static_cast<long double>(v) - mean) * (static_cast<long double>(v) - mean);
     const auto two_pass = static_cast<double>(squares / (n - 1) / n);
-    // Block sums are rounded at 2^-53 x 1.6e7 = 2e-9 of sums whose deviations are of order 4; 1e-6 leaves a margin.
+    // Block sums are rounded at 2^-53 x 1.6e7 = 2e-9, and their deviations are of order 4; 1e-6 leaves a margin.
     CHECK(variance[0] == Approx(two_pass).epsilon(1e-6));
     CHECK(variance[1] == Approx(4 * two_pass).epsilon(1e-6));
     CHECK(variance[2] == Approx(9 * two_pass).epsilon(1e-6));
@@ -120,7 +120,7 @@ TEST_CASE("the variance of the mean predicts the scatter of means, negative weig
         scatter += (mean[i] - 3) * (mean[i] - 3) / pixels;
         predicted += variance[i] / pixels;
     }
-    // 4000 squared deviations have a relative standard error of sqrt(2 / 4000) = 2.2 %; 4 of them.
+    // 4000 squared deviations have a relative standard error of sqrt(2 / 4000) = 2.2 %; the bound is 4 of them.
     CHECK(predicted == Approx(scatter).epsilon(0.09));
 }
 
@@ -143,9 +143,9 @@ TEST_CASE("a constant image is constant under every pixel filter", "[frame_buffe
             buffer.accumulate(table);
         }
         const std::vector<double> values = buffer.resolve(0), alpha = buffer.resolve_alpha();
-        // Weighted sums of 16 terms in double: 16 x 2^-53 of their absolute sum, which weights that cancel to no less
-        // than a tenth of it can raise tenfold. Weights that cancel completely (the sum is exactly 0) are the one
-        // exception: the mean is then over the count, and 0. For sinc (23 % of the weights negative) that is expected
+        // Weighted sums of 16 terms in double: 16 x 2^-53 of their absolute sum. Weights that cancel to no less than a
+        // tenth of it can increase the error tenfold. Weights that cancel completely (the sum is exactly 0) are an
+        // exception: the mean is then over the count, and 0. For sinc (23 % of the weights negative) this is expected
         // in 0.7 of the 64 pixels; more than 6 have a probability below 1e-5.
         for (const double v : values)
             if (v != 0) CHECK(v == Approx(0.7).epsilon(1e-13));
@@ -155,7 +155,7 @@ TEST_CASE("a constant image is constant under every pixel filter", "[frame_buffe
     }
 }
 
-TEST_CASE("rules pick what they say, by depth with ties to the smaller sample", "[frame_buffer]") {
+TEST_CASE("rules pick the right values, by depth with ties to the smaller sample", "[frame_buffer]") {
     std::vector<ChannelDefinition> channels{plain_channel("zmin", ChannelType::real, FilterRule::zmin, infinity),
                                             plain_channel("zmax", ChannelType::integer, FilterRule::zmax),
                                             plain_channel("min", ChannelType::rgb, FilterRule::min),
@@ -186,13 +186,13 @@ TEST_CASE("rules pick what they say, by depth with ties to the smaller sample", 
     CHECK(buffer.resolve(3)[0] == 3);
     CHECK(buffer.resolve(4)[0] == 2);
     CHECK(buffer.resolve(5)[0] == 6);
-    // Nothing was ever written to the other pixel.
+    // The other pixel has no written values.
     CHECK(buffer.resolve(0)[1] == std::numeric_limits<double>::infinity());
     CHECK(buffer.resolve(1)[1] == 0);
     CHECK(buffer.resolve(4)[1] == 0);
 }
 
-TEST_CASE("where the nearest sample has no value of a channel, the nearest that has one counts", "[frame_buffer]") {
+TEST_CASE("if the nearest sample has no value of a channel, the nearest sample with a value counts", "[frame_buffer]") {
     const std::vector<ChannelDefinition> channels{plain_channel("all", ChannelType::real, FilterRule::zmin, infinity),
                                                   plain_channel("some", ChannelType::rgb, FilterRule::zmin),
                                                   plain_channel("none", ChannelType::integer, FilterRule::zmin, 9)};
@@ -222,7 +222,7 @@ TEST_CASE("a rule on an expression channel counts samples without light as black
     channels[1].rule = FilterRule::average;
     FrameBuffer buffer({1, 1}, channels);
     SampleTable table(channels, 4);
-    for (const bool lit : {true, false}) {  // the second batch touches no channel
+    for (const bool lit : {true, false}) {  // the second batch uses no channel
         table.begin(pixel_rows(0, 0, lit ? 0 : 4, 4));
         for (ChannelId id = 0; id < 2 && lit; ++id) {
             std::fill_n(table.raw_values(id), 12, 2.0);
@@ -234,7 +234,7 @@ TEST_CASE("a rule on an expression channel counts samples without light as black
     CHECK(buffer.resolve(1)[0] == 1);
 }
 
-TEST_CASE("straight-through rows add light, composite what is written and raise alpha", "[frame_buffer]") {
+TEST_CASE("pass-through rows add light, composite written values and increase alpha", "[frame_buffer]") {
     const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb),
                                                   plain_channel("N", ChannelType::normal),
                                                   plain_channel("z", ChannelType::real, FilterRule::zmin, infinity)};
@@ -242,7 +242,7 @@ TEST_CASE("straight-through rows add light, composite what is written and raise 
     SampleTable table(channels, 2);
     table.begin(pixel_rows(0, 0, 0, 2));
     DisplayServices services(table);
-    // Sample 0: a quarter-opaque leaf at 2, then a wall at 5, reported out of order. Sample 1: nothing.
+    // Sample 0: a quarter-opaque leaf at 2, then a wall at 5, reported out of order. Sample 1: no hit.
     const int wall = services.add_sample(0, {5, RgbD(1), false});
     const int leaf = services.add_sample(0, {2, RgbD(0.25), false});
     services.splat(0, wall, Rgb(3));
@@ -260,7 +260,7 @@ TEST_CASE("straight-through rows add light, composite what is written and raise 
     CHECK(buffer.sample_count(0, 0) == 2);
 }
 
-TEST_CASE("under a kernel misses count with the miss value, or 0 when that is infinite", "[frame_buffer]") {
+TEST_CASE("under a kernel misses count with the miss value, or with 0 if it is infinite", "[frame_buffer]") {
     const std::vector<ChannelDefinition> channels{
         plain_channel("seven", ChannelType::real, FilterRule::filter, 7),
         plain_channel("far", ChannelType::real, FilterRule::filter, infinity)};
@@ -297,12 +297,12 @@ TEST_CASE("sums out of range are rejected and counted, whole colours at a time",
     CHECK(buffer.rejected_count(0) == 3);
     CHECK(buffer.rejected_count(1) == 0);
     for (const double v : buffer.resolve(0)) CHECK(v == 0.25);
-    table.begin(pixel_rows(5, 0, 0, 16));  // no such pixel
+    table.begin(pixel_rows(5, 0, 0, 16));  // this pixel does not exist
     buffer.accumulate(table);
     CHECK(buffer.rejected_count() == 4);
 }
 
-TEST_CASE("layouts and memory that cannot be are errors", "[frame_buffer][law7]") {
+TEST_CASE("impossible layouts and amounts of memory are errors", "[frame_buffer][law7]") {
     const std::vector<ChannelDefinition> channels{plain_channel("v", ChannelType::rgb)};
     CHECK(FrameBuffer::create({4, 4}, channels));
     CHECK_FALSE(FrameBuffer::create({0, 4}, channels));

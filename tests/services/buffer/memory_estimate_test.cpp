@@ -24,13 +24,13 @@ TEST_CASE("each layer's bytes are those of its planes", "[memory]") {
     REQUIRE(items.size() == 4);
     CHECK(items[0].name == "weights");
     CHECK(items[0].bytes == 1000 * (8 + 3 * 16));
-    CHECK(items[1].bytes == 1000 * 144);  // as frame_buffer.h promises: 48 per pixel, 144 with statistics
+    CHECK(items[1].bytes == 1000 * 144);  // as in frame_buffer.h: 48 per pixel, 144 with statistics
     CHECK(items[2].bytes == 1000 * (8 + 8 + 4));
     CHECK(items[3].bytes == 1000 * 48);
     CHECK(total_bytes(items) == 1000 * (56 + 144 + 20 + 48));
 }
 
-TEST_CASE("layers of statistics take what they make their source keep", "[memory][statistics]") {
+TEST_CASE("layers of statistics need the memory of the sums that their source keeps", "[memory][statistics]") {
     std::vector<ChannelDefinition> channels = three();
     const std::uint64_t before = total_bytes(frame_buffer_memory({100, 10}, channels));
     const auto add = [&](ChannelId source, Statistic statistic) {
@@ -41,14 +41,14 @@ TEST_CASE("layers of statistics take what they make their source keep", "[memory
         channels.push_back(layer);
         return total_bytes(frame_buffer_memory({100, 10}, channels));
     };
-    CHECK(add(0, Statistic::mse) == before);  // beauty keeps moments anyway
+    CHECK(add(0, Statistic::mse) == before);  // beauty keeps moments in any case
     CHECK(add(2, Statistic::variance) == before + 1000 * 96);
     const std::uint64_t halves = 1000 * (96 + 2 * (8 + 16));  // two sums of three, and two weights and counts
     CHECK(add(2, Statistic::even) == before + 1000 * 96 + halves);
     CHECK(add(2, Statistic::odd) == before + 1000 * 96 + halves);
 }
 
-TEST_CASE("a limit is refused by naming the largest layers first", "[memory][law7]") {
+TEST_CASE("an image beyond the limit is refused, and the error names the largest layers first", "[memory][law7]") {
     const auto items = frame_buffer_memory({1024, 1024}, three());
     CHECK(check_memory(items, 0).ok());
     CHECK(check_memory(items, total_bytes(items)).ok());
@@ -59,7 +59,7 @@ TEST_CASE("a limit is refused by naming the largest layers first", "[memory][law
     CHECK(text.find("268 MiB") != std::string::npos);
 }
 
-TEST_CASE("amounts of memory are read with their units or refused", "[memory][law7]") {
+TEST_CASE("amounts of memory are parsed with their units or refused", "[memory][law7]") {
     const auto bytes = [](const std::string& text) {
         const auto parsed = parse_memory_size(text, {"--memory-limit", 0, 0});
         return parsed.ok() ? *parsed : 0;

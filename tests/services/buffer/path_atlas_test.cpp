@@ -1,4 +1,4 @@
-// What a path atlas keeps of each word, and what it gives up for its budget.
+// The content of a path atlas per word, and the merging of words within its budget.
 #include "display/buffer/sinks/path_atlas.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ using test::Random;
 constexpr int atlas_width = 16, atlas_height = 8, batch_rows = 16;
 constexpr std::size_t atlas_pixels = std::size_t{atlas_width} * atlas_height;
 
-/// Paths by the letters of their events, into an atlas.
+/// Adds paths, given by the letters of their events, to an atlas.
 class Fixture {
   public:
     explicit Fixture(std::uint64_t budget)
@@ -49,11 +49,11 @@ class Fixture {
     }
 
     struct Path {
-        int sample = 0;  ///< of the batch
+        int sample = 0;  ///< index in the batch
         std::string word;
         Rgb light;
     };
-    /// One batch: samples [first, first + 16) of a pixel.
+    /// Adds one batch: samples [first, first + 16) of a pixel.
     void add(std::size_t pixel, std::uint64_t first, const std::vector<Path>& paths) {
         const int x = static_cast<int>(pixel) % atlas_width, y = static_cast<int>(pixel) / atlas_width;
         table_->begin(test::pixel_rows(x, y, first, batch_rows));
@@ -66,7 +66,7 @@ class Fixture {
     }
     [[nodiscard]] PathAtlas& atlas() { return atlas_; }
 
-    /// "DGL", "D*L": as what was added, `*` for an open letter.
+    /// The word in the notation of the added paths, "DGL" or "D*L"; `*` is an open letter.
     [[nodiscard]] std::string text(std::uint32_t word) const {
         std::string text;
         for (const WordTree::Letter letter : atlas_.words().letters(word)) {
@@ -103,16 +103,16 @@ class Fixture {
     std::map<char, lpe::EventClass> class_of_;
 };
 
-/// All numbers here are few bits, and pixels have a power of two of samples: sums and means are exact.
+/// All numbers have few bits, and pixels have a power of two of samples, so sums and means are exact.
 double sum_of(const std::array<double, 3>& rgb) {
     return rgb[0] + rgb[1] + rgb[2];
 }
 
-TEST_CASE("light that came once is light like any other: alone, with more of its eighth, and with another's",
+TEST_CASE("light that came once counts like any other: alone, with more of its eighth, and with another eighth",
           "[path_atlas]") {
     Fixture fixture(0);
     fixture.add(3, 0, {{0, "DL", {1, 2, 4}}, {0, "GL", {1, 0, 0}}, {0, "SL", {8, 8, 8}}, {1, "VL", {2, 2, 2}}});
-    // Sample 24 of a pixel is of eighth 0 too, sample 17 of eighth 1.
+    // Sample 24 of a pixel belongs to eighth 0, too; sample 17 to eighth 1.
     fixture.add(3, 16, {{8, "DL", {1, 1, 1}}, {1, "GL", {0, 1, 0}}, {2, "VL", {1, 0, 0}}, {3, "VL", {0, 0, 1}}});
     const auto words = fixture.words_of(3);
     REQUIRE(words.size() == 4);
@@ -132,7 +132,7 @@ TEST_CASE("light that came once is light like any other: alone, with more of its
     CHECK(fixture.words_of(4).empty());
 }
 
-TEST_CASE("light that came once takes half the memory, and the rest when it comes again", "[path_atlas]") {
+TEST_CASE("light that came once needs half the memory, and the rest when it comes again", "[path_atlas]") {
     Fixture fixture(0);
     fixture.add(0, 0, {{0, "DL", {1, 1, 1}}});
     const std::uint64_t once = fixture.atlas().memory_bytes();
@@ -144,8 +144,9 @@ TEST_CASE("light that came once takes half the memory, and the rest when it come
     CHECK(fixture.atlas().memory_bytes() == once + 64 + 128 + 8 * 8);
 }
 
-TEST_CASE("an atlas within its budget keeps all light, direct apart from indirect, and first scatterings the longest",
-          "[path_atlas]") {
+TEST_CASE(
+    "an atlas within its budget keeps all light, separates direct from indirect, and keeps first scatterings longest",
+    "[path_atlas]") {
     Random random(17);
     const std::string letters = "DGSdsV";
     bool some_whole = false, some_first_lost = false, some_both = false;
@@ -183,13 +184,13 @@ TEST_CASE("an atlas within its budget keeps all light, direct apart from indirec
                     first_lost = first_lost || word.front() == '*';
                     second_kept = second_kept || (word.size() > 2 && word[0] != '*' && word[1] != '*');
                 }
-                // Phases end after 16, 32, 48 and 64 samples: divided by 48, sums are rounded.
+                // Phases end after 16, 32, 48 and 64 samples; division by 48 rounds the sums.
                 const double bound = phase == 2 ? 64 * 0x1p-52 : 0;
                 REQUIRE(std::abs(found_direct - direct[pixel]) <= bound * direct[pixel]);
                 REQUIRE(std::abs(found_indirect - indirect[pixel]) <= bound * indirect[pixel]);
                 REQUIRE(std::abs(eighths - all) <= bound * all);
             }
-            // None lost its first scattering while others still had a second to lose.
+            // No word loses its first scattering while others still have a second one to lose.
             CHECK_FALSE((first_lost && !first_lost_before && second_kept));
             first_lost_before = first_lost;
             some_first_lost = some_first_lost || first_lost;
@@ -200,13 +201,13 @@ TEST_CASE("an atlas within its budget keeps all light, direct apart from indirec
             CHECK((fixture.atlas().memory_bytes() <= budget || all_merged));
         }
     }
-    // The budgets are such that all of this was to be seen.
+    // The budgets are chosen so that all of these cases occur.
     CHECK(some_whole);
     CHECK(some_both);
     CHECK(some_first_lost);
 }
 
-TEST_CASE("of words that are given up, the dark ones come first", "[path_atlas]") {
+TEST_CASE("dark words are merged first", "[path_atlas]") {
     Fixture fixture(215'000);
     for (std::size_t pixel = 0; pixel < atlas_pixels; ++pixel) {
         std::vector<Fixture::Path> paths;

@@ -14,7 +14,7 @@ namespace {
 
 using test::Random;
 
-/// The kernels' formulas, written apart from the ones under test: radius and one axis of the unnormalised kernel.
+/// The formulas of the kernels, independent of the tested code: radius and one axis of the unnormalised kernel.
 struct Kernel {
     double radius;
     std::function<double(double)> value;
@@ -78,7 +78,7 @@ TEST_CASE("evaluate is the kernel's formula, normalised", "[pixel_filter]") {
         for (int i = -99; i <= 99; ++i) {
             const double x = kernel.radius * i / 100, y = kernel.radius * (i * 37 % 100) / 100;
             const double expected = kernel.value(x) * kernel.value(y) / (integral * integral);
-            // 256 straight pieces per radius (1024 for sinc): relative to the peak, h^2 f'' / 8 < 1e-4 at the worst.
+            // 256 linear pieces per radius (1024 for sinc): relative to the peak, h^2 f'' / 8 is at most 1e-4.
             CHECK(std::abs(static_cast<double>(filter.evaluate(static_cast<float>(x), static_cast<float>(y))) -
                            expected) < 1e-4 * peak * peak);
         }
@@ -100,7 +100,7 @@ TEST_CASE("the mean of the weights is 1, and every weight of a positive kernel i
             all_one = all_one && filter.sample(u, 1 - u).weight == 1.0f;
         }
         // The weight is a product, so its mean over the square is the product of the means. Each of at most 8 zeros of
-        // the kernel misplaces at most one stratum of weight 2 c < 4, and the table holds shares as float (6e-8).
+        // the kernel misplaces at most one stratum of weight 2 c < 4, and the table stores fractions as float (6e-8).
         const double center = static_cast<double>(filter.sample(0.5f, 0.5f).weight);
         CHECK(along_x / strata * (along_y / strata) / center == Approx(1).margin(2 * 8 * 4.0 / strata));
         CHECK(all_one == !filter.has_negative_lobes());
@@ -137,16 +137,16 @@ TEST_CASE("samples follow |kernel| and carry its sign", "[pixel_filter]") {
             chi_x += term(count_x[b]);
             chi_y += term(count_y[b]);
         }
-        // z = 3.7: a false alarm once in 10^4 per axis, were the seed not fixed.
+        // z = 3.7: without the fixed seed there would be a false alarm in 1 of 10^4 runs per axis.
         CHECK(chi_x < test::chi_square_quantile(bins - 1, 3.7));
         CHECK(chi_y < test::chi_square_quantile(bins - 1, 3.7));
-        // Where the straight pieces cross zero they may differ from the curve within one piece (radius / 1024 or less
-        // of small |f|): a share of samples below 1e-4.
+        // At zeros of the kernel the linear pieces can differ in sign from the curve within one piece (radius / 1024 or
+        // less, with small |f|): a fraction of samples below 1e-4.
         CHECK(wrong_sign < samples / 10'000);
     }
 }
 
-TEST_CASE("sampling is monotone, so that stratification survives", "[pixel_filter]") {
+TEST_CASE("sampling is monotone, so that stratification is preserved", "[pixel_filter]") {
     for (const auto& [name, kernel] : kernels()) {
         CAPTURE(name);
         const PixelFilter filter = *make_pixel_filter(name, {});
@@ -154,7 +154,7 @@ TEST_CASE("sampling is monotone, so that stratification survives", "[pixel_filte
         int falls = 0;
         for (int i = 0; i < 100'000; ++i) {
             const float x = filter.sample(static_cast<float>(i) / 100'000, 0.25f).dx;
-            // Float rounding of a piece's start may step back by an ulp of the radius.
+            // Float rounding of the start of a piece can step back by an ulp of the radius.
             falls += x < last - 5e-7f;
             last = x;
         }
@@ -176,13 +176,13 @@ ParameterSet reals(const std::vector<std::pair<std::string, double>>& values) {
     return set;
 }
 
-TEST_CASE("parameters take pbrt's names and bad ones are errors", "[pixel_filter][law7]") {
+TEST_CASE("parameters have pbrt's names, and bad ones are errors", "[pixel_filter][law7]") {
     const Result<PixelFilter> wide = make_pixel_filter("gaussian", reals({{"xradius", 3}}));
     REQUIRE(wide);
     CHECK(wide->radius_x() == 3.0f);
     CHECK(wide->radius_y() == 1.5f);
     CHECK_FALSE(make_pixel_filter("gaussian", reals({{"xradius", -1}})));
-    // Nearly cancels: the weights would have no bound.
+    // This kernel nearly cancels, so its weights would be unbounded.
     CHECK_FALSE(make_pixel_filter("mitchell", reals({{"B", 0}, {"C", 1000}})));
     const Result<PixelFilter> unknown = make_pixel_filter("gauss", {});
     REQUIRE_FALSE(unknown);

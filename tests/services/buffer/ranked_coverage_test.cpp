@@ -1,4 +1,4 @@
-// Ranked coverage: sums to alpha, the same record in any order, a bound on what a pixel holds.
+// Ranked coverage: it sums to alpha, the record does not depend on the order, and the memory of a pixel is limited.
 #include "display/buffer/sinks/ranked_coverage.h"
 
 #include <algorithm>
@@ -18,14 +18,14 @@ using test::pixel_rows;
 using test::Random;
 using Rank = RankedCoverage::Rank;
 
-/// Every row's weight is off by at most half of 2^-32, and so is every sample's: far below this for the tests' sizes.
+/// The weight of every row and every sample has an error of at most half of 2^-32: far below this for the tests' sizes.
 constexpr double rounding = 1e-8;
 
 double sum_of(const std::vector<Rank>& ranks) {
     return std::accumulate(ranks.begin(), ranks.end(), 0.0, [](double sum, const Rank& r) { return sum + r.coverage; });
 }
 
-TEST_CASE("surfaces are ranked by how much of the pixel they cover, misses count for none", "[coverage]") {
+TEST_CASE("surfaces are ranked by their coverage of the pixel, and misses count for none", "[coverage]") {
     RankedCoverage coverage(2, 1, {0, 77, 88});
     SampleTable table({}, 16);
     table.begin(pixel_rows(1, 0, 0, 16));
@@ -43,10 +43,10 @@ TEST_CASE("surfaces are ranked by how much of the pixel they cover, misses count
     CHECK(ranks[1].coverage == 0.25);
     CHECK(ranks[2].id == 0);
     CHECK(ranks[2].coverage == 0);
-    CHECK(coverage.resolve(0, ranks) == 0);  // nothing was rendered there
+    CHECK(coverage.resolve(0, ranks) == 0);  // this pixel was not rendered
     CHECK(ranks[0].id == 0);
     ranks.resize(1);
-    CHECK(coverage.resolve(1, ranks) == 0.25);  // what one rank cannot hold
+    CHECK(coverage.resolve(1, ranks) == 0.25);  // the coverage beyond one rank
 }
 
 TEST_CASE("coverages and remainder add up to alpha for half-transparent, coloured and nameless rows", "[coverage]") {
@@ -86,7 +86,7 @@ TEST_CASE("coverages and remainder add up to alpha for half-transparent, coloure
     CHECK(largest_remainder > 0.05);  // ten ids in four ranks, and one surface in eleven without a name
 }
 
-TEST_CASE("the record does not depend on the order of samples and merges, even past the bound", "[coverage][law3]") {
+TEST_CASE("the record does not depend on the order of samples and merges, even beyond the limit", "[coverage][law3]") {
     Random random(11);
     std::vector<std::pair<std::uint32_t, double>> samples;
     for (int i = 0; i < 1000; ++i)
@@ -135,7 +135,7 @@ TEST_CASE("the record does not depend on the order of samples and merges, even p
     CHECK_FALSE(first.merge(RankedCoverage(2, 1, {})));
 }
 
-TEST_CASE("a pixel's memory is bounded, and what no sample reaches stays small", "[coverage]") {
+TEST_CASE("the memory of a pixel is limited, and pixels without samples need little", "[coverage]") {
     RankedCoverage coverage(100, 1, {});
     const std::size_t empty = coverage.memory_bytes();
     CHECK(empty <= 100 * 32);
@@ -143,7 +143,7 @@ TEST_CASE("a pixel's memory is bounded, and what no sample reaches stays small",
     CHECK(coverage.memory_bytes() <= empty + RankedCoverage::ids_per_pixel * sizeof(RankedCoverage::Entry));
 }
 
-TEST_CASE("equal coverages are ranked by id, weights that are no numbers count for nothing", "[coverage]") {
+TEST_CASE("equal coverages are ranked by id, and weights of NaN count as 0", "[coverage]") {
     RankedCoverage coverage(1, 1, {});
     for (const std::uint32_t id : {9u, 3u, 5u}) coverage.add(0, id, 1, 1);
     for (const double bad : {std::nan(""), -1.0, 0.0}) coverage.add(0, 4, 1, bad);
@@ -157,7 +157,7 @@ TEST_CASE("equal coverages are ranked by id, weights that are no numbers count f
     CHECK(sum_of(ranks) == 1);
 }
 
-TEST_CASE("a surface is refused where there is no row and when it is negative", "[services]") {
+TEST_CASE("a surface is refused for an invalid row, and when it is negative", "[services]") {
     SampleTable table({}, 2);
     table.begin(pixel_rows(0, 0, 0, 2));
     DisplayServices services(table);

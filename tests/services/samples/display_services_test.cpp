@@ -34,7 +34,7 @@ struct Fixture {
     }
 };
 
-TEST_CASE("splat adds, write replaces, in the row and channel named and nowhere else", "[display_services]") {
+TEST_CASE("splat adds and write replaces, only in the given row and channel", "[display_services]") {
     Fixture f;
     CHECK(f.services.splat(color, 1, Rgb(1, 2, 3)));
     CHECK(f.services.splat(color, 1, Rgb(1, 1, 1)));
@@ -59,13 +59,13 @@ TEST_CASE("the first splat replaces an infinite miss value", "[display_services]
     CHECK(f.services.splat(depth, 2, 1.5f));
     CHECK(f.values(depth, 2) == std::vector<double>{3});
     CHECK(f.services.write(depth, 2, 4.0f));
-    CHECK(f.services.splat(depth, 2, 1.0f));  // onto a written value: adds to it
+    CHECK(f.services.splat(depth, 2, 1.0f));  // adds to a written value
     CHECK(f.values(depth, 2) == std::vector<double>{5});
 }
 
 TEST_CASE("bad ids, rows and types are refused, counted per channel and change nothing", "[display_services][law7]") {
     Fixture f;
-    CHECK(f.services.splat(invalid_channel, 0, 1.0f));  // a channel that nobody requested
+    CHECK(f.services.splat(invalid_channel, 0, 1.0f));  // a channel that was not requested
     CHECK(f.services.write(invalid_channel, 77, Rgb(1)));
     CHECK_FALSE(f.services.splat(-2, 0, 1.0f));
     CHECK_FALSE(f.services.splat(4, 0, Rgb(1)));
@@ -83,7 +83,7 @@ TEST_CASE("bad ids, rows and types are refused, counted per channel and change n
     for (ChannelId id = 0; id < 4; ++id) CHECK_FALSE(f.table.touched(id));
 }
 
-TEST_CASE("there is one warning per channel that refused calls, with how many and why", "[display_services][law7]") {
+TEST_CASE("each channel that refused calls has one warning with counts and reasons", "[display_services][law7]") {
     Fixture f;
     CHECK(refusal_warnings(f.channels, f.services.refusals()).empty());
     const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -97,15 +97,15 @@ TEST_CASE("there is one warning per channel that refused calls, with how many an
     for (const RefusalCounts& each : f.services.refusals()) sum.add(each);
     CHECK(sum.by == std::array<std::uint64_t, refusal_kinds>{1, 1, 3, 2, 0, 0});
     CHECK(sum.of(Refusal::wrong_type) == 3);
-    CHECK(
-        refusal_warnings(f.channels, f.services.refusals()) ==
-        std::vector<std::string>{"channel 'color' refused 5 calls: 1 to rows that are none of the batch, 3 of another "
-                                 "type than the channel's rgb, 1 with values that are not finite or out of range",
-                                 "channel 'depth' refused 1 call: 1 with values that are not finite or out of range",
-                                 "the display services refused 1 call: 1 to ids that are no channel"});
+    CHECK(refusal_warnings(f.channels, f.services.refusals()) ==
+          std::vector<std::string>{
+              "channel 'color' refused 5 calls: 1 to rows outside the batch, 3 whose "
+              "type differs from the channel's type rgb, 1 with values that are not finite or out of range",
+              "channel 'depth' refused 1 call: 1 with values that are not finite or out of range",
+              "the display services refused 1 call: 1 with ids that are not channels"});
 }
 
-TEST_CASE("a batch of values is written as one by one: good ones land, bad ones are counted",
+TEST_CASE("a batch of values is written like single values: valid ones are stored, invalid ones are counted",
           "[display_services][law7]") {
     Fixture f;
     const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -129,7 +129,7 @@ TEST_CASE("a batch of values is written as one by one: good ones land, bad ones 
     CHECK(f.services.refusals().back().total() == 5);
 }
 
-TEST_CASE("triples by columns are written as triples are", "[display_services][law6][law7]") {
+TEST_CASE("triples in columns are written like triples", "[display_services][law6][law7]") {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const std::vector<float> x{1, 4, 7}, y{2, 5, 8}, z{3, 6, 9}, bad{3, nan, 9};
     const auto write = [&](Fixture& f, ChannelId id, const std::vector<std::int32_t>& rows,
@@ -141,7 +141,7 @@ TEST_CASE("triples by columns are written as triples are", "[display_services][l
     CHECK(together.values(color, 3) == std::vector<double>{7, 8, 9});
     CHECK(together.table.row_state(color, 2) == SampleTable::RowState::written);
     CHECK_FALSE(together.table.written(color, 0));
-    CHECK_FALSE(write(apart, color, {3, 0, 9}, z));  // out of order, and one row that is none
+    CHECK_FALSE(write(apart, color, {3, 0, 9}, z));  // out of order, with one invalid row
     CHECK(apart.values(color, 3) == std::vector<double>{1, 2, 3});
     CHECK(apart.values(color, 0) == std::vector<double>{4, 5, 6});
     CHECK(apart.services.refusals()[color].of(Refusal::unknown_row) == 1);
@@ -158,11 +158,11 @@ TEST_CASE("triples by columns are written as triples are", "[display_services][l
     CHECK(write(refused, color, {}, z));
 }
 
-TEST_CASE("rows that follow one another are written as one: the same as one by one", "[display_services][law6]") {
+TEST_CASE("consecutive rows are written together with the same result as one by one", "[display_services][law6]") {
     const auto channels = four_channels();
     constexpr int capacity = 40;
     const float nan = std::numeric_limits<float>::quiet_NaN(), infinite = std::numeric_limits<float>::infinity();
-    for (const std::size_t count : {1u, 2u, 3u, 7u, 16u, 37u})  // whole vectors of values and what is left over
+    for (const std::size_t count : {1u, 2u, 3u, 7u, 16u, 37u})  // whole vectors of values, and remainders
         for (const int bad : {-1, 0, static_cast<int>(count) / 2, static_cast<int>(count) - 1}) {
             CAPTURE(count, bad);
             std::vector<std::int32_t> rows(count);
@@ -183,7 +183,7 @@ TEST_CASE("rows that follow one another are written as one: the same as one by o
                 table->begin(std::vector<CameraRow>(capacity));
                 DisplayServices services(*table);
                 for (const std::int32_t row : rows)
-                    services.write(depth, row, -1.0f);  // what a bad value leaves as it is
+                    services.write(depth, row, -1.0f);  // an invalid value leaves this one unchanged
                 bool all = true;
                 if (table == &at_once) {
                     all = services.write(depth, rows, std::span<const float>(reals)) &
@@ -209,7 +209,7 @@ TEST_CASE("rows that follow one another are written as one: the same as one by o
             CHECK(std::equal(refusals.begin(), half, half));
             CHECK(at_once.invalid_total() == one_by_one.invalid_total());
         }
-    // Beyond the last row none is taken for another.
+    // Rows beyond the last one are not mistaken for others.
     Fixture f;
     const std::vector<std::int32_t> rows{f.table.row_count() - 1, f.table.row_count()};
     CHECK_FALSE(f.services.write(index, rows, std::span<const std::int32_t>(rows)));
@@ -231,7 +231,7 @@ TEST_CASE("values that are not finite are refused and counted", "[display_servic
     CHECK(f.services.refusals()[4].total() == 2);
 }
 
-TEST_CASE("splat_multi serves the good ids and reports the bad one", "[display_services]") {
+TEST_CASE("splat_multi uses the valid ids and reports the invalid one", "[display_services]") {
     Fixture f;
     const std::array<ChannelId, 4> ids{color, invalid_channel, light, 99};
     CHECK_FALSE(f.services.splat_multi(ids, 2, Rgb(1, 2, 3)));
@@ -264,11 +264,12 @@ TEST_CASE("added samples keep their camera ray, depth and opacity, and the table
     CHECK(f.table.depth[4] == 3.0f);
     CHECK(f.table.opacity[4] == RgbD(0.25, 0.5, 0.75));
     CHECK(f.table.is_volume[4] == 1);
-    const int second = f.services.add_sample(first, {5.0f, RgbD(1), false});  // on an added row: same camera ray
+    const int second = f.services.add_sample(first, {5.0f, RgbD(1), false});  // based on an added row, with the same
+                                                                              // camera ray
     CHECK(f.table.original(second) == 2);
     CHECK(f.services.splat(color, second, Rgb(1)));
     CHECK(f.services.write(depth, second, 6.0f));
-    // Room for 8 rows at first; what rows hold moves along, and new ones hold the miss value.
+    // There is room for 8 rows at first. Growing moves the values of rows; new rows have the miss value.
     for (int i = 0; i < 100; ++i) CHECK(f.services.add_sample(0, {}) == 6 + i);
     CHECK(f.values(depth, second) == std::vector<double>{6});
     CHECK(f.values(color, second) == std::vector<double>{1, 1, 1});
@@ -279,7 +280,7 @@ TEST_CASE("added samples keep their camera ray, depth and opacity, and the table
     CHECK(f.services.refusals()[4].total() == 0);
     f.table.begin(test::pixel_rows(0, 0, 4, 4));
     CHECK(f.table.row_count() == 4);
-    CHECK_FALSE(f.services.splat(color, second, Rgb(1)));  // gone with its batch
+    CHECK_FALSE(f.services.splat(color, second, Rgb(1)));  // the batch of this row has ended
 }
 
 TEST_CASE("opacity is written or added, and a new batch starts clear", "[display_services]") {
@@ -287,7 +288,7 @@ TEST_CASE("opacity is written or added, and a new batch starts clear", "[display
     CHECK(f.services.write_opacity(0, Rgb(0.5f)));
     CHECK(f.services.splat_opacity(0, Rgb(0.25f)));
     CHECK(f.table.opacity[0] == RgbD(0.75));
-    CHECK(f.services.write_opacity(0, 0.25f));  // a float stands for three equal colours
+    CHECK(f.services.write_opacity(0, 0.25f));  // a float means three equal colours
     CHECK(f.services.splat_opacity(0, 0.5f));
     CHECK(f.table.opacity[0] == RgbD(0.75));
     CHECK_FALSE(f.services.write_opacity(0, std::numeric_limits<float>::infinity()));

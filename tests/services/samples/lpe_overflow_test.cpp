@@ -1,4 +1,4 @@
-// What a tracker does when a path splits over more states than it holds, and the labelling by one drawn lobe.
+// Trackers of paths that split over more states than fit, and labelling by one drawn lobe.
 #include <array>
 #include <cmath>
 #include <iostream>
@@ -14,10 +14,11 @@ using test::build_setup;
 using test::Classes;
 
 constexpr int vertices = 20, cycle = 7;
-const Rgb diffuse_part(0.25f, 0.5f, 0.375f), glossy_part(0.5f, 0.125f, 0.25f);  // the rest is volume: neither
+const Rgb diffuse_part(0.25f, 0.5f, 0.375f), glossy_part(0.5f, 0.125f, 0.25f);  // the rest is volume scattering,
+                                                                                // neither of the two
 
-/// beauty, then two partitions of it: by the number of diffuse events modulo 7, and by that of specular ones. Together
-/// they need 49 states, all of them about equally likely after a few bounces: twice what a tracker holds.
+/// beauty, then two partitions of it: by the number of diffuse events modulo 7, and by that of specular events.
+/// Together they need 49 states, which are about equally likely after a few bounces: twice the capacity of a tracker.
 std::vector<ChannelDefinition> count_modulo() {
     std::vector<ChannelDefinition> channels{test::plain_channel("beauty", ChannelType::rgb)};
     for (const std::string letter : {"D", "S"})
@@ -33,7 +34,7 @@ std::vector<ChannelDefinition> count_modulo() {
     return channels;
 }
 
-/// Expected share of a channel of count_modulo(): P(number of successes = residue modulo 7) in `vertices` trials.
+/// The expected share of a channel of count_modulo(): P(number of successes = residue modulo 7) in `vertices` trials.
 double expected_share(std::size_t channel, std::size_t c) {
     const double p = static_cast<double>((channel <= cycle ? diffuse_part : glossy_part)[static_cast<int>(c)]);
     std::array<double, cycle> probability{1};
@@ -48,10 +49,10 @@ double expected_share(std::size_t channel, std::size_t c) {
     return probability[(channel - 1) % cycle];
 }
 
-/// Mean and variance over samples of each channel's share of one path.
+/// The mean and variance, over samples, of each channel's share of one path.
 struct Moments {
     std::vector<std::array<double, 3>> mean, variance;
-    double worst_sum = 0;  // largest |sum of a partition's shares - 1| of a sample and colour
+    double worst_sum = 0;  // largest |sum of a partition's shares - 1| over samples and colours
     std::uint64_t overflow = 0;
 };
 
@@ -92,7 +93,7 @@ Moments measure(const LpeSetup& setup, std::span<const ChannelDefinition> channe
     return moments;
 }
 
-/// Largest |mean - expected| in standard errors.
+/// The largest |mean - expected| in standard errors.
 double worst_deviation(const Moments& moments, int samples) {
     double worst = 0;
     for (std::size_t i = 1; i < moments.mean.size(); ++i)
@@ -103,20 +104,20 @@ double worst_deviation(const Moments& moments, int samples) {
 }
 
 constexpr int samples = 5'000;
-// 14 channels and 3 colours: one of them exceeds 3.7 standard errors in 1 of 100 seeds (Sidak).
+// 14 channels and 3 colours: in 1 of 100 seeds one of them exceeds 3.7 standard errors (Sidak).
 constexpr double allowed_deviation = 3.7;
 
-TEST_CASE("overflow keeps every sum and is unbiased in every share", "[lpe_services][law1][law5][statistical]") {
+TEST_CASE("overflow preserves every sum and is unbiased in every share", "[lpe_services][law1][law5][statistical]") {
     const std::vector<ChannelDefinition> channels = count_modulo();
     const LpeSetup setup = build_setup(channels, 0);
     REQUIRE(setup.program().group_count() == 1);
     const Moments exact = measure(setup, channels, samples, LpeServices::Attribution::exact, 5);
-    CHECK(exact.overflow > samples);  // more than once a path
-    CHECK(exact.worst_sum < 1e-12);   // 20 moves and their collapses, 2^-53 each
+    CHECK(exact.overflow > samples);  // more than once per path
+    CHECK(exact.worst_sum < 1e-12);   // 20 moves and their collapses, at 2^-53 each
     CHECK(worst_deviation(exact, samples) < allowed_deviation);
 }
 
-TEST_CASE("overflow keeps every sum where the compiler spread a program over groups",
+TEST_CASE("overflow preserves every sum if the compiler distributes a program over groups",
           "[lpe_services][law1][law5][statistical]") {
     const std::vector<ChannelDefinition> channels = count_modulo();
     lpe::CompileOptions options;
@@ -129,7 +130,7 @@ TEST_CASE("overflow keeps every sum where the compiler spread a program over gro
     CHECK(worst_deviation(exact, samples) < allowed_deviation);
 }
 
-TEST_CASE("a partition whose channels lie in different groups survives overflow", "[lpe_services][law1]") {
+TEST_CASE("a partition with channels in different groups still sums after overflow", "[lpe_services][law1]") {
     const std::vector<ChannelDefinition> channels = test::count_diffuse(40);
     lpe::CompileOptions options;
     options.state_cap = 60;
@@ -154,7 +155,7 @@ TEST_CASE("a partition whose channels lie in different groups survives overflow"
     CHECK(services.overflow_count() > 0);
 }
 
-TEST_CASE("the overflow choice depends on pixel, sample and seed alone", "[lpe_services][law3]") {
+TEST_CASE("the random choice at overflow depends only on pixel, sample and seed", "[lpe_services][law3]") {
     const std::vector<ChannelDefinition> channels = count_modulo();
     const LpeSetup setup = build_setup(channels, 0);
     const auto mean = [&](std::uint64_t seed) {

@@ -17,7 +17,7 @@ using test::plain_channel;
 
 constexpr float not_finite = std::numeric_limits<float>::infinity();
 
-/// beauty, then one channel "c<i>" per expression; one camera sample.
+/// The channel beauty, then one channel "c<i>" per expression; one camera sample.
 struct Splatted {
     explicit Splatted(const std::vector<std::string>& expressions, bool with_beauty = true)
         : channels(make(expressions)),
@@ -53,14 +53,14 @@ EmitterSample light_sample(float emitted, float unweighted, float visibility) {
 
 }  // namespace
 
-TEST_CASE("a light sample counts whole, blocked or not, where nothing shadows; what is blocked is shadow",
+TEST_CASE("a light sample counts in full for unoccluded channels, blocked or not; the blocked part is the shadow",
           "[prefixes]") {
     Splatted s({"C<RD>L", "unoccluded;C<RD>L", "shadows;C<RD>L", "nothruput;C<RD>L", "nothruput;unoccluded;C<RD>L",
                 "nothruput;shadows;C<RD>L"});
     CHECK(s.services.wants_emitter_samples());
     const Tracker lit = s.path({s.classes.diffuse, s.classes.light});
-    // Emits 8; 2 would arrive with all of the MIS weight, 0.5 arrives with its MIS weight of 1/2 through a half open
-    // door.
+    // The light emits 8; with an MIS weight of 1 and no occluder 2 would arrive; 0.5 arrives with an MIS weight of 1/2
+    // through a half open door.
     s.services.contribute(Rgb(0.5f), Technique{1, 2}, lit, light_sample(8, 2, 0.5f));
     const std::array<double, 7> half{0.5, 0.5, 2, 1, 4, 8, 4};
     for (ChannelId id = 0; id < 7; ++id) CHECK(s.red(id) == half[static_cast<std::size_t>(id)]);
@@ -70,7 +70,7 @@ TEST_CASE("a light sample counts whole, blocked or not, where nothing shadows; w
     for (ChannelId id = 0; id < 7; ++id) CHECK(s.red(id) == blocked[static_cast<std::size_t>(id)]);
 }
 
-TEST_CASE("an emitter that light sampling finds too is left to it where nothing shadows", "[prefixes]") {
+TEST_CASE("unoccluded channels take an emitter only from light sampling if that finds it, too", "[prefixes]") {
     Splatted s({"C<RD>L", "unoccluded;C<RD>L", "shadows;C<RD>L", "nothruput;C<RD>L"});
     const Tracker hit = s.path({s.classes.diffuse, s.classes.light});
     s.services.contribute(Rgb(0.25f), Technique{}, hit, {Rgb(8), Rgb(1), 1, true});
@@ -81,10 +81,11 @@ TEST_CASE("an emitter that light sampling finds too is left to it where nothing 
     for (ChannelId id = 0; id < 5; ++id) CHECK(s.red(id) == by_chance_alone[static_cast<std::size_t>(id)]);
 }
 
-TEST_CASE("a technique for a prefix takes what it finds, weighted as beauty or not", "[prefixes]") {
+TEST_CASE("a technique as prefix takes the technique's contributions, with or without MIS weights", "[prefixes]") {
     Splatted s({"s1t2;C<RD>L", "s1t2;unweighted;C<RD>L", "s0t3;C<RD>L", "beyond3;C.*L", "unweighted;C<RD>L", "C<RD>L"});
     CHECK(s.services.wants_emitter_samples());
-    CHECK(s.setup.needs_emitter_samples() == invalid_channel);  // an integrator without them gives values for both
+    CHECK(s.setup.needs_emitter_samples() == invalid_channel);  // an integrator without emitter samples gives values
+                                                                // for both
     const Tracker lit = s.path({s.classes.diffuse, s.classes.light});
     s.services.contribute(Rgb(0.5f), {1, 2}, lit, light_sample(8, 2, 0.5f));
     s.services.contribute(Rgb(0.25f), {0, 3}, lit, {Rgb(8), Rgb(1), 1, true});
@@ -103,7 +104,7 @@ TEST_CASE("a technique for a prefix takes what it finds, weighted as beauty or n
     }
 }
 
-TEST_CASE("overwrite keeps the last contribution, whole, and a black one replaces nothing", "[prefixes]") {
+TEST_CASE("overwrite keeps the last contribution in full, and a black one replaces nothing", "[prefixes]") {
     Splatted s({"overwrite;C.*L", "C.*L"});
     CHECK_FALSE(s.services.wants_emitter_samples());
     s.services.contribute(Rgb(1), Technique{}, s.path({s.classes.light}));
@@ -113,7 +114,7 @@ TEST_CASE("overwrite keeps the last contribution, whole, and a black one replace
     CHECK(s.red(1) == 5);
     CHECK(s.red(2) == 8);
     CHECK(s.red(0) == 8);
-    // The other camera sample keeps its own.
+    // The other camera sample keeps its own value.
     Tracker other = s.services.begin(1);
     s.services.move(other, s.classes.light);
     s.services.contribute(Rgb(3), Technique{}, other);
@@ -121,7 +122,7 @@ TEST_CASE("overwrite keeps the last contribution, whole, and a black one replace
     CHECK(s.table.values(1)[3] == 3);
 }
 
-TEST_CASE("what overlapping lobes share of one contribution is one splat to overwrite", "[prefixes][law5]") {
+TEST_CASE("the shares of overlapping lobes in one contribution are one splat for overwrite", "[prefixes][law5]") {
     Splatted s({"overwrite;C[<RD><RG>]L", "overwrite;C<RD>L", "overwrite;C<RG>L"});
     for (const float value : {1.0f, 4.0f}) {
         Tracker tracker = s.services.begin(0);
@@ -135,7 +136,7 @@ TEST_CASE("what overlapping lobes share of one contribution is one splat to over
     CHECK(s.red(3) == 3);
 }
 
-TEST_CASE("shares split channels without throughput too, so that they sum", "[prefixes][law5]") {
+TEST_CASE("shares also split channels without throughput, so that they sum", "[prefixes][law5]") {
     Splatted s({"nothruput;C.*", "nothruput;C<RD>.*", "nothruput;C<RG>.*"});
     Tracker tracker = s.services.begin(0);
     const std::array<LobePart, 2> parts{{{s.classes.diffuse, Rgb(0.25f)}, {s.classes.glossy, Rgb(0.75f)}}};
@@ -147,7 +148,7 @@ TEST_CASE("shares split channels without throughput too, so that they sum", "[pr
     CHECK(s.red(3) == 6);
 }
 
-TEST_CASE("a channel without infinity check is judged by its own value, and infinities stay out of it too",
+TEST_CASE("a channel without infinity check depends on its own value, and never contains infinities",
           "[prefixes][law6]") {
     Splatted s({"C.*", "nothruput;C.*", "nothruput;noinfinitecheck;C.*", "noinfinitecheck;C.*"});
     const Tracker seen = s.path({s.classes.light});
@@ -155,7 +156,8 @@ TEST_CASE("a channel without infinity check is judged by its own value, and infi
     const std::array<double, 5> checked{0, 0, 0, 8, 0};
     for (ChannelId id = 0; id < 5; ++id) CHECK(s.red(id) == checked[static_cast<std::size_t>(id)]);
     CHECK(s.services.invalid_count() == 1);
-    // Beauty's value is good, the channels' own is not: they drop it, beauty keeps its value, and it is counted once.
+    // Beauty's value is valid, the channels' own values are not: they are dropped, beauty keeps its value, and it
+    // counts once.
     s.services.contribute(Rgb(1), Technique{}, seen, {Rgb(not_finite), Rgb(1), 1, false});
     const std::array<double, 5> own{1, 1, 0, 8, 1};
     for (ChannelId id = 0; id < 5; ++id) CHECK(s.red(id) == own[static_cast<std::size_t>(id)]);
@@ -175,14 +177,14 @@ TEST_CASE("paths that begin at a holdout go to holdouts channels and nowhere els
     CHECK_FALSE(s.services.takes_all(held));
     CHECK(s.services.live(held));
     s.services.move(held, s.classes.diffuse);
-    Tracker lit = held;  // a copy is held out too
+    Tracker lit = held;  // a copy is held out, too
     s.services.move(lit, s.classes.light);
     s.services.contribute(Rgb(5), Technique{1, 2}, lit, light_sample(1, 7, 0.5f));
     const std::array<double, 6> after{2, 2, 2, 0, 5, 7};
     for (ChannelId id = 0; id < 6; ++id) CHECK(s.red(id) == after[static_cast<std::size_t>(id)]);
 }
 
-TEST_CASE("nobody follows a held out path that no holdouts channel can take", "[prefixes][law4]") {
+TEST_CASE("a held out path that no holdouts channel can take is dead", "[prefixes][law4]") {
     Splatted none({"C.*"});
     Tracker tracker = none.services.begin(0);
     none.services.hold_out(tracker);
@@ -198,7 +200,8 @@ TEST_CASE("nobody follows a held out path that no holdouts channel can take", "[
     some.services.hold_out(held);
     CHECK(some.services.live(held));
     CHECK(some.services.live_after(held, some.classes.diffuse));
-    CHECK_FALSE(some.services.live_after(held, some.classes.glossy));  // to C.*, not to the path's own channel
+    CHECK_FALSE(some.services.live_after(held, some.classes.glossy));  // only C.* is reached, not the path's own
+                                                                       // channel
     CHECK(some.services.live_after(plain, some.classes.glossy));
     some.services.move(held, some.classes.glossy);
     CHECK_FALSE(some.services.live(held));
@@ -208,7 +211,7 @@ TEST_CASE("nobody follows a held out path that no holdouts channel can take", "[
     CHECK_FALSE(holdouts_only.services.live_after(path, holdouts_only.classes.diffuse));
 }
 
-TEST_CASE("no shadow ray is needed where only unshadowed channels would take the light", "[prefixes][law4]") {
+TEST_CASE("no shadow ray is needed if only unoccluded channels take the light", "[prefixes][law4]") {
     Splatted s({"unoccluded;C<RD>L", "C<RG>L"}, false);
     CHECK_FALSE(s.services.needs_visibility(s.path({s.classes.diffuse, s.classes.light})));
     CHECK(s.services.needs_visibility(s.path({s.classes.glossy, s.classes.light})));
@@ -217,7 +220,7 @@ TEST_CASE("no shadow ray is needed where only unshadowed channels would take the
         with_beauty.path({with_beauty.classes.diffuse, with_beauty.classes.light})));
 }
 
-TEST_CASE("what a surface says of itself reaches the channels that name it, and never beauty", "[prefixes]") {
+TEST_CASE("a surface's own values reach the channels that name them, and never beauty", "[prefixes]") {
     Splatted s({"nothruput;overwrite;C(U2L)|O", "C.*U2L", "C.*", "nothruput;holdouts;CU2L"});
     const auto user = [&](std::uint8_t number) {
         return s.setup.classify({lpe::EventType::user, lpe::Scatter::none, number, {"", ""}});
@@ -231,7 +234,7 @@ TEST_CASE("what a surface says of itself reaches the channels that name it, and 
     for (ChannelId id = 0; id < 5; ++id) CHECK(s.red(id) == taken[static_cast<std::size_t>(id)]);
 }
 
-TEST_CASE("channels without prefixes have the same bits beside any that have them", "[prefixes][law2]") {
+TEST_CASE("channels without prefixes have the same bits with and without channels that have them", "[prefixes][law2]") {
     const auto run = [](const std::vector<std::string>& expressions) {
         Splatted s(expressions);
         test::Random random(3);
@@ -249,7 +252,7 @@ TEST_CASE("channels without prefixes have the same bits beside any that have the
             s.services.contribute(value, Technique{}, tracker, {color(), color(), random.uniform_float(), false});
         }
         return std::vector<double>(s.table.raw_values(0),
-                                   s.table.raw_values(0) + 3 * 2 * 4);  // beauty and the first three
+                                   s.table.raw_values(0) + 3 * 2 * 4);  // beauty and the first three channels
     };
     std::vector<std::string> expressions{"C<RD>.*", "noclamp;C<RG>.*", "CL"};
     const std::vector<double> alone = run(expressions);
@@ -259,7 +262,7 @@ TEST_CASE("channels without prefixes have the same bits beside any that have the
     CHECK(run(expressions) == alone);
 }
 
-TEST_CASE("prefixes that take away what the other asks for are refused by name", "[prefixes][law7]") {
+TEST_CASE("prefixes that contradict each other are refused by name", "[prefixes][law7]") {
     std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb),
                                             expression_channel("mine", "unoccluded;noclamp;shadows;C<RD>L")};
     channels[1].origin = "job.toml";

@@ -27,12 +27,12 @@ std::vector<ChannelDefinition> with_beauty(std::span<const lpe::NamedExpression>
 }
 
 Rgb random_color(Random& random) {
-    // Colours where single components or the whole are 0 are what normalisation stumbles over.
+    // Colours with components of 0, or black ones, are critical for normalisation.
     const auto component = [&] { return random.below(6) == 0 ? 0.0f : random.uniform_float(); };
     return random.below(10) == 0 ? Rgb(0) : Rgb(component(), component(), component());
 }
 
-/// One random path: lobes at every vertex, light sampled from a copy of the tracker, a terminal at the end.
+/// Follows one random path: lobes at every vertex, light sampled from a copy of the tracker, a terminal at the end.
 void follow_random_path(LpeServices& services, const Classes& classes, int row, std::uint64_t seed, int length) {
     Random random(seed);
     Tracker tracker = services.begin(row);
@@ -80,15 +80,15 @@ Rendered render_random_paths(const std::vector<ChannelDefinition>& channels, con
 }
 
 TEST_CASE("a partition sums to beauty over long random paths with random lobes", "[lpe_services][law1]") {
-    // 64 bounces of 4 parts round 256 times at 2^-53 each, at the worst all one way: 3e-14.
+    // 64 bounces with 4 parts round 256 times at 2^-53 each; in the worst case all in one direction: 3e-14.
     CHECK(render_random_paths(with_beauty(lpe::shipped_partition())).worst < 1e-12);
     CHECK(render_random_paths(test::count_diffuse(8)).worst < 1e-12);
     const Rendered overflown = render_random_paths(test::count_diffuse(60));
-    CHECK(overflown.overflow > 0);  // collapsing keeps the sum
+    CHECK(overflown.overflow > 0);  // collapsing preserves the sum
     CHECK(overflown.worst < 1e-12);
 }
 
-TEST_CASE("a partition that the compiler spreads over groups sums to beauty", "[lpe_services][law1]") {
+TEST_CASE("a partition that the compiler distributes over groups sums to beauty", "[lpe_services][law1]") {
     const std::vector<ChannelDefinition> channels = test::count_diffuse(8);
     lpe::CompileOptions options;
     options.state_cap = 14;
@@ -98,13 +98,13 @@ TEST_CASE("a partition that the compiler spreads over groups sums to beauty", "[
     CHECK(render_random_paths(channels, options).worst < 1e-12);
 }
 
-TEST_CASE("beauty is bit-identical whatever else is asked for", "[lpe_services][law2]") {
+TEST_CASE("beauty is bit-identical whatever else is requested", "[lpe_services][law2]") {
     const std::vector<double> alone = render_random_paths({plain_channel("beauty", ChannelType::rgb)}).beauty;
     CHECK(render_random_paths(with_beauty(lpe::shipped_partition())).beauty == alone);
     CHECK(render_random_paths(test::count_diffuse(60)).beauty == alone);
 }
 
-/// Splits at `vertices` vertices with part `diffuse_part` diffuse, the rest singular, and contributes 1.
+/// Splits at `vertices` vertices into the diffuse fraction `diffuse_part` and a singular rest, and contributes 1.
 void follow_two_lobes(LpeServices& services, const Classes& classes, int row, int vertices, const Rgb& diffuse_part) {
     Tracker tracker = services.begin(row);
     const std::array<LobePart, 2> parts{
@@ -124,7 +124,7 @@ std::vector<double> binomial(int n, double p) {
     return result;
 }
 
-TEST_CASE("each colour is attributed in proportion to what the lobes carried of it", "[lpe_services][law5]") {
+TEST_CASE("each colour is attributed in proportion to the lobes' values", "[lpe_services][law5]") {
     const std::vector<ChannelDefinition> channels = test::count_diffuse(12);
     const LpeSetup setup = build_setup(channels, 0);
     SampleTable table(channels, 1);
@@ -142,7 +142,7 @@ TEST_CASE("each colour is attributed in proportion to what the lobes carried of 
     }
 }
 
-TEST_CASE("a channel that does not tell lobes apart has exactly what beauty has", "[lpe_services][law5]") {
+TEST_CASE("a channel that does not distinguish lobes equals beauty exactly", "[lpe_services][law5]") {
     const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb),
                                                   expression_channel("all", "C.*"),
                                                   expression_channel("lit", "C[RT]+L")};
@@ -153,11 +153,11 @@ TEST_CASE("a channel that does not tell lobes apart has exactly what beauty has"
     for (int i = 0; i < 100; ++i) follow_two_lobes(services, Classes(setup), 0, i + 1, Rgb(0.3f, 0.1f, 0.7f));
     for (int c = 0; c < 3; ++c) {
         CHECK(table.values(0)[c] == 100);
-        CHECK(table.values(1)[c] == 100);  // not 99.999...: nothing was split
+        CHECK(table.values(1)[c] == 100);  // not 99.999..., because nothing was split
     }
 }
 
-TEST_CASE("a colour to which no lobe gives anything belongs to the first", "[lpe_services][law5]") {
+TEST_CASE("a colour without a value in any lobe belongs to the first lobe", "[lpe_services][law5]") {
     const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb),
                                                   expression_channel("d", "C<RD>L"), expression_channel("s", "C<RS>L")};
     const LpeSetup setup = build_setup(channels, 0);
@@ -208,7 +208,7 @@ TEST_CASE("contributions that are not finite reach nothing and are logged with p
     CHECK(table.values(1)[6] == 1);
 }
 
-TEST_CASE("a contribution beyond the frame buffer's range costs no other one, and splits still sum",
+TEST_CASE("a contribution beyond the frame buffer's range affects no other one, and splits still sum",
           "[lpe_services][law1][law6]") {
     const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb),
                                                   expression_channel("lights", "CL-CB"),
@@ -223,9 +223,9 @@ TEST_CASE("a contribution beyond the frame buffer's range costs no other one, an
         services.move(tracker, terminal);
         services.contribute(Rgb(value), Technique{}, tracker);
     };
-    add(1e15f, classes.background);  // finite, but no block of samples can hold it
+    add(1e15f, classes.background);  // finite, but too large for a block of samples
     add(2.0f, classes.light);
-    add(3e9f, classes.background);  // a photometric sun
+    add(3e9f, classes.background);  // the sun in photometric units
     CHECK(services.invalid_count() == 1);
     Result<FrameBuffer> buffer = FrameBuffer::create({1, 1}, channels);
     REQUIRE(buffer);
@@ -269,7 +269,7 @@ TEST_CASE("a path is live while something can still accept it", "[lpe_services][
     CHECK(all.live_after(dead, classes.singular));
 }
 
-TEST_CASE("without expression channels only beauty is filled", "[lpe_services]") {
+TEST_CASE("without expression channels only beauty gets values", "[lpe_services]") {
     const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb)};
     const LpeSetup setup = build_setup(channels, 0);
     CHECK(setup.classify({lpe::EventType::light, lpe::Scatter::none, 0, {""}}) == 0);
@@ -288,7 +288,7 @@ TEST_CASE("without expression channels only beauty is filled", "[lpe_services]")
     CHECK_FALSE(idle.live(idle.begin(0)));
 }
 
-TEST_CASE("packed channels get exactly what each gets alone", "[lpe_services][law5]") {
+TEST_CASE("packed channels get exactly the values that each gets alone", "[lpe_services][law5]") {
     std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb)};
     for (int i = 0; i < 40; ++i)
         channels.push_back(expression_channel(test::join({"x", std::to_string(i)}),
@@ -328,7 +328,7 @@ TEST_CASE("packed channels get exactly what each gets alone", "[lpe_services][la
         const auto alone = render({channels[0], channels[k]}, overflow);
         REQUIRE(alone[0] == together[0]);  // Law 2
         for (std::size_t i = 0; i < alone[1].size(); ++i) {
-            // At most 8 shares of a path, each rounded three times at 2^-53, are summed in another order.
+            // At most 8 shares of a path, each rounded three times at 2^-53, are summed in a different order.
             REQUIRE(together[k][i] == Approx(alone[1][i]).margin(1e-14).epsilon(0));
             total += alone[1][i];
         }
@@ -337,14 +337,14 @@ TEST_CASE("packed channels get exactly what each gets alone", "[lpe_services][la
     CHECK(total > 10);
 }
 
-TEST_CASE("channels that cannot be followed are errors", "[lpe_services][law7]") {
+TEST_CASE("channels that a tracker cannot follow are errors", "[lpe_services][law7]") {
     std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb), expression_channel("a", "CL")};
     channels[1].type = ChannelType::real;
     CHECK_FALSE(LpeSetup::build(channels, 0));
     channels[1].type = ChannelType::rgb;
     channels[1].rest_of = {0};  // beauty has no expression
     CHECK_FALSE(LpeSetup::build(channels, 0));
-    // Each `C.*<RD'x'>.*` takes a bit: 1100 take 35 words, more than a tracker holds.
+    // Each `C.*<RD'x'>.*` needs a bit: 1100 need 35 words, more than fit in a tracker.
     std::vector<ChannelDefinition> many;
     for (int i = 0; i < 1100; ++i) {
         const std::string number = std::to_string(i);

@@ -1,4 +1,4 @@
-// Words of contributions, as a path atlas keeps them.
+// Words of contributions, for a path atlas.
 #include "display/services/samples/path_words.h"
 
 #include <cmath>
@@ -52,7 +52,7 @@ LpeSetup setup_with_words(const std::vector<ChannelDefinition>& channels, const 
     return setup;
 }
 
-/// "R,D R,S L,-": the letters of a word, each by the first event that has it; "*" for an open one.
+/// The letters of a word, each shown as the first event with that letter: "R,D R,S L,-"; "*" is an open letter.
 std::string text_of(const PathWords& words, const WordAlphabet& alphabet, std::uint32_t word) {
     std::string text;
     for (const WordTree::Letter letter : words.words().letters(word)) {
@@ -92,13 +92,13 @@ TEST_CASE("a contribution is split into words by exact shares", "[path_words][la
     services.contribute(Rgb(8, 2, 1), {}, tracker);
     const auto light = light_by_word(table, *setup.words(), 2);
     REQUIRE(light.size() == 2);
-    // A colour to which no lobe gives anything goes to the first.
+    // A colour without a value in any lobe belongs to the first lobe.
     CHECK(light.at("R,D L,-") == RgbD(2, 2, 1));
     CHECK(light.at("R,G L,-") == RgbD(6, 0, 0));
     CHECK(light_by_word(table, *setup.words(), 0).empty());
 }
 
-TEST_CASE("words know no cap on pairs, and channels of the same path do", "[path_words][law5]") {
+TEST_CASE("words have no limit on pairs, but channels of the same path do", "[path_words][law5]") {
     const std::vector<ChannelDefinition> channels = test::count_diffuse(30);
     WordRules rules;
     rules.length = 40;
@@ -117,8 +117,8 @@ TEST_CASE("words know no cap on pairs, and channels of the same path do", "[path
     services.contribute(Rgb(1), {}, tracker);
     double sum = 0;
     for (const PathWords::Entry& entry : table.words()->entries()) sum += entry.g;
-    CHECK(table.words()->entries().size() == 59049);  // 3^10, none left out
-    // Shares are products of ten fractions 1/4 and 1/2: exact, and so is their sum.
+    CHECK(table.words()->entries().size() == 59049);  // 3^10, all of them
+    // Shares are products of ten fractions 1/4 and 1/2: exact, like their sum.
     CHECK(sum == 1);
 }
 
@@ -188,7 +188,7 @@ TEST_CASE("channels get the same bits whether words are kept or not", "[path_wor
     }
     for (ChannelId id = 0; id < table_with.channel_count(); ++id)
         for (int i = 0; i < 3 * 64; ++i) CHECK(table_with.values(id)[i] == table_without.values(id)[i]);
-    // And the words of a row sum to its beauty: at most 3^5 words, each rounded at 2^-53 of at most 1.
+    // The words of a row sum to its beauty: at most 3^5 words, each rounded at 2^-53 of at most 1.
     for (int row = 0; row < 64; ++row) {
         double sum = 0;
         for (const auto& [word, light] : light_by_word(table_with, *with.words(), row)) sum += light.g;
@@ -196,7 +196,8 @@ TEST_CASE("channels get the same bits whether words are kept or not", "[path_wor
     }
 }
 
-TEST_CASE("words beyond the length end in a tail, cutouts leave no letter unless they are asked for", "[path_words]") {
+TEST_CASE("words beyond the maximum length end in a tail, and cutouts have no letter unless requested",
+          "[path_words]") {
     const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb)};
     for (const bool straight : {false, true}) {
         WordRules rules;
@@ -220,7 +221,7 @@ TEST_CASE("words beyond the length end in a tail, cutouts leave no letter unless
     }
 }
 
-TEST_CASE("what is not told apart shares a letter", "[path_words]") {
+TEST_CASE("events that are not distinguished share a letter", "[path_words]") {
     const auto letters = [](const std::string& by) {
         auto rules = parse_word_rules(by, {"--atlas-by", 0, 0});
         REQUIRE(rules);

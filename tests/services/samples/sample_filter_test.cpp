@@ -25,7 +25,7 @@ ParameterSet limit(double value, const std::string& measure = "luminance") {
     return set;
 }
 
-TEST_CASE("clamp scales beauty and splits by one factor and leaves the rest alone", "[sample_filter][law1]") {
+TEST_CASE("clamp scales beauty and splits by one factor and does not change other channels", "[sample_filter][law1]") {
     const std::vector<ChannelDefinition> channels = split_channels();
     const auto filter = make_sample_filter("clamp", limit(2), {channels, 0, {}});
     REQUIRE(filter);
@@ -39,7 +39,7 @@ TEST_CASE("clamp scales beauty and splits by one factor and leaves the rest alon
     for (ChannelId id = 0; id < 4; ++id) {
         set(id, 0, 3);  // sample 0 is 3 + 5 = 8 over its two rows: factor 1 / 4
         set(id, extra, 5);
-        set(id, 1, 1.5);  // sample 1 stays
+        set(id, 1, 1.5);  // sample 1 is unchanged
     }
     (*filter)->apply(table);
     for (const ChannelId id : {0, 1}) {
@@ -53,14 +53,14 @@ TEST_CASE("clamp scales beauty and splits by one factor and leaves the rest alon
     }
 }
 
-TEST_CASE("clamp by the largest component, as pbrt's films clamp", "[sample_filter]") {
+TEST_CASE("clamp by the largest component, like pbrt's films", "[sample_filter]") {
     const std::vector<ChannelDefinition> channels = split_channels();
     const auto filter = make_sample_filter("clamp", limit(2, "component"), {channels, 0, {}});
     REQUIRE(filter);
     SampleTable table(channels, 4);
     table.begin(test::pixel_rows(0, 0, 0, 2));
     table.touch(0);
-    const double values[] = {1, 8, 4, 2, 1, 0.5};  // the second sample's largest component is the limit itself
+    const double values[] = {1, 8, 4, 2, 1, 0.5};  // the second sample's largest component equals the limit
     std::copy(std::begin(values), std::end(values), table.raw_values(0));
     (*filter)->apply(table);
     CHECK(table.values(0)[0] == 0.25);
@@ -72,7 +72,7 @@ TEST_CASE("clamp by the largest component, as pbrt's films clamp", "[sample_filt
     CHECK_FALSE(make_sample_filter("clamp", both, {channels, 0, {}}));
 }
 
-TEST_CASE("clamp measures by a matrix where it is given one", "[sample_filter]") {
+TEST_CASE("clamp uses the component after a matrix if there is one", "[sample_filter]") {
     const std::vector<ChannelDefinition> channels = split_channels();
     ParameterSet by_matrix = limit(2, "component");
     Parameter measure;
@@ -85,7 +85,7 @@ TEST_CASE("clamp measures by a matrix where it is given one", "[sample_filter]")
     SampleTable table(channels, 4);
     table.begin(test::pixel_rows(0, 0, 0, 2));
     table.touch(0);
-    const double values[] = {1, 8, 4, 6, 1, 1};  // measured: 4, 3.25, 2 and 1, 2, 0.5
+    const double values[] = {1, 8, 4, 6, 1, 1};  // after the matrix: 4, 3.25, 2 and 1, 2, 0.5
     std::copy(std::begin(values), std::end(values), table.raw_values(0));
     (*filter)->apply(table);
     for (int c = 0; c < 3; ++c) CHECK(table.values(0)[c] == values[c] / 2);
@@ -101,7 +101,7 @@ TEST_CASE("clamp measures by a matrix where it is given one", "[sample_filter]")
     CHECK(refusal(by_matrix).find("expected nine finite numbers") != std::string::npos);
     ParameterSet alone = limit(2);
     alone.parameters.push_back(measure);
-    CHECK(refusal(alone).find("expected a 'component' beside it") != std::string::npos);
+    CHECK(refusal(alone).find("expected both") != std::string::npos);
 }
 
 TEST_CASE("splits sum to beauty with the clamp on", "[sample_filter][law1]") {
@@ -131,7 +131,7 @@ TEST_CASE("splits sum to beauty with the clamp on", "[sample_filter][law1]") {
     CHECK(clamped > 100);
 }
 
-TEST_CASE("none changes nothing; bad settings are errors", "[sample_filter][law7]") {
+TEST_CASE("the filter none changes nothing; bad settings are errors", "[sample_filter][law7]") {
     const std::vector<ChannelDefinition> channels = split_channels();
     const auto none = make_sample_filter("none", {}, {channels, 0, {}});
     REQUIRE(none);

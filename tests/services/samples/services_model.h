@@ -1,4 +1,4 @@
-// A model of the display services made of maps and lists, and random programs of calls for it and for the services.
+// A model of the display services with maps and lists, and random programs of calls for it and for the services.
 #pragma once
 
 #include <algorithm>
@@ -38,7 +38,7 @@ inline std::vector<ChannelDefinition> model_channels() {
         plain_channel("mean", ChannelType::rgb, FilterRule::average),
     };
     ChannelDefinition layer = plain_channel("layer of heat", ChannelType::real);
-    layer.source = 1;  // nothing can be sent to it
+    layer.source = 1;  // values cannot be sent to it
     list.push_back(layer);
     return list;
 }
@@ -60,20 +60,20 @@ enum class Kind {
 struct Call {
     Kind kind = Kind::splat_float;
     int channel = 0;
-    int row = 0;  ///< of the ray: 0 its camera row, i its i-th extra row; far: none of the batch
+    int row = 0;  ///< row of the ray: 0 is its camera row, i its i-th extra row; far: outside the batch
     static constexpr int far = 1000;
     Rgb value;
     std::int32_t integer = 0;
     bool volume = false;
 };
-/// What an integrator calls for one ray.
+/// The calls of an integrator for one ray.
 using Calls = std::vector<Call>;
 
 struct Program {
-    std::vector<Calls> calls;     ///< [ray] rays of a pixel stand together, in the order of samples
+    std::vector<Calls> calls;     ///< [ray] rays of a pixel are adjacent, in the order of samples
     std::vector<CameraRow> rows;  ///< [ray]
-    std::array<bool, samples_per_pixel / block> discarded{};  ///< [iteration]: a block of every pixel's samples
-    bool discard_first = false;                               ///< before all calls of the iteration, or amid them
+    std::array<bool, samples_per_pixel / block> discarded{};  ///< [iteration]: a block of samples of every pixel
+    bool discard_first = false;                               ///< before all calls of the iteration, or between them
 };
 
 inline float some_value(Random& random) {
@@ -148,7 +148,7 @@ struct ModelSplat {
 };
 struct Model {
     std::vector<ModelRay> rays;
-    std::map<std::pair<int, Refusal>, std::uint64_t> refusals;  ///< by channel, -1: none
+    std::map<std::pair<int, Refusal>, std::uint64_t> refusals;  ///< by channel; -1: none
     std::uint64_t invalid = 0;
     std::vector<ModelSplat> splats;
 };
@@ -157,7 +157,7 @@ inline bool is_number(const Rgb& value) {
     return is_finite(value);
 }
 
-/// Refuses the call as documented, or returns the row.
+/// Refuses the call as documented, or returns its row.
 inline ModelRow* accepted(Model& model, ModelRay& ray, const Call& call, const ChannelDefinition* channel,
                           bool right_type, bool number) {
     const int name = channel == nullptr ? -1 : call.channel;
@@ -179,7 +179,7 @@ inline void call_model(Model& model, ModelRay& ray, const Call& call, const std:
                        const CameraRow& camera) {
     const bool to_channel = call.kind <= Kind::write_integer;
     if (to_channel) {
-        if (call.channel == invalid_channel) return;  // legal, and nothing
+        if (call.channel == invalid_channel) return;  // valid, without effect
         const bool known = call.channel >= 0 && call.channel < static_cast<int>(list.size());
         const ChannelDefinition* channel = known ? &list[static_cast<std::size_t>(call.channel)] : nullptr;
         const bool triple = call.kind == Kind::splat_rgb || call.kind == Kind::write_rgb;
@@ -229,7 +229,7 @@ inline Model model_of(const Program& program, const std::vector<ChannelDefinitio
     return model;
 }
 
-/// The rows front to back with what each covers; and the sample's alpha.
+/// The rows from front to back with their coverages, and the sample's alpha.
 inline std::vector<std::pair<const ModelRow*, double>> front_to_back(const ModelRay& ray, double& alpha) {
     std::vector<std::pair<const ModelRow*, double>> sorted;
     for (const ModelRow& row : ray.rows) sorted.emplace_back(&row, 0);
@@ -244,7 +244,7 @@ inline std::vector<std::pair<const ModelRow*, double>> front_to_back(const Model
     return sorted;
 }
 
-/// What a filtered channel's sample counts.
+/// The filtered value of one sample in a channel.
 inline double sample_value(const ModelRay& ray, int channel, std::size_t component) {
     double alpha = 0, splatted = 0, covered = 0, weighted = 0, first = 0;
     bool any = false;
@@ -252,7 +252,7 @@ inline double sample_value(const ModelRay& ray, int channel, std::size_t compone
         const auto found = row->values.find(channel);
         if (found == row->values.end()) continue;
         const double v = found->second.v[component];
-        if (found->second.state != RowState::written || channel == 0) {  // light adds up, however it is sent
+        if (found->second.state != RowState::written || channel == 0) {  // light adds up, in either way
             splatted += v;
             continue;
         }
@@ -265,7 +265,7 @@ inline double sample_value(const ModelRay& ray, int channel, std::size_t compone
     return splatted + (alpha > 0 ? alpha : 1) * (covered > 0 ? weighted / covered : first);
 }
 
-/// A pixel of a channel by its rule.
+/// The value of a pixel in a channel, by its rule.
 inline double pixel_value(const Model& model, const Program& program, const ChannelDefinition& definition, int channel,
                           int pixel, std::size_t component) {
     double sum = 0, weights = 0, picked = 0, nearest = infinity;

@@ -1,5 +1,5 @@
-// The display services against a model of them: random programs of calls, in any order and for any ray, must come to
-// what the model computes, and to the same bits for any batch size.
+// The display services against a model: random programs of calls, in any order and for any ray, must give the model's
+// results, and the same bits for any batch size.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,14 +18,14 @@
 namespace raylex::services_model {
 namespace {
 
-/// Keeps splats as they are handed on.
+/// Collects splats as they are passed on.
 struct Collector final : RasterSink {
     std::vector<ModelSplat> splats;
     void take(SampleTable& table) override {
         for (int row = 0; row < table.camera_row_count(); ++row) {
             const double* v = table.values(0) + 3 * static_cast<std::size_t>(row);
             const CameraRow& camera = table.camera_row(row);
-            // A tracker's row that nothing valid was contributed to holds no light.
+            // A tracker's row without a valid contribution has no light.
             if (!table.touched(0) || (v[0] == 0 && v[1] == 0 && v[2] == 0)) continue;
             splats.push_back({camera.screen_x, camera.screen_y,
                               Rgb(static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]))});
@@ -34,7 +34,7 @@ struct Collector final : RasterSink {
 };
 
 struct Outcome {
-    std::vector<double> values, alpha;  ///< of all channels and pixels
+    std::vector<double> values, alpha;  ///< for all channels and pixels
     std::vector<float> deep;            ///< all deep samples
     std::vector<double> flat;           ///< [pixel] of the deep image: alpha, beauty, heat, N
     std::vector<double> coverage;       ///< [pixel][id]
@@ -58,7 +58,7 @@ class Services {
           deep_(width, height, list, {0, 1, 4}, {.most_samples = 4096, .tolerance = 0x1p-23}),
           mattes_(width, height, {0, 10, 20, 30, 40, 50}) {}
 
-    /// Batches of `blocks_together` blocks of one iteration; rays take turns in a random order.
+    /// Runs batches of `blocks_together` blocks of one iteration; rays alternate in a random order.
     Outcome run(int blocks_together) {
         for (std::size_t iteration = 0; iteration < program_.discarded.size(); ++iteration)
             for (int first = 0; first < pixels; first += blocks_together)
@@ -68,7 +68,7 @@ class Services {
 
   private:
     void run_batch(std::size_t iteration, int first_pixel, int end_pixel) {
-        std::vector<std::size_t> of;  // [row] ray
+        std::vector<std::size_t> of;  // [row] its ray
         std::vector<CameraRow> rows;
         for (int pixel = first_pixel; pixel < end_pixel; ++pixel)
             for (int s = 0; s < block; ++s) {
@@ -185,8 +185,8 @@ class Services {
     std::uint64_t samples_ = 0;
 };
 
-/// Values are below 4 (sums of 9 calls and 32 samples below 2^11), so double rounding leaves less than 2^11 2^-53 a
-/// term; 2^-38 has room for the thousand terms of a pixel.
+/// Values are below 4 (sums of 9 calls and 32 samples are below 2^11), so double rounding is below 2^11 2^-53 per term;
+/// 2^-38 is enough for the thousand terms of a pixel.
 constexpr double rounding = 0x1p-38;
 
 void compare(const Outcome& got, const Model& model, const Program& program,
@@ -199,7 +199,7 @@ void compare(const Outcome& got, const Model& model, const Program& program,
             for (std::size_t c = 0; c < components; ++c, ++at) {
                 const double expected =
                     pixel_value(model, program, list[static_cast<std::size_t>(channel)], channel, pixel, c);
-                if (expected == got.values[at]) continue;  // infinite ones too
+                if (expected == got.values[at]) continue;  // includes infinite values
                 worst = std::max(worst, std::abs(expected - got.values[at]));
                 if (std::abs(expected - got.values[at]) <= rounding) continue;
                 CAPTURE(channel, pixel, c);
@@ -207,7 +207,7 @@ void compare(const Outcome& got, const Model& model, const Program& program,
             }
     }
     CHECK(worst <= rounding);
-    // Deep samples hold floats: a pixel's alpha and light are of at most 32 x 9 of them, each rounded to 2^-24 of
+    // Deep samples are floats: a pixel's alpha and light are sums of at most 32 x 9 of them, each rounded to 2^-24 of
     // values below 2^6.
     constexpr double of_floats = 0x1p-24 * 64 * 32 * 9;
     for (int pixel = 0; pixel < pixels; ++pixel) {
@@ -218,7 +218,7 @@ void compare(const Outcome& got, const Model& model, const Program& program,
             for (std::size_t c = 0; c < (channel == 1 ? 1u : 3u); ++c, ++k)
                 CHECK(std::abs(flat[k] - pixel_value(model, program, list[static_cast<std::size_t>(channel)], channel,
                                                      pixel, c)) <= of_floats);
-        // Mattes round each row's weight to 2^-32.
+        // Mattes round the weight of each row to 2^-32.
         std::map<int, double> covered;
         double weights = 0;
         for (int s = 0; s < samples_per_pixel; ++s) {
@@ -257,7 +257,7 @@ TEST_CASE("a thousand random programs of calls agree with a model of the service
         compare(alone, model, program, list);
         for (const int together : {2, pixels}) {
             const Outcome other = Services(program, list, seed + 7919).run(together);
-            REQUIRE(other.values == alone.values);  // bit by bit
+            REQUIRE(other.values == alone.values);  // bit for bit
             REQUIRE(other.alpha == alone.alpha);
             REQUIRE(other.deep == alone.deep);
             REQUIRE(other.coverage == alone.coverage);
@@ -268,7 +268,7 @@ TEST_CASE("a thousand random programs of calls agree with a model of the service
     }
 }
 
-TEST_CASE("a ray has its own budget of extra rows, which neighbours do not touch", "[services]") {
+TEST_CASE("a ray has its own limit of extra rows, which neighbours do not affect", "[services]") {
     const std::vector<ChannelDefinition> list{plain_channel("heat", ChannelType::real)};
     SampleTable table(list, 4);
     DisplayServices services(table);
@@ -278,7 +278,7 @@ TEST_CASE("a ray has its own budget of extra rows, which neighbours do not touch
             REQUIRE(services.add_sample(1, {static_cast<float>(i), RgbD(0.0)}) >= 0);
         CHECK(services.refusals().back().total() == static_cast<std::uint64_t>(batch));
         const int last = table.last_row_of(1);
-        CHECK(services.add_sample(1, {9, RgbD(0.5)}) == last);  // merged, and counted
+        CHECK(services.add_sample(1, {9, RgbD(0.5)}) == last);  // merged and counted
         CHECK(table.opacity[static_cast<std::size_t>(last)] == RgbD(0.5));
         CHECK(services.refusals().back().of(Refusal::no_room) == static_cast<std::uint64_t>(batch) + 1);
         const int other = services.add_sample(2, {1, RgbD(0.25)});
@@ -290,7 +290,7 @@ TEST_CASE("a ray has its own budget of extra rows, which neighbours do not touch
     CHECK(refusal_warnings(list, services.refusals()).front().find("1024 extra rows") != std::string::npos);
 }
 
-TEST_CASE("splats of an iteration stay until it is over, up to a budget of memory that is counted", "[services]") {
+TEST_CASE("splats of an iteration are kept until its end, up to a memory budget", "[services]") {
     const std::vector<ChannelDefinition> list{expression_channel("beauty", "C.*")};
     const LpeSetup setup = *LpeSetup::build(list, 0);
     SampleTable batch(list, 1);

@@ -1,4 +1,4 @@
-// Channels that share the sums of what reaches them together get what each would have got by itself.
+// Channels that share sums get the same values as separate channels.
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -17,8 +17,8 @@ using test::Classes;
 
 constexpr int width = 6, height = 2, samples = 16;
 
-/// Channels that overlap in many ways; one keeps statistics, one has a rule, one a second output: those stay by
-/// themselves.
+/// Channels that overlap in many ways. One keeps statistics, one has a rule, one has a second output: these are
+/// separate.
 std::vector<ChannelDefinition> overlapping() {
     std::vector<ChannelDefinition> channels{test::plain_channel("beauty", ChannelType::rgb)};
     for (const char* expression : {"C.*", "C.*", "CD.*", "CS.*", "C.*D.*", "C[^D]*", "C.*SL", "CD[DS]*L", "C.D.*",
@@ -36,8 +36,8 @@ std::vector<ChannelDefinition> overlapping() {
     return channels;
 }
 
-/// The path of one sample, the same whatever else is followed: up to four vertices, two lobes at some, light at every
-/// one.
+/// Follows the path of one sample, which is the same whatever else is followed: up to four vertices, some with two
+/// lobes, and light at each.
 void follow(LpeServices& lpe, const Classes& classes, int row, int pixel, std::uint64_t sample) {
     test::Random random(static_cast<std::uint64_t>(pixel) * 1000 + sample);
     Tracker tracker = lpe.begin(row);
@@ -57,7 +57,7 @@ struct Render {
     std::size_t sets = 0, most_in_use = 0;
 };
 
-/// All pixels, in batches of so many, from the first or from the last.
+/// Renders all pixels in batches of `batch` pixels, from the first or from the last.
 Render render(std::span<const ChannelDefinition> channels, const LpeSetup& setup, bool share, int batch,
               bool backwards) {
     Render result{FrameBuffer({width, height, samples}, channels)};
@@ -85,7 +85,7 @@ Render render(std::span<const ChannelDefinition> channels, const LpeSetup& setup
         for (std::size_t row = 0; row < rows.size(); ++row) {
             follow(lpe, classes, static_cast<int>(row), pixels[row / samples], rows[row].sample);
             if (rows[row].sample % 5 != 0) continue;
-            ExtraSample veil;  // something half transparent in front, with light of its own
+            ExtraSample veil;  // a half transparent surface in front, with light of its own
             veil.opacity = RgbD(0.5);
             follow(lpe, classes, services.add_sample(static_cast<int>(row), veil), pixels[row / samples],
                    rows[row].sample + samples);
@@ -98,7 +98,7 @@ Render render(std::span<const ChannelDefinition> channels, const LpeSetup& setup
 
 }  // namespace
 
-TEST_CASE("channels that share sums have the pixels of channels that do not", "[sets][law1][law2]") {
+TEST_CASE("channels that share sums have the same pixels as separate channels", "[sets][law1][law2]") {
     const auto channels = overlapping();
     const LpeSetup setup = build_setup(channels, 0);
     const Render alone = render(channels, setup, false, 3, false), shared = render(channels, setup, true, 3, false);
@@ -114,9 +114,9 @@ TEST_CASE("channels that share sums have the pixels of channels that do not", "[
         double light = 0;
         for (std::size_t k = 0; k < expected.size(); ++k) {
             light += std::abs(expected[k]);
-            // A pixel is the mean of 16 samples of two rows of at most 5 contributions below 1, in at most 8 parts,
-            // with weights up to 1.25 over a mean weight of 0.6: 1280 terms, each sum of them rounded by at most 2^-53
-            // of what it may reach.
+            // A pixel is the mean of 16 samples with two rows of at most 5 contributions below 1, in at most 8 parts,
+            // with weights up to 1.25 over a mean weight of 0.6: 1280 terms, each sum rounded by at most 2^-53 of its
+            // maximum.
             CHECK(std::abs(found[k] - expected[k]) <= 1280 * 0x1p-53 * 10 * 1.25 / 0.6);
             if (sums_only[i] == 0) CHECK(found[k] == expected[k]);
         }
@@ -137,8 +137,8 @@ TEST_CASE("sums that channels share do not depend on how pixels are grouped into
         }
 }
 
-TEST_CASE("many more sets than a table makes room for at once lose no light", "[sets]") {
-    // A channel for each of 2^10 paths, and one for all of them.
+TEST_CASE("many more sets than one chunk of a table lose no light", "[sets]") {
+    // One channel for each of 2^10 paths, and one for all of them.
     constexpr int bits = 10, paths = 1 << bits;
     std::vector<ChannelDefinition> channels{test::plain_channel("beauty", ChannelType::rgb)};
     for (int path = 0; path < paths; ++path) {
@@ -166,13 +166,13 @@ TEST_CASE("many more sets than a table makes room for at once lose no light", "[
         CHECK_FALSE(table.sent_apart());
         frame_buffer.accumulate(table);
     }
-    // Powers of two and their sums: exact.
+    // Powers of two and their sums are exact.
     for (int i = 1; i <= paths; ++i)
         CHECK(frame_buffer.resolve(i) == std::vector<double>{1.0 / paths, 2.0 / paths, 4.0 / paths});
     CHECK(frame_buffer.resolve(paths + 1) == std::vector<double>{1, 2, 4});
 }
 
-TEST_CASE("sets of another block size than the frame buffer's are rejected, not summed up wrongly", "[sets][law7]") {
+TEST_CASE("sets with a different block size than the frame buffer are rejected, not summed wrongly", "[sets][law7]") {
     const auto channels = overlapping();
     const LpeSetup setup = build_setup(channels, 0);
     FrameBuffer frame_buffer({width, height, samples}, channels);
@@ -186,7 +186,7 @@ TEST_CASE("sets of another block size than the frame buffer's are rejected, not 
     CHECK(frame_buffer.sample_count(0, 0) == 0);
 }
 
-TEST_CASE("what is sent to a sharing channel itself adds to what it shares, and a discarded batch leaves neither",
+TEST_CASE("values sent to a sharing channel itself add to its shared sums, and a discarded batch leaves neither",
           "[sets]") {
     const std::vector<ChannelDefinition> channels{test::plain_channel("beauty", ChannelType::rgb),
                                                   test::expression_channel("all", "C.*"),
@@ -206,7 +206,7 @@ TEST_CASE("what is sent to a sharing channel itself adds to what it shares, and 
         lpe.contribute(Rgb(1), Technique{}, tracker);
         if (sample == 1) {
             services.discard_iteration();
-            lpe.contribute(Rgb(16), Technique{}, tracker);  // into a batch that counts for nothing
+            lpe.contribute(Rgb(16), Technique{}, tracker);  // into a batch that is discarded
             continue;
         }
         if (sample == 2) CHECK(services.splat(2, 0, Rgb(8)));
