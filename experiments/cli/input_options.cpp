@@ -19,7 +19,8 @@ constexpr const char* variable = "RAYLEX_BUDGETS";
 constexpr const char* file_options[] = {"--output", "--stats",    "--deep",  "--atlas",   "--ocio",  "--to",
                                         "--plugin", "--channels", "--scene", "--preview", "--driver"};
 
-/// The environment hands what was raised to the processes that this one starts: a study's cells.
+/// Sets budgets and adds them to the environment, so that child processes (the runs of a study) use them too. Returns
+/// an error message, or an empty string.
 std::string raise_budgets(const std::vector<std::string>& assignments) {
     const char* earlier = std::getenv(variable);
     std::string all = earlier != nullptr ? earlier : "";
@@ -45,7 +46,7 @@ void add_to(CLI::App& command) {
     for (const char* name : file_options)
         if (CLI::Option* option = command.get_option_no_throw(name))
             option->check([](const std::string& value) {
-                return value.empty() ? std::string("the name is empty; expected that of a file") : std::string();
+                return value.empty() ? std::string("the name is empty; expected the name of a file") : std::string();
             });
     if (!command.get_subcommands([](CLI::App*) { return true; }).empty()) return;
     command

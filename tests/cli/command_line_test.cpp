@@ -43,10 +43,10 @@ TEST_CASE("text that standard output does not take is an error; that a reader ha
     }
 }
 
-TEST_CASE("words behind '--' are no options") {
+TEST_CASE("words after '--' are not options") {
     const Folder folder;
     CHECK(run_raylex(folder, "lpe explain -- CL").code == 0);
-    check_refused(folder, "scene write -- -r.pbrt -o a.pbrt", {"'-o' stands behind '--'"});
+    check_refused(folder, "scene write -- -r.pbrt -o a.pbrt", {"'-o' stands after '--'"});
 }
 
 TEST_CASE("an unknown option is named, with the one that may be meant") {
@@ -60,7 +60,7 @@ TEST_CASE("an unknown option is named, with the one that may be meant") {
     // These take whatever stands behind the first expression.
     check_refused(folder, "lpe explain CL --dialct osl", {"'--dialct'; did you mean '--dialect'?", "explain --help"});
     check_refused(folder, "lpe union CL CDL --sampels 2", {"'--sampels'; did you mean '--samples'?", "union --help"});
-    check_refused(folder, "--threads 2 render x.pbrt", {"'--threads' of 'raylex'; expected it behind 'raylex render'"});
+    check_refused(folder, "--threads 2 render x.pbrt", {"'--threads' of 'raylex'; expected it after 'raylex render'"});
     for (const char* nothing_near : {"render x.pbrt -z", "lpe check --nothing-like-it"}) {
         const Outcome outcome = run_raylex(folder, nothing_near);
         CHECK(contains(outcome.err, "unknown option '-"));

@@ -119,7 +119,7 @@ TEST_CASE("sums are written as arithmetic, with short names, and judged by --tol
         run_raylex(folder, "verify a.exr --of Combined --tolerance 0,4e-6 --sum '(DiffDir+DiffInd)*DiffCol, Emit'");
     CHECK(outcome.code == 1);
     CHECK(contains(outcome.out, "DOES NOT HOLD"));
-    CHECK(contains(outcome.out, "the sum is never above, so that light is missing from the layers"));
+    CHECK(contains(outcome.out, "light is missing from the layers"));
     CHECK(folder.has("a.sum.residual.png"));
     outcome = run_raylex(folder, "verify a.exr --of Combined --sum '(DiffDir+DiffInd)*DifCol'");
     CHECK(outcome.code == 2);

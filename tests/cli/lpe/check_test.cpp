@@ -371,7 +371,8 @@ TEST_CASE("a bare file of channels is taken as one") {
     CHECK(contains(missing.err, "shwo.rib: there is no such file of channels"));
     folder.write("arnold.txt", "RGBA C.*\n");
     check_refused(folder, "lpe check arnold.txt", {"arnold.txt: ", ".toml, .rib, .usda, .usd or .ini", "--format"});
-    check_refused(folder, "lpe check arnold", {"'arnold' is no named expression", ".toml, .rib, .usda, .usd or .ini"});
+    check_refused(folder, "lpe check arnold",
+                  {"'arnold' is not a named expression", ".toml, .rib, .usda, .usd or .ini"});
     const Outcome one = run_raylex(folder, "lpe explain show.rib directDiffuse");
     CHECK(one.code == 0);
     CHECK(contains(one.out, "From the camera, one diffuse reflection"));
