@@ -32,15 +32,6 @@ std::string raise_budgets(const std::vector<std::string>& assignments) {
     return {};
 }
 
-std::string budget_help() {
-    std::string text =
-        "raises (or lowers) what reading a file may take; K, M and G stand for powers of 1024. Budgets and their "
-        "values:";
-    for (const BudgetRow& row : budget_table())
-        text += std::string(" ") + row.name + " " + std::to_string(row.fallback);
-    return text;
-}
-
 void add_to(CLI::App& command) {
     for (CLI::App* each : command.get_subcommands([](CLI::App*) { return true; })) add_to(*each);
     for (const char* name : file_options)
@@ -56,7 +47,8 @@ void add_to(CLI::App& command) {
                 if (const std::string wrong = raise_budgets(assignments); !wrong.empty())
                     throw CLI::ValidationError("--budget", wrong);
             },
-            budget_help())
+            "raises or lowers a limit on input, such as include_files=20000 (suffixes K, M, G: powers of 1024); "
+            "experiments/docs/limits.md lists the limits")
         ->option_text("NAME=VALUE")
         ->allow_extra_args(false)
         ->trigger_on_parse();

@@ -187,7 +187,7 @@ kill -KILL $(pgrep -P $program); wait $program)");
     CHECK(contains(killed.out + killed.err, "SIGKILL"));
     const Outcome again = run_raylex(folder, "experiment run" + one + "killed --resume");
     CHECK(again.code == 2);
-    CHECK(contains(again.out, "done already, 0 cells, 1 FAILED"));
+    CHECK(contains(again.out, "already done, 0 cells, 1 FAILED"));
     done(folder, "\"$RAYLEX\" experiment run" + one + "killed --resume --retry");
     CHECK((folder.bits("killed") == folder.bits("local")));
     check_refused(folder, "experiment run" + one + "other --retry", {"--retry without --resume"});

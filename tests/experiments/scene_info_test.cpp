@@ -218,7 +218,7 @@ TEST_CASE("raylex scene check refuses what a render would refuse, and its option
     CHECK(run_raylex(folder, "scene check room.pbrt --only film-size").code == 2);
     const Outcome onto_itself = run_raylex(folder, "scene write room.pbrt -o room.pbrt");
     CHECK(onto_itself.code == 2);
-    CHECK(contains(onto_itself.err, "this is the scene that is read"));
+    CHECK(contains(onto_itself.err, "this file is the input scene"));
     CHECK(folder.read("room.pbrt") == counted_scene);
 }
 

@@ -45,7 +45,7 @@ TEST_CASE("a show's RIB file gets the verdict that it deserves by one command") 
     CHECK(contains(holds.out, "show.rib: 11 channels with expressions, 7 of them layers"));
     CHECK(contains(holds.out, "no layers (prefix nothruput): 'albedo', 'normal'"));
     CHECK(contains(holds.out, "no layers (statistics mse): 'diffuse_mse', 'specular_mse'"));
-    CHECK(contains(holds.out, "--volume adds it"));
+    CHECK(contains(holds.out, "--volume includes them"));
     CHECK(contains(holds.out, "7 channels are a partition of the beauty"));
     const Outcome volume = run_raylex(folder, "lpe check show.rib --volume");
     CHECK(volume.code == 1);
@@ -61,7 +61,7 @@ TEST_CASE("a show's RIB file gets the verdict that it deserves by one command") 
     folder.write("job.toml", "[[channel]]\nname = \"a\"\nlpe = \"C[DS]*[<L.>O]\"\n");
     const Outcome job = run_raylex(folder, "lpe check job.toml");
     CHECK(job.code == 1);
-    CHECK(contains(job.out, "--no-volume leaves such paths out"));
+    CHECK(contains(job.out, "--no-volume excludes"));
     CHECK(run_raylex(folder, "lpe check job.toml --no-volume").code == 0);
 }
 
@@ -99,7 +99,7 @@ TEST_CASE("several splits of one beauty in a file are told apart") {
     CHECK(holds.code == 0);
     CHECK(contains(holds.out, "a partition by themselves: 'key', 'rest'"));
     CHECK(contains(holds.out, "a partition by themselves: 'diffuse', 'specular'"));
-    CHECK(contains(holds.out, "the layers are 3 partitions of the beauty side by side"));
+    CHECK(contains(holds.out, "the layers are 3 partitions of the beauty"));
     // A layer that is in none of them is counted twice.
     folder.write("more.rib", folder.read("show.rib") + channel("caustics", "CDS+L"));
     const Outcome more = run_raylex(folder, "lpe check more.rib");
@@ -364,7 +364,7 @@ TEST_CASE("a bare file of channels is taken as one") {
     CHECK(run_raylex(folder, "lpe check ./a=b.rib").code == 0);
     const Outcome both = run_raylex(folder, "lpe check a=b.rib");
     CHECK(both.code == 2);
-    CHECK(contains(both.err, "reads as NAME=EXPR too"));
+    CHECK(contains(both.err, "also reads as NAME=EXPR"));
     CHECK(run_raylex(folder, "lpe check --channels a=b.rib").code == 0);
     const Outcome missing = run_raylex(folder, "lpe check shwo.rib");
     CHECK(missing.code == 2);
@@ -415,6 +415,6 @@ TEST_CASE("a file of five hundred channels is checked quickly, and its overlaps 
     INFO(pairs.out << pairs.err);
     CHECK(pairs.code == 1);
     CHECK(contains(pairs.out, " pairs count the same light"));
-    CHECK(contains(pairs.err, "holes were not looked for"));
+    CHECK(contains(pairs.err, "gaps were not searched for"));
     CHECK(contains(pairs.out, "'o0' and 'o1' both count "));
 }
