@@ -119,7 +119,7 @@ TEST_CASE("what is no text has no way to standard output") {
     const SceneFolder folder;
     for (const char* output : {"--deep -", "--atlas -", "--driver exr:file=-"})
         check_refused(folder, "render room.pbrt -o a.exr --spp 1 " + std::string(output), {"standard output, '-'"});
-    check_refused(folder, "render room.pbrt -o -", {"'-' has no name ending in .exr"});
+    check_refused(folder, "render room.pbrt -o -", {"'-' does not end in .exr"});
     check_refused(folder, "merge x.exr.shard-1-of-1 -o x.exr --atlas -", {"standard output, '-'"});
     // Meshes from files go to files, by whose names label rules call them.
     folder.write("m.ply",

@@ -178,7 +178,7 @@ TEST_CASE("names that a preview does not know are answered with the nearest ones
                   {"no view 'Rwa' of display 'sRGB - Display'", "did you mean 'Raw'?"});
     check_refused(folder, "preview a.exr --view 'ACES 1.1 - HDR Video (1000 nits & P3 lim)'",
                   {"display 'ST2084-P3-D65 - Display' has such a view"});
-    check_refused(folder, "preview a.exr -o a.jpg", {"'a.jpg' has no name ending in .png"});
+    check_refused(folder, "preview a.exr -o a.jpg", {"'a.jpg' does not end in .png"});
     check_refused(folder, "preview a.exr -o ''", {"the name is empty"});
     check_refused(folder, "preview a.exr --ocio absent.ocio", {"absent.ocio"});
     check_refused(folder, "preview absent.exr", {"absent.exr"});

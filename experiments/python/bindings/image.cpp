@@ -125,8 +125,7 @@ std::map<std::string, std::string> expressions_of(const Image& image) {
 void write_image(const Image& image, const std::filesystem::path& path) {
     if (!image.write)
         fail("the image was read from '" + image.path() + "'; only what was rendered here can be written");
-    if (path.extension() != ".exr")
-        fail("'" + path.string() + "' has no name ending in .exr; expected an OpenEXR file name");
+    if (path.extension() != ".exr") fail("'" + path.string() + "' does not end in .exr; expected an OpenEXR file name");
     unlocked([&] { take(image.write(path.string())); });
 }
 
