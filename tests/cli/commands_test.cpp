@@ -109,12 +109,12 @@ TEST_CASE("commands that cannot be are refused, and templates with a slip name i
     check_refused(folder, render + "--shards 2", {"--shards without --commands"});
     check_refused(folder, render + "--commands", {"expected --shards N"});
     check_refused(folder, render + "--shards 5 --commands", {"5 shards of 64 samples per pixel; expected at most 4"});
-    check_refused(folder, render + "--shards 2 --commands=mke", {"'mke' is no format"});
+    check_refused(folder, render + "--shards 2 --commands=mke", {"'mke' is not a format"});
     check_refused(folder, render + "--shards 2 --commands --integrator pssmlt", {"Markov chains"});
     folder.write("t.mk", "{{#commands}}\n{{comand}}\n{{/commands}}\n");
     check_refused(folder, render + "--shards 2 --commands=t.mk", {"t.mk:2", "'comand'", "did you mean 'command'?"});
     folder.write("t.mk", "{{#commands}}\n");
-    check_refused(folder, render + "--shards 2 --commands=t.mk", {"t.mk", "this is no template"});
+    check_refused(folder, render + "--shards 2 --commands=t.mk", {"t.mk", "this is not a template"});
     const std::string study = "experiment plan c.toml --no-calibration ";
     check_refused(folder, study + "--commands", {"expected -o DIR"});
     check_refused(folder, study + "--shards 2", {"--shards without --commands"});
@@ -198,7 +198,7 @@ TEST_CASE("without a queue a submission leaves files to be used by hand, and los
     const std::string submit = "PATH=/nowhere \"$RAYLEX\" submit --slurm c.toml -o all --shards 2 --no-calibration";
     const Outcome outcome = run_shell(folder, submit);
     CHECK(outcome.code == 2);
-    CHECK(contains(outcome.err, "there is no sbatch here"));
+    CHECK(contains(outcome.err, "sbatch was not found"));
     CHECK(contains(outcome.err, "sbatch --dependency=afterany:ID_OF_REFERENCES"));
     CHECK_FALSE(folder.has("all/submission.json"));
     const std::string array = folder.read("all/slurm/shards.sh");
@@ -217,7 +217,7 @@ TEST_CASE("without a queue a submission leaves files to be used by hand, and los
     CHECK(contains(folder.read("all/slurm/commands.txt"), " --retry\n"));
     check_refused(folder, "submit c.toml -o other --shards 2", {"expected --slurm"});
     check_refused(folder, "submit --slurm c.toml -o other", {"--shards N"});
-    check_refused(folder, "status other", {"nothing was submitted or begun"});
+    check_refused(folder, "status other", {"contains no study"});
     // What measures seconds has its machine for itself.
     done(folder, "sed -i 's/^samples = .*/seconds = 0.1/' c.toml");
     CHECK(run_shell(folder,

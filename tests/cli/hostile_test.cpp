@@ -38,7 +38,7 @@ TEST_CASE("a name with a line end never becomes a line of a job file", "[cli][la
             const Outcome refused = run_shell(folder, "\"$RAYLEX\" render " + what + common + "--commands=" + format);
             CHECK(refused.code == 2);
             CHECK(refused.out.empty());
-            CHECK(contains(refused.err, "holds a control character"));
+            CHECK(contains(refused.err, "has a control character"));
         }
     }
     CHECK(contains(run_shell(folder, "\"$RAYLEX\" render '" + scene + "' -o out.exr" + common + "--commands=json").out,
@@ -58,7 +58,7 @@ TEST_CASE("a name with a line end never becomes a line of a job file", "[cli][la
         "[[scene]]\nname = \"room\"\nfile = \"room.pbrt\"\n[[method]]\nname = \"path\"\n[budget]\nsamples = [1]\n");
     const std::string submit = "\"$RAYLEX\" submit --slurm c.toml --no-calibration --shards 1 -o ";
     for (const std::string what : {"$'d\\n#SBATCH --wrap=id'", "dir --option=$'--x\\n#SBATCH --wrap=id'"})
-        CHECK(contains(run_shell(folder, submit + what).err, "holds a control character"));
+        CHECK(contains(run_shell(folder, submit + what).err, "has a control character"));
     static_cast<void>(run_shell(folder, submit + "'d\" --wrap=\"id'"));
     CHECK(contains(run_shell(folder, "cat d*/slurm/merge.sh").out, "d\\\" --wrap=\\\"id/slurm/merge.log\""));
 }

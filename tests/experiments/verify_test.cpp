@@ -96,7 +96,7 @@ TEST_CASE("an image of Cycles gets the right verdict by preset, in one command",
     CHECK(contains(outcome.out,
                    "(DiffDir + DiffInd) * DiffCol, (GlossDir + GlossInd) * GlossCol, (TransDir + TransInd) * "
                    "TransCol, Emit, Env"));
-    CHECK(contains(outcome.out, "relative 3.81e-06, for adding up 64 samples in float, 2^-24 each"));
+    CHECK(contains(outcome.out, "relative 3.81e-06, for the float sum of 64 samples, 2^-24 each"));
     // Who says nothing is told of the preset.
     const Outcome nothing = run_raylex(folder, "verify '" + cycles_image() + "'");
     CHECK(nothing.code == 2);
@@ -193,7 +193,7 @@ TEST_CASE("presets find view layers, files per layer, a noisy image and groups t
     CHECK(contains(outcome.out, "passes of Back Layer: 11 layers against Back Layer.Combined: holds"));
     CHECK(contains(outcome.out, "light groups of Back Layer: 2 layers against Back Layer.Combined: DOES NOT HOLD"));
     CHECK(contains(outcome.out, "every lamp, emitter and the world"));
-    CHECK(contains(outcome.out, "relative 4e-05, for Cycles' adding up of samples in float, measured at 4096 samples"));
+    CHECK(contains(outcome.out, "relative 4e-05, for Cycles' float sum of samples, measured at 4096 samples"));
     CHECK(contains(outcome.out, "light groups of ViewLayer: 3 layers against ViewLayer.Combined: holds"));
     CHECK(folder.has("two.light-groups-of-Back-Layer.residual.png"));
 

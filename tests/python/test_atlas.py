@@ -99,13 +99,13 @@ class Asked(Case):
 
     def test_what_cannot_be_answered(self):
         _, atlas = self.render(atlas={"file": str(self.folder / "g.atlas.exr"), "by": "group", "length": 1})
-        error = self.assertRaylexError("cannot be answered exactly", atlas.ask, {"two": "CDDL"})
+        error = self.assertRaylexError("cannot be computed exactly", atlas.ask, {"two": "CDDL"})
         self.assertIn("lpe 'two'", error.file)
         between = atlas.ask({"two": "CDDL"}, intervals=True)
         self.assertTrue((between["two_least"] <= between["two_most"]).all())
         self.assertRaylexError("found 'X'", atlas.ask, {"bad": "C<RX>L"})
         self.assertRaylexError("nothing is asked for", atlas.ask)
-        self.assertRaylexError("do not tell techniques apart", atlas.ask, {"t": "s1t3;C.*"})
+        self.assertRaylexError("do not distinguish techniques", atlas.ask, {"t": "s1t3;C.*"})
         self.assertRaylexError("no path atlas", raylex.Atlas, self.rendered_file())
         self.assertRaylexError("no-such", raylex.Atlas, "no-such.exr")
         self.assertRaylexError("without an atlas|beauty", raylex.render, CORNELL, spp=1, beauty=False,
