@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr const char* death = "death";
-constexpr rlim_t memory_of_a_process = rlim_t{3} << 30;  ///< a scene that wants more is refused for want of memory
+constexpr rlim_t memory_of_a_process = rlim_t{3} << 30;  ///< a scene that needs more is rejected for lack of memory
 
 // --- what goes between the processes: fields, each with its length in front ---
 
@@ -71,7 +71,7 @@ SceneReport report_of(Fields fields) {
     return report;
 }
 
-/// The working process: makes the text of a scene ("scene N"), or checks one.
+/// The worker process. It makes the text of a scene ("scene N"), or checks a scene.
 class Worker {
   public:
     Worker(const SearchOptions& options, const std::string& path)
@@ -79,7 +79,7 @@ class Worker {
           path_(path),
           process_([this] { return [this](const std::string& request, const Tell&) { return answer(request); }; }) {}
 
-    /// "tame" or "wild" and the text; empty: refused.
+    /// Returns "tame" or "wild" and the scene's text; empty if the scene is rejected.
     Result<ChildProcess::Answer> make_scene(std::uint64_t seed, const std::atomic<bool>* stop) {
         std::string request;
         put(request, "scene");
@@ -108,7 +108,7 @@ class Worker {
     }
 
   private:
-    /// Images by names that hold wherever the folder goes.
+    /// Replaces image paths by relative names, so that the scene can move with its folder.
     [[nodiscard]] std::string with_relative_files(std::string text) const {
         const std::string folder = fs::weakly_canonical(fs::path(path_).parent_path()).string() + "/";
         for (std::size_t at = 0; (at = text.find("\"" + folder, at)) != std::string::npos;)
@@ -118,7 +118,7 @@ class Worker {
     std::string answer(const std::string& request) {
         const rlimit core{0, 0};
         setrlimit(RLIMIT_CORE, &core);
-#ifndef __SANITIZE_ADDRESS__  // which reserves terabytes of address space
+#ifndef __SANITIZE_ADDRESS__  // the address sanitizer reserves terabytes of address space
         const rlimit memory{memory_of_a_process, memory_of_a_process};
         setrlimit(RLIMIT_AS, &memory);
 #endif
@@ -209,7 +209,7 @@ class Search {
         return success();
     }
 
-    /// Whether the scene fails by that invariant, whatever else is wrong with it.
+    /// Returns whether the scene violates the same invariant, whatever else fails.
     bool fails(const std::string& text, const Verdict& as, std::uint64_t seed) {
         InvariantOptions check = options_.check;
         check.seed = seed;
@@ -230,7 +230,7 @@ class Search {
             finding.text = shrunk.text;
             finding.trials = shrunk.trials;
         } else {
-            finding.verdict.note += " (the second time it held)";
+            finding.verdict.note += " (it held the second time)";
         }
         finding.lines = lines(finding.text);
         const std::string name = verdict.invariant + "-" + std::to_string(seed) + ".pbrt";

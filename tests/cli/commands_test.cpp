@@ -83,7 +83,7 @@ TEST_CASE("the commands of a render stand alone, and a shell that runs them twic
     CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
     const Outcome again = run_shell(folder, "rm out.exr.shard-2-of-3; tail -n 1 commands | sh");
     CHECK(again.code == 2);
-    CHECK(contains(again.err, "out.exr.shard-2-of-3: this is not there, and no process of this machine is at it"));
+    CHECK(contains(again.err, "out.exr.shard-2-of-3: this file does not exist, and no process on this machine"));
 }
 
 TEST_CASE("commands as JSON say what each needs") {
@@ -135,7 +135,7 @@ TEST_CASE("the commands of a study end in the cells of one run, whatever was kil
               .code == 137);
     const Outcome early = run_shell(folder, "sed 's/ --wait//' commands | tail -n 1 | sh");
     CHECK(early.code == 2);
-    CHECK(contains(early.err, "parts/2/finished.json: this is not there"));
+    CHECK(contains(early.err, "parts/2/finished.json: this file does not exist"));
     CHECK_FALSE(folder.has("all/results"));
     const Outcome not_yet = run_raylex(folder, "status all");
     CHECK(not_yet.code == 1);

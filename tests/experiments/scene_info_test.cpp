@@ -100,7 +100,7 @@ TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, 
     check(sky + face + "\n", "");
     check(face + "\n", "doubtful.pbrt: the scene has no light: its image is black");
     check(sky + face + "\"normal N\" [0 0 1  0 0 -1  0 0 1]\n",
-          "doubtful.pbrt:4:1: 1 of 1 faces of the mesh have vertex normals on both of their sides");
+          "doubtful.pbrt:4:1: 1 of 1 faces of the mesh have vertex normals on both sides");
     check(sky + "Texture \"a\" \"spectrum\" \"checkerboard\"\nMaterial \"diffuse\" \"texture reflectance\" \"a\"\n" +
               face + "\"point2 uv\" [0 0  1 1  2 2]\n",
           "have collinear texture coordinates");
@@ -212,7 +212,7 @@ TEST_CASE("raylex scene check refuses what a render would refuse, and its option
         CHECK(contains(checked.err, "refused.pbrt:1"));
         const Outcome told = run_raylex(folder, "scene info refused.pbrt");
         CHECK(told.code == 0);
-        CHECK(contains(told.err, "cannot be rendered as it is: refused.pbrt:1"));
+        CHECK(contains(told.err, "cannot be rendered: refused.pbrt:1"));
     }
     folder.write("room.pbrt", counted_scene);
     CHECK(run_raylex(folder, "scene check room.pbrt --only film-size").code == 2);

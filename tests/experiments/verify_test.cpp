@@ -138,7 +138,7 @@ TEST_CASE("sums are written as arithmetic, with short names, and judged by --tol
     CHECK(contains(outcome.err, "did you mean 'cycles'?"));
     outcome = run_raylex(folder, "verify a.exr --preset arnold");
     CHECK(outcome.code == 2);
-    CHECK(contains(outcome.err, "no layers named as Arnold names them"));
+    CHECK(contains(outcome.err, "no layers with names of Arnold"));
 }
 
 TEST_CASE("an image of Cycles holds however it is stored, and not with a pass that is wrong", "[verify]") {
@@ -252,7 +252,7 @@ TEST_CASE("presets find view layers, files per layer, a noisy image and groups t
     write(folder.path("less.exr"), image);
     outcome = run_raylex(folder, "verify less.exr --preset cycles");
     CHECK(outcome.code == 1);
-    CHECK(contains(outcome.out, "not in the file, so not in the sum: DiffInd, SubsurfaceDir"));
+    CHECK(contains(outcome.out, "missing from the file and the sum: DiffInd, SubsurfaceDir"));
 }
 
 TEST_CASE("presets know the names of RenderMan, Arnold and V-Ray, on synthetic files", "[verify]") {

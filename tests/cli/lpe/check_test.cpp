@@ -212,7 +212,7 @@ TEST_CASE("conversions keep statistics and AOVs, and name what has no place") {
     CHECK(contains(folder.read("show.toml"), "[channels]\naovs = [\"Nn\", \"z\"]"));
     CHECK(contains(toml.err, "filter ('diffuse', 'diffuse_mse', 'spec', 'caustics_mse'), filterwidth ("));
     CHECK(
-        contains(toml.err, "channel 'caustics_mse' of show.rib holds statistics (mse) of an expression that no other"));
+        contains(toml.err, "channel 'caustics_mse' of show.rib contains statistics (mse) of an expression that no other"));
     CHECK(contains(toml.err, "left out: 'odd'"));
     CHECK(run_raylex(folder, "lpe check show.toml --no-volume").code == 0);
     // And back, and to the others.
@@ -268,7 +268,7 @@ TEST_CASE("conversions of a TOML file lose no definition without a word") {
         CHECK(out.code == 0);
         CHECK_FALSE(contains(text, "lpe:lpe:"));
         CHECK(contains(text, "caustics") == (format == "ini"));
-        CHECK(contains(out.err, "all.toml:2: the macro 'caustics' is written out") == (format != "ini"));
+        CHECK(contains(out.err, "all.toml:2: the macro 'caustics' is expanded") == (format != "ini"));
         for (const char* lost : {"all.toml:7: ", "'cryptomatte' of", "all.toml:10: ", "'shipped_partition' of",
                                  "all.toml:11: ", "'light_groups' of", "all.toml:12: ", "'techniques' of",
                                  "all.toml:30: ", "the partition 'mine'"})
@@ -344,15 +344,15 @@ TEST_CASE("groups and labels that exist are given to lpe check, and slips are na
     CHECK(run_raylex(folder, "lpe check lights.rib --groups key,fill --all-labelled").code == 0);
     const Outcome rim = run_raylex(folder, "lpe check lights.rib --groups kye,fill,rim --all-labelled");
     CHECK(rim.code == 1);
-    CHECK(contains(rim.err, "'key' (channel 'key') is no light group of --groups; did you mean 'kye'?"));
+    CHECK(contains(rim.err, "'key' (channel 'key') is not a light group of --groups; did you mean 'kye'?"));
     folder.write("slip.rib", channel("a", "C<RD><L.'key'>") + channel("b", "C<RS><L.'key'>") +
                                  channel("c", "C<TD><L.'kye'>") + channel("d", "C<TS><L.'key2'>"));
     const Outcome slip = run_raylex(folder, "lpe check slip.rib");
-    CHECK(contains(slip.err, "'kye' (channel 'c') stands beside 'key' in 2 channels; did you mean 'key'?"));
+    CHECK(contains(slip.err, "'kye' (channel 'c') occurs beside 'key' in 2 channels; did you mean 'key'?"));
     CHECK_FALSE(contains(slip.err, "key2"));
     CHECK_FALSE(contains(run_raylex(folder, "lpe check lights.rib").err, "did you mean"));
     const Outcome label = run_raylex(folder, "lpe check a=\"C<RD'flor'>.*\" --labels floor,wall");
-    CHECK(contains(label.err, "'flor' (channel 'a') is no label of --labels; did you mean 'floor'?"));
+    CHECK(contains(label.err, "'flor' (channel 'a') is not a label of --labels; did you mean 'floor'?"));
     folder.write("scene.pbrt", small_scene());
     CHECK(run_raylex(folder, "lpe check lights.rib --groups key --scene scene.pbrt").code == 2);
 }
@@ -368,7 +368,7 @@ TEST_CASE("a bare file of channels is taken as one") {
     CHECK(run_raylex(folder, "lpe check --channels a=b.rib").code == 0);
     const Outcome missing = run_raylex(folder, "lpe check shwo.rib");
     CHECK(missing.code == 2);
-    CHECK(contains(missing.err, "shwo.rib: there is no such file of channels"));
+    CHECK(contains(missing.err, "shwo.rib: this channel file does not exist"));
     folder.write("arnold.txt", "RGBA C.*\n");
     check_refused(folder, "lpe check arnold.txt", {"arnold.txt: ", ".toml, .rib, .usda, .usd or .ini", "--format"});
     check_refused(folder, "lpe check arnold",
@@ -386,7 +386,7 @@ TEST_CASE("a bare file of channels is taken as one") {
     folder.write("rim.rib", "DisplayChannel \"color rimDiffuse\" \"string source\" \"color lpe:C<RD>[<L.>]\"\n");
     check_refused(folder, "lpe explain rim.rib rimDifuse", {"'rimDifuse'", "did you mean 'rimDiffuse'?"});
     check_refused(folder, "lpe check rim.rib --of rimDifuse", {"'rimDifuse'", "did you mean 'rimDiffuse'?"});
-    check_refused(folder, "lpe explain rim.rib keyLight", {"'keyLight'", "channels that are given: rimDiffuse"});
+    check_refused(folder, "lpe explain rim.rib keyLight", {"'keyLight'", "known channels: rimDiffuse"});
     CHECK(run_raylex(folder, "lpe graph show.rib").code == 0);
 }
 
