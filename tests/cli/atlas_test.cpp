@@ -283,8 +283,8 @@ TEST_CASE("what an atlas cannot tell is refused, or between what it is at least 
         check_verified(folder, name + ".atlas.exr");
         check_refused(
             folder, "ask " + name + ".atlas.exr --lpe c='CDS+L' -o c.exr",
-            {"channel 'c' cannot be computed exactly", "...", "--intervals", "between ",
-             " % of the image's light", name == "a" ? "an --atlas-length above 2" : "a greater --atlas-budget"});
+            {"channel 'c' cannot be computed exactly", "...", "--intervals", "between ", " % of the image's light",
+             name == "a" ? "an --atlas-length above 2" : "a greater --atlas-budget"});
         const Outcome asked =
             run_raylex(folder, "ask " + name +
                                    ".atlas.exr --intervals --lpe c='CDS+L' --lpe d='CDD+L' --lpe s='C<TS>+L' -o i.exr");

@@ -164,7 +164,8 @@ TEST_CASE("labels that nothing has are named even where the channel matches with
     CHECK(notes("C<RS'p*'>L").empty());
     CHECK(notes("C<RD[^'flor']>L") ==
           std::vector<std::string>{"'flor' is not a known object label of this scene; did you mean 'floor'?"});
-    CHECK(notes("C<RS.'glas'>L") == std::vector<std::string>{"'glas' is not a known lobe of this scene; did you mean 'glass'?"});
+    CHECK(notes("C<RS.'glas'>L") ==
+          std::vector<std::string>{"'glas' is not a known lobe of this scene; did you mean 'glass'?"});
     CHECK(notes("C[D<RD'wall*'>]L") == std::vector<std::string>{"'wall*' matches no object label of this scene"});
     CHECK(notes("CD[L<L.'kee'>]") == std::vector<std::string>{"'kee' is not a known light group of this scene"});
 }

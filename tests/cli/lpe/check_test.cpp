@@ -211,8 +211,8 @@ TEST_CASE("conversions keep statistics and AOVs, and name what has no place") {
         contains(folder.read("show.toml"), "name = \"diffuse\"\nlpe = \"C(D[DS]*[LO])|[LO]\"\nstatistics = [\"mse\"]"));
     CHECK(contains(folder.read("show.toml"), "[channels]\naovs = [\"Nn\", \"z\"]"));
     CHECK(contains(toml.err, "filter ('diffuse', 'diffuse_mse', 'spec', 'caustics_mse'), filterwidth ("));
-    CHECK(
-        contains(toml.err, "channel 'caustics_mse' of show.rib contains statistics (mse) of an expression that no other"));
+    CHECK(contains(toml.err,
+                   "channel 'caustics_mse' of show.rib contains statistics (mse) of an expression that no other"));
     CHECK(contains(toml.err, "left out: 'odd'"));
     CHECK(run_raylex(folder, "lpe check show.toml --no-volume").code == 0);
     // And back, and to the others.

@@ -104,8 +104,7 @@ TEST_CASE("Ctrl-C leaves an image of what there is and a checkpoint to go on fro
     // Another render would lose it.
     const Outcome refused = run_raylex(folder, render + " -o out.exr --checkpoint 60s");
     CHECK(refused.code == 2);
-    CHECK(refused.err.find("out.exr.checkpoint: this is the checkpoint of an unfinished render") !=
-          std::string::npos);
+    CHECK(refused.err.find("out.exr.checkpoint: this is the checkpoint of an unfinished render") != std::string::npos);
     REQUIRE(run_raylex(folder, render + " -o out.exr --resume").code == 0);
     REQUIRE(run_raylex(folder, render + " -o whole.exr").code == 0);
     CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
