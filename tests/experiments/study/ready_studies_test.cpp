@@ -72,8 +72,8 @@ TEST_CASE("a channel without its beauty is compared with the same channel beside
         CHECK(outcome.err.find(message) != std::string::npos);
     };
     refused("--set clock=sun", "'clock' is 'sun'; expected \"wall\" or \"cpu\"");
-    refused("--set reference.method=alone", "references are of all that any method renders");
-    refused("--set budget.error=0.1", "a budget of error is the beauty's");
+    refused("--set reference.method=alone", "references contain everything");
+    refused("--set budget.error=0.1", "a budget of error applies to the beauty");
 }
 
 TEST_CASE("methods that begin at the lights agree with the path tracer in every channel of a partition, fog and all",
