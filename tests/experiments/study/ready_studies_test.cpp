@@ -128,7 +128,7 @@ spp = 1024
     const Outcome run = run_raylex(folder, "experiment run own.toml -o out --report");
     INFO(run.out << run.err);
     REQUIRE(run.code == 0);
-    CHECK(run.out.find("\nmine on white-sky: no bias found; one of ") != std::string::npos);
+    CHECK(run.out.find("\nmine on white-sky: no bias found; a bias of ") != std::string::npos);
     CHECK(run.out.find("\nshort-sighted on white-sky: BIASED: it differs from the reference") != std::string::npos);
     CHECK(folder.has("out/report.html"));
 }
