@@ -191,10 +191,10 @@ TEST_CASE("shards of another build, scene, seed or config are refused by that na
     // As they are mixed up in fact.
     folder.write("other.pbrt", folder.read("room.pbrt") + "\nLightSource \"point\"\n");
     run_well(folder, "render other.pbrt -o scene.exr --spp 32" + part_of(2, 2));
-    check_refused(folder, "merge " + first + " scene.exr.shard-2-of-2 -o sum.exr", {"of another scene:", "scene: "});
+    check_refused(folder, "merge " + first + " scene.exr.shard-2-of-2 -o sum.exr", {"different scene:", "scene: "});
     run_well(folder, "render room.pbrt -o config.exr --spp 32 --max-depth 2" + part_of(2, 2));
     check_refused(folder, "merge " + first + " config.exr.shard-2-of-2 -o sum.exr",
-                  {"of another config:", "max depth: 2"});
+                  {"different config:", "max depth: 2"});
     // One that was cut on its way.
     const std::string bytes = folder.read(second);
     for (const std::size_t size : {std::size_t{10}, bytes.size() / 2, bytes.size() - 1}) {
