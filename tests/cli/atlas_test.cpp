@@ -478,7 +478,7 @@ TEST_CASE("questions to no atlas end in a message", "[atlas][law7]") {
     check_refused(folder, "ask a.exr --lpe d=CDL -o d.exr", {"a.exr", "no path atlas"});
     check_refused(folder, "ask job.toml --lpe d=CDL -o d.exr", {"job.toml"});
     check_refused(folder, "ask absent.exr --lpe d=CDL -o d.exr", {"absent.exr"});
-    check_refused(folder, "ask a.atlas.exr --lpe d=CDL -o a.atlas.exr", {"would be replaced"});
+    check_refused(folder, "ask a.atlas.exr --lpe d=CDL -o a.atlas.exr", {"would be overwritten"});
     check_refused(folder, "ask a.atlas.exr --lpe d=CDL", {"-o LAYERS.exr"});
     check_refused(folder, "ask a.atlas.exr -o d.exr", {"--lpe"});
     check_refused(folder, "ask a.atlas.exr --lpe d='C<RX>L' -o d.exr", {"found 'X'"});

@@ -95,7 +95,7 @@ class Asked(Case):
         self.assertTrue(both.verify())
         self.assertEqual(both.at(3, 3).samples, 16)
         self.assertRaylexError("both have seed 1", raylex.atlases.merge, [files[0], files[0]], self.folder / "c.exr")
-        self.assertRaylexError("would be replaced", raylex.atlases.merge, files, files[0])
+        self.assertRaylexError("would be overwritten", raylex.atlases.merge, files, files[0])
 
     def test_what_cannot_be_answered(self):
         _, atlas = self.render(atlas={"file": str(self.folder / "g.atlas.exr"), "by": "group", "length": 1})
@@ -104,7 +104,7 @@ class Asked(Case):
         between = atlas.ask({"two": "CDDL"}, intervals=True)
         self.assertTrue((between["two_least"] <= between["two_most"]).all())
         self.assertRaylexError("found 'X'", atlas.ask, {"bad": "C<RX>L"})
-        self.assertRaylexError("nothing is asked for", atlas.ask)
+        self.assertRaylexError("no layer is requested", atlas.ask)
         self.assertRaylexError("do not distinguish techniques", atlas.ask, {"t": "s1t3;C.*"})
         self.assertRaylexError("no path atlas", raylex.Atlas, self.rendered_file())
         self.assertRaylexError("no-such", raylex.Atlas, "no-such.exr")
