@@ -1,8 +1,8 @@
-// Probes: what a case of the stability suite measures where no image shows it.
+// Probes: measurements of the stability suite that need no image.
 //
-// A probe measures one number for the parameters that it is given, so that anyone can try other ones from the suite's
-// files. It runs on one thread, with denormals flushed as in a render; several may run at once. To add one, write a
-// function and list it in a table of its file in probes/, which probes/probes.cpp names.
+// A probe measures one number for given parameters, so that the suite's files can try any parameters. It runs on one
+// thread with denormals flushed, as in a render; several probes may run at once. To add a probe, write a function and
+// list it in the table of its file in probes/; probes/probes.cpp lists these tables.
 #pragma once
 
 #include <optional>
@@ -20,14 +20,14 @@ class ProbeInput {
   public:
     ProbeInput(const Setting& setting, SourceLocation where) : setting_(setting), where_(std::move(where)) {}
 
-    /// Of a number that must be there; an Error names it. Numbers that are absent are 0 until status() is asked.
+    /// Returns a required number. A missing number is 0, and status() then returns an Error that names it.
     [[nodiscard]] double number(const std::string& name) const;
     [[nodiscard]] double number(const std::string& name, double fallback) const;
     [[nodiscard]] std::string word(const std::string& name) const;
     [[nodiscard]] std::string word(const std::string& name, const std::string& fallback) const;
-    /// The first parameter that was asked for and was not there.
+    /// Returns an Error for the first missing parameter, or success.
     [[nodiscard]] Status status() const;
-    /// For errors about a parameter's value.
+    /// The location for errors about a parameter's value.
     [[nodiscard]] const SourceLocation& where() const { return where_; }
 
   private:
@@ -40,21 +40,21 @@ struct ProbeResult {
     double measured = 0;
     std::optional<double> expected{};  ///< by the probe's own reference: double precision, or a closed form
     double standard_error = 0;         ///< 0: no sampling noise
-    double degrees = 0;                ///< of freedom of the standard error; 0: many
-    double ulp = 0;                    ///< the unit of tolerances in ulp; 0: float's at |expected|
-    std::string note{};                ///< what is worth saying beside the number
+    double degrees = 0;                ///< degrees of freedom of the standard error; 0: many
+    double ulp = 0;                    ///< unit of tolerances in ulp; 0: that of a float at |expected|
+    std::string note{};                ///< further information about the measurement
 };
 
 using Probe = Result<ProbeResult> (*)(const ProbeInput&);
 
-/// One row of a file's table.
+/// One row of a file's table of probes.
 struct NamedProbe {
     const char* name;
-    const char* help;  ///< one line: what it measures, its parameters with units
+    const char* help;  ///< one line: the measured quantity, and the parameters with units
     Probe probe;
 };
 
-/// All probes by name.
+/// Returns all probes by name.
 Registry<Probe>& probe_registry();
 
 }  // namespace raylex::experiments
