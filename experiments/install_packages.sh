@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Makes sure that every Debian package in packages.txt is installed: the one place that the quickstart, the tests and CI
-# share. Does nothing, and asks for nothing, when all are there. Exit 2 with the exact command when it may not install.
-#   bash experiments/install_packages.sh [PACKAGE...]   and these, which only one of the three needs
+# Installs the missing Debian packages of packages.txt, for the quickstart, the tests and CI. Does nothing if all are
+# installed. Exit code 2 with the exact command if it may not install.
+#   bash experiments/install_packages.sh [PACKAGE...]   also installs further packages
 set -uo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 mapfile -t wanted < <(sed 's/#.*//' "$here/packages.txt" | tr -s ' \t' '\n' | sed '/^$/d')
@@ -31,7 +31,7 @@ echo "Installing ${#missing[@]} packages: ${missing[*]}"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 export DEBIAN_FRONTEND=noninteractive
-# A package list that was never fetched makes the first try fail; then, and only then, it is fetched.
+# If the package list was never fetched, the first try fails; only then it is fetched.
 if ! "${as_root[@]}" "${command[@]}" >"$log" 2>&1; then
     if ! { "${as_root[@]}" apt-get update && "${as_root[@]}" "${command[@]}"; } >"$log" 2>&1; then
         tail -n 20 "$log" >&2

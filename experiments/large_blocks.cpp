@@ -1,6 +1,5 @@
-// The program's operator new. Scenes are read into arrays of hundreds of megabytes, and a first touch of each 4 kB of
-// them is a trap into the kernel, which takes longer than what is done with the bytes. Linux has pages of 2 MB for
-// those who say so, as this does.
+// The program's operator new. Scenes are read into arrays of hundreds of megabytes. The first access to each 4 kB page
+// traps into the kernel, which takes longer than the work on its bytes. This code requests Linux's 2 MB pages instead.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -8,7 +7,7 @@
 #include <cstdlib>
 #include <new>
 
-// Sanitizers have an operator new of their own. g++ defines a macro for them, clang has features.
+// Sanitizers have their own operator new. g++ defines a macro for them, clang a feature.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define RAYLEX_SANITIZED
 #elif defined(__has_feature)
@@ -20,17 +19,17 @@
 
 namespace {
 
-/// Two large pages at least fit in: no smaller block gains, and none is to keep memory that it does not use.
+/// At least two large pages fit in such a block. Smaller blocks gain nothing and would keep unused memory.
 constexpr std::size_t large = std::size_t{4} << 20;
 
 void ask_for_large_pages(void* block, std::size_t size) {
     static const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
     const auto begin = reinterpret_cast<std::uintptr_t>(block) & ~(page - 1);
-    // Advice alone: a kernel without such pages says no, and nothing is lost.
+    // This is only advice; a kernel without such pages ignores it.
     static_cast<void>(::madvise(reinterpret_cast<void*>(begin), size, MADV_HUGEPAGE));
 }
 
-/// As the standard has it of operator new: until `get` succeeds or nobody can help.
+/// As the standard requires of operator new: tries until `get` succeeds or there is no handler.
 template <class Get>
 void* allocate(std::size_t size, const Get& get) {
     while (true) {

@@ -1,18 +1,19 @@
 #!/usr/bin/env bash
-# From a clone to pictures: installs what is missing, builds raylex, renders a still life and a colonnade in fog, checks that
-# their layers sum to beauty, runs a small study of what accuracy costs, and leaves images, previews and two HTML pages.
+# From a clone to pictures: installs missing packages, builds raylex, renders a still life and a colonnade in fog,
+# checks that the layers sum to the beauty, runs a small study of accuracy against time, and writes images, previews and
+# two HTML pages.
 #
 #   bash experiments/quickstart.sh [OUT]     OUT defaults to build/quickstart in the clone
 #
-# Finished steps are skipped on a rerun; earlier results are kept (moved to OUT/earlier when they are made anew).
-# Exit codes: 0 every split holds, 1 one does not, 2 something is missing or failed, 130 after Ctrl-C.
+# Finished steps are skipped on a rerun. Earlier results are moved to OUT/earlier-... when they are made again.
+# Exit codes: 0 every split holds, 1 a split does not hold, 2 something is missing or failed, 130 after Ctrl-C.
 set -uo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 root=$(dirname "$here")
 scenes=(window-light lantern-fog)
 
 case "${1:-}" in
-    -h | --help) sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -*) echo "quickstart.sh: unknown option '$1'; expected a folder for the results, or nothing" >&2; exit 2 ;;
 esac
 [ $# -le 1 ] || { echo "quickstart.sh: $# arguments; expected at most one folder" >&2; exit 2; }
@@ -26,7 +27,7 @@ needed_megabytes=2200
 
 say() { printf '%s\n' "$*"; }
 stop() { printf 'quickstart.sh: %s\n' "$*" >&2; exit 2; }
-interrupted() { echo; say "Interrupted. What is finished is kept; the same command goes on from there."; exit 130; }
+interrupted() { echo; say "Interrupted. Finished work is kept; the same command continues from there."; exit 130; }
 trap interrupted INT TERM
 minutes() { awk -v s="$1" 'BEGIN { if (s < 90) printf "%d s", s; else printf "%.0f min", s / 60 }'; }
 seconds_since() { awk -v a="$1" -v b="$(date +%s.%N)" 'BEGIN { printf "%.1f", b - a }'; }
@@ -39,19 +40,19 @@ program=$root/build/release/raylex
 cores=$(nproc)
 begun=$(date +%s.%N)
 
-# What a result depends on: the program, the job and the scene's files.
+# A hash of everything that a result depends on: the program, the job and the scene's files.
 stamp_of() { find "$program" "$here/quickstart/$1.toml" "$here/scenes/$1" -type f -print0 | sort -z | xargs -0 sha256sum | awk '{ print $1 }' | sha256sum | awk '{ print $1 }'; }
 study_stamp() { for scene in cornell-color mis-plates; do find "$program" "$here/studies/quickstart.toml" "$here/scenes/$scene" -type f -print0; done | sort -zu | xargs -0 sha256sum | awk '{ print $1 }' | sha256sum | awk '{ print $1 }'; }
 is_studied() { [ -x "$program" ] && [ "$(cat "$out/study.stamp" 2>/dev/null)" = "$(study_stamp)" ] && [ -f "$out/study/report.html" ]; }
 is_rendered() { [ -x "$program" ] && [ "$(cat "$out/$1.stamp" 2>/dev/null)" = "$(stamp_of "$1")" ] && [ -f "$out/$1.exr" ] && [ -f "$out/$1.png" ] && [ -f "$out/$1.json" ]; }
 
-# --- what it will take -------------------------------------------------------------------------------------------------
+# --- estimate -------------------------------------------------------------------------------------------------
 pending=0
 for scene in "${scenes[@]}"; do is_rendered "$scene" || pending=$((pending + 1)); done
 estimate=$((render_core_seconds * pending / ${#scenes[@]} / cores))
 is_studied || estimate=$((estimate + study_core_seconds / cores))
 work="render $pending of ${#scenes[@]} scenes$(is_studied || printf ' and a study') (about $(minutes "$estimate"))"
-[ "$estimate" -gt 0 ] || work="all is rendered; bring the build up to date and check it again"
+[ "$estimate" -gt 0 ] || work="everything is rendered; update the build and check again"
 if [ ! -x "$program" ]; then
     build=$((build_core_seconds / cores))
     estimate=$((estimate + build))
@@ -82,7 +83,7 @@ if [ ! -f "$cache" ]; then
     fi
     rm -f "$log"
 fi
-# Only what renders and what `cmake --install` takes: the tests wait until somebody runs them.
+# Builds the program and everything that `cmake --install` needs, but no tests.
 say "Building ..."
 # Ninja redraws one line on a terminal; elsewhere a line every 20 steps is enough.
 if [ -t 1 ]; then
@@ -138,7 +139,7 @@ page=$out/index.html
 [ ${#made[@]} -eq 0 ] || keep_earlier "$page"
 "$program" report "${images[@]}" -o "$page" || stop "the page could not be made"
 
-# --- what accuracy costs --------------------------------------------------------------------------------------------------
+# --- study --------------------------------------------------------------------------------------------------
 study=$out/study config=$here/studies/quickstart.toml
 started=$(date +%s.%N)
 if is_studied; then
@@ -146,10 +147,10 @@ if is_studied; then
     renders+=", study kept"
 else
     step=run
-    # A study that was interrupted goes on, if nothing that it comes from has changed since.
+    # Resumes an interrupted study if nothing that it depends on has changed.
     if [ -f "$study/experiment.json" ] && [ "$(cat "$out/study.started" 2>/dev/null)" = "$(study_stamp)" ]; then step=resume; else keep_earlier "$study"; fi
     study_stamp >"$out/study.started"
-    say "Running a study: what accuracy costs in time ..."
+    say "Running a study of accuracy against time ..."
     "$program" experiment "$step" "$config" -o "$study"
     status=$?
     [ $status -ne 130 ] || interrupted

@@ -8,7 +8,7 @@
 namespace raylex::experiments {
 namespace {
 
-/// A layer that became an interval is in no sum.
+/// Removes partitions with a layer that became an interval, because the sum of its bounds is not known.
 void keep_exact_partitions(AtlasAnswer& answer) {
     const std::vector<std::string>& undecided = answer.layers.undecided();
     std::erase_if(answer.description.partitions, [&](const display::PartitionDeclaration& partition) {
@@ -18,7 +18,7 @@ void keep_exact_partitions(AtlasAnswer& answer) {
             });
         if (broken)
             answer.notes.push_back("partition '" + partition.name +
-                                   "' is left out of the file: the atlas answers a layer of it by an interval");
+                                   "' is left out of the file: the atlas gives only bounds of one of its layers");
         return broken;
     });
 }

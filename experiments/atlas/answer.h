@@ -1,4 +1,4 @@
-// A question to an atlas, from what a job asks for to an image: what raylex ask and Python's Atlas.ask do.
+// Makes layers from an atlas for the channels of a job, for raylex ask and Python's Atlas.ask.
 #pragma once
 
 #include <string>
@@ -14,13 +14,14 @@ namespace raylex::experiments {
 
 struct AtlasAnswer {
     AskedLayers layers;
-    display::ImageDescription description;  ///< the render's, with the partitions that were asked for and are exact
-    std::vector<std::string> notes;         ///< what a user should know
-    std::string refuted;                    ///< not empty: a declared partition is none, and there are no layers
+    display::ImageDescription description;  ///< the render's, with the requested partitions that are exact
+    std::vector<std::string> notes;         ///< notes for the user
+    std::string refuted;                    ///< not empty: a declared partition does not hold, and there are no layers
 };
 
-/// Expressions, partitions and light groups of `job` by the words of the atlas; what else a job has is not looked at.
-/// Errors: those of plan_channels() and of AskedLayers::make(); an atlas that does not say what its scene can produce.
+/// Makes layers for the expressions, partitions and light groups of `job` from the words of the atlas; ignores the
+/// job's other settings. Errors: those of plan_channels() and AskedLayers::make(); an atlas without a record of its
+/// scene.
 Result<AtlasAnswer> answer_question(display::AtlasFile& atlas, const Job& job, const AskSettings& settings);
 
 }  // namespace raylex::experiments

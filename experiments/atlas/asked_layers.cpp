@@ -23,7 +23,8 @@ using Parts = std::array<double, display::PathAtlas::parts>;
 Status check_channel(const display::ChannelDefinition& channel, const display::AtlasFile& atlas) {
     const SourceLocation where = display::location_of(channel);
     if (channel.style != display::ChannelStyle::expression)
-        return error_at(where, "channel '" + channel.name + "' is no light; an atlas answers light path expressions",
+        return error_at(where,
+                        "channel '" + channel.name + "' is not light; an atlas only answers light path expressions",
                         "render it: raylex render --aov " + channel.name);
     lpe::ChannelSource source;
     source.expression = channel.expression;
@@ -34,21 +35,21 @@ Status check_channel(const display::ChannelDefinition& channel, const display::A
     const bool by_technique = prefixes->size() == 1 && lpe::technique_prefix(prefixes->front());
     if (by_technique && !atlas.table().rules.techniques)
         return error_at(where,
-                        "channel '" + channel.name + "' is what '" + prefixes->front() + "' found, and the words of " +
-                            atlas.path() + " do not tell techniques apart",
+                        "channel '" + channel.name + "' needs the technique '" + prefixes->front() +
+                            "', and the words of " + atlas.path() + " do not distinguish techniques",
                         "render the atlas with --atlas-by label,lobe,group,technique");
     if (!prefixes->empty() && !by_technique)
         return error_at(where,
                         "channel '" + channel.name + "' has the prefix '" + prefixes->front() +
-                            "', and an atlas keeps the light of words, which prefixes change",
-                        "render it with --lpe, or leave out the prefix");
+                            "', which changes values, and an atlas stores unchanged light",
+                        "render the channel with --lpe, or omit the prefix");
     if (channel.dialect == lpe::Dialect::osl && atlas.table().dropped_straight)
-        return error_at(where,
-                        "channel '" + channel.name +
-                            "' is of the dialect osl, which sees light pass straight through cutouts, and "
-                            "the atlas " +
-                            atlas.path() + " did not keep that",
-                        "render the atlas with --atlas-by label,lobe,group,straight");
+        return error_at(
+            where,
+            "channel '" + channel.name +
+                "' is in the dialect osl, where passing straight through a cutout is an event, and the atlas " +
+                atlas.path() + " does not store these events",
+            "render the atlas with --atlas-by label,lobe,group,straight");
     return success();
 }
 
@@ -95,7 +96,7 @@ Result<lpe::Program> compile_plan(const ChannelPlan& plan, std::vector<std::int3
     return lpe::Program::compile(sources);
 }
 
-/// Row by row, from words to layers.
+/// Computes the layers from the words, row by row.
 class AskedLayers::Builder {
   public:
     Builder(display::AtlasFile& atlas, const ChannelPlan& plan, const AskSettings& settings, AskedLayers& to)
@@ -113,7 +114,7 @@ class AskedLayers::Builder {
         to_.alpha_.allocate(pixel_count());
         tbb::enumerable_thread_specific<display::AtlasRow> row_of_thread;
         std::mutex mutex;
-        std::map<int, Error> errors;  // [row], so that the first is told whatever the threads
+        std::map<int, Error> errors;  // [row]; the first row's error is reported, for any number of threads
         tbb::parallel_for(0, atlas_.height(), [&](int y) {
             display::AtlasRow& row = row_of_thread.local();
             if (Status had = atlas_.row(y, row); !had) {
@@ -128,7 +129,7 @@ class AskedLayers::Builder {
     }
 
   private:
-    /// What a channel of the program leads to: layers of the image.
+    /// The image layers of one channel of the program.
     struct Target {
         int least = 0, most = -1, error = -1;
     };
@@ -136,7 +137,7 @@ class AskedLayers::Builder {
         std::array<double, 3> sure{}, possible{};
     };
 
-    /// What the channels' prefixes say of techniques. They were read before.
+    /// Returns the techniques in the prefixes of the channels, which have been parsed before.
     [[nodiscard]] WordAnswers::Techniques techniques() const {
         WordAnswers::Techniques wanted;
         for (const display::ChannelDefinition& channel : plan_.channels) {
@@ -195,14 +196,15 @@ class AskedLayers::Builder {
         if (!to_.undecided_.empty() && atlas_.table().is_signed())
             return error_at(
                 {atlas_.path(), 0, 0},
-                std::string("light of single words may be negative here, for ") +
-                    (by_filter ? "the pixel filter has negative lobes" : "the scene parts light into wavelengths") +
-                    ": there are no intervals for channel '" + to_.undecided_.front() + "'",
+                std::string("single words can have negative light, because ") +
+                    (by_filter ? "the pixel filter has negative lobes" : "the scene disperses light by wavelength") +
+                    ", so there are no bounds for channel '" + to_.undecided_.front() + "'",
                 by_filter ? "render the atlas with box, triangle, gaussian or blackman-harris"
                           : "render the atlas with a greater --atlas-length or --atlas-budget");
         return success();
     }
-    /// "between 1.2 % and 1.3 % of the image's light", what the words that are kept together leave open.
+    /// Returns bounds of the channel's light that the merged words leave open: "between 1.2 % and 1.3 % of the image's
+    /// light".
     Result<std::string> at_stake(const WordAnswers& answers, std::uint16_t program_channel) {
         const auto has = [program_channel](std::span<const std::uint16_t> channels) {
             return std::binary_search(channels.begin(), channels.end(), program_channel);
@@ -223,7 +225,7 @@ class AskedLayers::Builder {
         return "between " + share(sure) + " and " + share(sure + possible) + " of the image's light";
     }
 
-    /// What a render must be told to keep apart what the word keeps together.
+    /// Returns the option with which a render would distinguish the paths merged in this word.
     [[nodiscard]] std::string remedy(std::uint32_t word) const {
         const display::WordTable& table = atlas_.table();
         const auto& letters = table.words[word];
@@ -237,11 +239,11 @@ class AskedLayers::Builder {
                  std::uint16_t program_channel) {
         const auto open = at_stake(answers, program_channel);
         if (!open) return open.error();
-        return error_at(
-            display::location_of(channel),
-            "channel '" + channel.name + "' cannot be answered exactly: it takes some of the paths that " +
-                atlas_.path() + " keeps together as '" + word_text(atlas_.table(), word) + "', and has " + *open,
-            "--intervals gives the least and the most as layers; a render with " + remedy(word) + " answers exactly");
+        return error_at(display::location_of(channel),
+                        "channel '" + channel.name +
+                            "' cannot be computed exactly: it accepts only some of the paths that " + atlas_.path() +
+                            " merges as '" + word_text(atlas_.table(), word) + "', which leaves it " + *open,
+                        "--intervals makes layers of both bounds; a render with " + remedy(word) + " is exact");
     }
 
     [[nodiscard]] std::size_t pixel_count() const {

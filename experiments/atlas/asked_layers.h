@@ -1,4 +1,4 @@
-// Layers made of an atlas instead of paths: sums of words.
+// Layers computed from an atlas: sums of words.
 #pragma once
 
 #include <array>
@@ -17,25 +17,25 @@
 namespace raylex::experiments {
 
 struct AskSettings {
-    bool intervals = false;  ///< channels that the atlas cannot answer become NAME_least and NAME_most
-    bool errors = false;     ///< NAME_error, the standard error of each layer's mean (R + G + B) / 3
+    bool intervals = false;  ///< channels that are not exact become NAME_least and NAME_most
+    bool errors = false;     ///< adds NAME_error, the standard error of each layer's mean (R + G + B) / 3
 };
 
-/// The render's beauty and the layers asked for, as a frame buffer would hold them.
+/// The beauty of the render and the requested layers, with the interface of a frame buffer.
 class AskedLayers final : public display::PixelImage {
   public:
     static constexpr display::ChannelId beauty = 0;
 
-    /// Of the plan's expression channels, in their order. Errors: channels that no atlas has (geometric AOVs, prefixes,
-    /// techniques); osl channels of an atlas without the cutouts that light passed; what the atlas cannot tell apart,
-    /// unless intervals are wanted, naming a word; a damaged file.
+    /// Computes the expression channels of the plan, in their order. Errors: channels that an atlas does not have
+    /// (geometric AOVs, prefixes, techniques); osl channels of an atlas without straight events; a channel that accepts
+    /// only a part of a word, which the error names, unless intervals are requested; a damaged file.
     static Result<AskedLayers> make(display::AtlasFile& atlas, const ChannelPlan& plan, const AskSettings& settings);
 
     [[nodiscard]] const display::FrameBufferLayout& layout() const override { return layout_; }
     [[nodiscard]] std::span<const display::ChannelDefinition> channels() const override { return channels_; }
     [[nodiscard]] std::vector<double> resolve(display::ChannelId id, const display::PixelRegion& region) const override;
     [[nodiscard]] std::vector<double> resolve_alpha(const display::PixelRegion& region) const override;
-    /// Channels of the plan that became intervals: partitions with these are none.
+    /// Names of the channels that became intervals. Partitions with such a channel are not declared.
     [[nodiscard]] const std::vector<std::string>& undecided() const { return undecided_; }
 
   private:
@@ -51,14 +51,15 @@ class AskedLayers final : public display::PixelImage {
     std::vector<std::string> undecided_;
 };
 
-/// Compiles the expression channels of a plan, `program_channel` [plan channel] their places; -1: no expression.
+/// Compiles the expression channels of a plan. `program_channel` [plan channel] is the channel's index in the program,
+/// or -1 without an expression.
 Result<lpe::Program> compile_plan(const ChannelPlan& plan, std::vector<std::int32_t>& program_channel);
 
-/// The standard error of a sum of words' means (R + G + B) / 3, from what the eighths of the samples brought to it;
-/// `counts` is how many samples they are. With shares n_k of the samples and means m_k of the eighths that had any (K
-/// of them), m their mean weighted by n_k:
+/// Returns the standard error of a sum of words' means (R + G + B) / 3. `luminance` has the sum over each eighth of the
+/// samples, `counts` the number of samples of each eighth. Let K eighths have samples, with fractions n_k of all
+/// samples, means m_k, and the mean m of the m_k weighted by n_k:
 ///     error^2 = sum n_k (m_k - m)^2 / (K - 1).
-/// Infinite where fewer than two eighths had samples.
+/// Infinite if K < 2.
 double standard_error(const std::array<double, display::PathAtlas::parts>& luminance,
                       const std::array<float, display::PathAtlas::parts>& counts);
 

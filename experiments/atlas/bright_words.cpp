@@ -23,8 +23,8 @@ void add_parts(const display::WordSample& sample, Parts& sum) {
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += whole * static_cast<double>(sample.parts[k]);
 }
 
-/// An event as an expression that knows no labels of objects, and no difference between glossy and singular; and as
-/// part of a name.
+/// An event as part of an expression and as part of a layer name. It ignores object labels and does not distinguish
+/// glossy from singular scattering.
 struct Notation {
     std::string expression, name;
 };
@@ -37,7 +37,7 @@ Notation notation_of(const lpe::Event& event, bool groups) {
             return {"O", "O"};
         case lpe::EventType::light:
         case lpe::EventType::background: {
-            // In renderman L matches the background too.
+            // In renderman, L also matches the background.
             const std::string group = event.labels.empty() ? "" : event.labels.front();
             if (!groups) return {"L", "L"};
             std::string quoted, plain;
@@ -56,14 +56,15 @@ Notation notation_of(const lpe::Event& event, bool groups) {
     }
 }
 
-/// Words of one notation are one layer. Empty where the word is a class, whose scatterings are not all known.
+/// Returns the notation of a word; words with equal notation form one layer. Empty if the word is a class whose
+/// scattering events are not all known.
 Notation notation_of(const WordTable& table, const std::vector<WordTable::Letter>& word) {
     Notation all{"C", "C"};
     for (const WordTable::Letter letter : word) {
         if (letter == WordAlphabet::open) return {};
         for (std::size_t i = 0; i < table.events.size(); ++i) {
             if (table.letters[i] != letter) continue;
-            if (table.events[i].scatter == lpe::Scatter::straight) break;  // no event in renderman
+            if (table.events[i].scatter == lpe::Scatter::straight) break;  // renderman has no such event
             const Notation one = notation_of(table.events[i], table.rules.groups);
             all.expression += one.expression;
             all.name += "_" + one.name;
@@ -73,7 +74,7 @@ Notation notation_of(const WordTable& table, const std::vector<WordTable::Letter
     return all;
 }
 
-/// Per kind of word, in one pixel and over the image.
+/// Sums for one kind of word, in one pixel and over the image.
 struct Kind {
     Notation notation;
     Parts here{};

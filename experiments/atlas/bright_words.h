@@ -1,4 +1,4 @@
-// Which words make a pixel bright, and which make an image noisy.
+// Finds the words that make a pixel bright and the words that make an image noisy.
 #pragma once
 
 #include <array>
@@ -14,34 +14,34 @@ struct BrightWord {
     std::uint32_t word = 0;
     std::array<double, 3> rgb{};
     double mean = 0;   ///< (R + G + B) / 3
-    double error = 0;  ///< its standard error; infinite when there is no telling
+    double error = 0;  ///< standard error of `mean`; infinite if unknown
 };
 
 struct BrightPixel {
     std::array<float, 4> rgba{};
     double mean = 0, error = 0, samples = 0;
     std::vector<BrightWord> words;  ///< brightest first, by |mean|
-    std::size_t more = 0;           ///< words beside these
+    std::size_t more = 0;           ///< number of further words
 };
 
-/// The `most` words that make a pixel bright. Errors: a pixel outside the image; a damaged file.
+/// Returns the `most` brightest words of a pixel. Errors: a pixel outside the image; a damaged file.
 Result<BrightPixel> bright_words(display::AtlasFile& atlas, int x, int y, std::size_t most);
 
-/// The `most` pixels, as x and y, that are furthest above the median of their neighbours, by (R + G + B) / 3. Errors: a
-/// damaged file.
+/// Returns the (x, y) of the `most` pixels that exceed the median of their neighbours most, by (R + G + B) / 3. Errors:
+/// a damaged file.
 Result<std::vector<std::array<int, 2>>> brightest_outliers(display::AtlasFile& atlas, std::size_t most);
 
 /// A layer that `ask --suggest` proposes.
 struct SuggestedLayer {
     std::string name;
-    std::string expression;  ///< renderman
-    double light = 0;        ///< share of the image's light
-    double noise = 0;        ///< share of the image's variance, words taken as if each were alone
+    std::string expression;  ///< in the dialect renderman
+    double light = 0;        ///< fraction of the image's light
+    double noise = 0;        ///< fraction of the image's variance, with words treated as independent
 };
 
-/// A partition that isolates what is noisy: words by what their scatterings and lights are, labels and lobes aside; the
-/// `most` noisiest of these are layers, disjoint by what they are, and a rest takes what is left, last in the list and
-/// without an expression. Empty when no pixel tells its noise. Errors: a damaged file.
+/// Returns a partition that isolates noise. Words are grouped by the types of their scattering events and lights;
+/// labels and lobes are ignored. The `most` noisiest groups become layers, which are disjoint by construction; the last
+/// entry is the rest, without an expression. Empty if the noise of no pixel is known. Errors: a damaged file.
 Result<std::vector<SuggestedLayer>> suggest_partition(display::AtlasFile& atlas, std::size_t most);
 
 }  // namespace raylex::experiments

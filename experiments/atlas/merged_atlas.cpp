@@ -25,14 +25,14 @@ std::uint64_t number_attribute(const display::AtlasFile& file, const char* name)
     return std::strtoull(attribute(file, name).c_str(), nullptr, 10);
 }
 
-/// Samples [first, end) of a seed.
+/// A range of samples [first, end) of a seed.
 struct Sampled {
     std::uint64_t seed = 0, first = 0, end = 0;
     auto operator<=>(const Sampled&) const = default;
 };
-constexpr std::uint64_t all_samples = ~std::uint64_t{0};  // as the end of what is no shard
+constexpr std::uint64_t all_samples = ~std::uint64_t{0};  // the end of the range if the atlas is not of a shard
 
-/// Header attribute of what is not all samples of its seeds: "7:0-15,7:32-47".
+/// Header attribute of an atlas that does not have all samples of its seeds: "7:0-15,7:32-47".
 constexpr const char* sampled_attribute = "raylex/sampled";
 
 std::string to_text(const Sampled& range) {
@@ -52,7 +52,7 @@ std::vector<Sampled> sampled(const display::AtlasFile& file) {
     return list;
 }
 
-/// What two that overlap both have.
+/// Returns a text of the samples that two overlapping ranges share.
 std::string text_of(const Sampled& a, const Sampled& b) {
     const std::uint64_t end = std::min(a.end, b.end);
     const std::string seed = "seed " + std::to_string(a.seed);
@@ -60,8 +60,8 @@ std::string text_of(const Sampled& a, const Sampled& b) {
     return seed + ", samples " + std::to_string(std::max(a.first, b.first)) + " to " + std::to_string(end - 1);
 }
 
-/// The job without what two renders of one image may differ in: how many samples of which seed, on how many threads;
-/// what was asked for beside the beauty, and where it was written.
+/// Returns the job without settings in which renders of one image may differ: number of samples, seed, threads, further
+/// outputs and file names.
 std::string job_of_image(const display::AtlasFile& file) {
     const std::string text = attribute(file, "raylex/job");
     auto job = parse_toml(text, file.path());
@@ -75,7 +75,7 @@ std::string job_of_image(const display::AtlasFile& file) {
     return rest.str();
 }
 
-/// What makes two atlases those of different images; empty: nothing.
+/// Returns a text of the first difference that makes two atlases belong to different images; empty if there is none.
 std::string difference(const display::AtlasFile& a, const display::AtlasFile& b) {
     const auto size = [](const display::AtlasFile& file) {
         return std::to_string(file.width()) + " x " + std::to_string(file.height()) + " pixels";
@@ -84,11 +84,11 @@ std::string difference(const display::AtlasFile& a, const display::AtlasFile& b)
     const auto rules = [](const display::AtlasFile& file) {
         return "'" + to_string(file.table().rules) + "' and length " + std::to_string(file.table().rules.length);
     };
-    if (rules(a) != rules(b)) return "tell words apart by " + rules(a) + ", and " + rules(b);
-    if (attribute(a, "atlas/scene") != attribute(b, "atlas/scene")) return "are of scenes with other events";
-    if (a.description().chromaticities != b.description().chromaticities) return "have other chromaticities";
+    if (rules(a) != rules(b)) return "distinguish words by " + rules(a) + " and by " + rules(b);
+    if (attribute(a, "atlas/scene") != attribute(b, "atlas/scene")) return "belong to scenes with different events";
+    if (a.description().chromaticities != b.description().chromaticities) return "have different chromaticities";
     if (job_of_image(a) != job_of_image(b))
-        return "are of jobs that differ in more than samples, seed, threads and outputs";
+        return "belong to jobs that differ in more than samples, seed, threads and outputs";
     for (const char* name : {"raylex/scene", "raylex/integrator", "raylex/filter"})
         if (attribute(a, name) != attribute(b, name))
             return "have '" + attribute(a, name) + "' and '" + attribute(b, name) + "' as " + name;
@@ -98,7 +98,7 @@ std::string difference(const display::AtlasFile& a, const display::AtlasFile& b)
 Status check_pair(const display::AtlasFile& a, const display::AtlasFile& b) {
     if (const std::string what = difference(a, b); !what.empty())
         return error_at({b.path(), 0, 0}, "cannot be merged with " + a.path() + ": the two " + what +
-                                              "; expected atlases of one scene, rendered alike");
+                                              "; expected atlases of one scene with equal settings");
     for (const Sampled& of_a : sampled(a))
         for (const Sampled& of_b : sampled(b))
             if (of_a.seed == of_b.seed && of_a.first < of_b.end && of_b.first < of_a.end)
@@ -113,14 +113,14 @@ double mean_luminance(const display::WordSample& sample) {
     return (sample.rgb[0] + sample.rgb[1] + sample.rgb[2]) / 3;
 }
 
-/// Its letters, and how its light was found.
+/// Returns the letters of a word, and how its light was found.
 std::vector<WordTable::Letter> whole_word(const WordTable& table, std::uint32_t word) {
     std::vector<WordTable::Letter> letters = table.words[word];
     if (!table.techniques.empty()) letters.push_back(display::WordAlphabet::letter_of(table.techniques[word]));
     return letters;
 }
 
-/// In an order of their own, so that it does not matter which file came first.
+/// Sums the terms in an order that depends only on their values, so that the order of files does not matter.
 double sum_of(std::vector<double>& terms) {
     std::sort(terms.begin(), terms.end());
     double sum = 0;
@@ -146,8 +146,8 @@ Result<std::unique_ptr<MergedAtlas>> MergedAtlas::open(const std::vector<std::st
         if (!file) return file.error();
         if ((*file)->table().negative == display::SignedLight::weights)
             return error_at({path, 0, 0},
-                            "its pixel filter has negative lobes, and atlases do not keep what its samples weighed in "
-                            "all: it cannot be merged; expected box, triangle, gaussian or blackman-harris");
+                            "its pixel filter has negative lobes, and atlases do not store the sum of filter weights, "
+                            "so it cannot be merged; expected box, triangle, gaussian or blackman-harris");
         for (const auto& other : merged->files_)
             if (Status good = check_pair(*other, **file); !good) return good.error();
         merged->files_.push_back(*std::move(file));
@@ -168,7 +168,7 @@ Status MergedAtlas::join_tables() {
                 letter_of.try_emplace(lpe::to_text(table.events[i]), std::pair(table.letters[i], table.events[i]));
             if (!fresh && place->second.first != table.letters[i])
                 return error_at({file->path(), 0, 0}, "cannot be merged with " + files_.front()->path() +
-                                                          ": their letters stand for other events");
+                                                          ": their letters represent different events");
         }
         for (std::uint32_t word = 0; word < table.words.size(); ++word) words.try_emplace(whole_word(table, word), 0);
         table_.negative = std::max(table_.negative, table.negative);
@@ -212,7 +212,7 @@ void MergedAtlas::merge_pixel(std::size_t x, display::AtlasRow& row) {
     parts_.clear();
     for (std::size_t f = 0; f < rows_.size(); ++f) {
         for (const float count : rows_[f].counts[x]) samples[f] += static_cast<double>(count);
-        all += samples[f];  // whole numbers: exact in any order
+        all += samples[f];  // integers: exact in any order
         for (std::size_t i = rows_[f].begin[x]; i < rows_[f].begin[x + 1]; ++i)
             parts_.push_back({number_of_[f][rows_[f].samples[i].word], samples[f], &rows_[f].samples[i]});
     }

@@ -1,4 +1,4 @@
-// Several atlases of one scene as one: shards, passes, renders with other seeds.
+// Merges several atlases of one scene: shards, passes, or renders with other seeds.
 #pragma once
 
 #include <cstdint>
@@ -11,24 +11,24 @@
 
 namespace raylex::experiments {
 
-/// What the header of a shard's atlas says: that it is of samples [first, end) alone.
+/// Returns a description for the atlas of a shard, with an attribute for the samples [first, end).
 display::ImageDescription of_samples(display::ImageDescription description, std::uint64_t first, std::uint64_t end);
 
-/// Every pixel and word is the mean over the files, weighted by the pixel's samples, as is the beauty. Words of one
-/// pixel are added in an order that depends on their values alone, so the order of the files does not matter, bit for
-/// bit. A class stands beside the words that another file still kept apart: both are honest.
+/// The merged atlas. The beauty, and every word of a pixel, is the mean over the files, weighted by the pixel's number
+/// of samples. The words of a pixel are added in an order that depends only on their values, so the order of the files
+/// does not change a bit. A class can appear beside words that another file did not merge; both are correct.
 class MergedAtlas final : public display::AtlasSource {
   public:
-    /// Errors name two files and what differs: size, what words are told apart by, what the scene can produce,
-    /// integrator, filter, colours, the job but for samples, seed, threads and outputs; samples that two have; signed
-    /// atlases.
+    /// Opens the files. Errors name two files and their difference: size, word rules, the events of the scene,
+    /// integrator, filter, colours, or other settings of the job than samples, seed, threads and outputs. Other errors:
+    /// samples that two files share; signed atlases.
     static Result<std::unique_ptr<MergedAtlas>> open(const std::vector<std::string>& paths);
 
     [[nodiscard]] int width() const override { return files_.front()->width(); }
     [[nodiscard]] int height() const override { return files_.front()->height(); }
     [[nodiscard]] const display::WordTable& table() const override { return table_; }
     Status row(int y, display::AtlasRow& row) override;
-    /// Of the first file, with what is the sum or the list of all.
+    /// Returns the description of the first file, with sums and lists over all files.
     [[nodiscard]] display::ImageDescription description() const;
 
   private:

@@ -8,7 +8,7 @@
 namespace raylex::experiments {
 namespace {
 
-/// to_text() leaves trailing empty labels out, which events of scenes have.
+/// Reads events from JSON. to_text() omits trailing empty labels, so they are added here.
 std::vector<lpe::Event> events_of(const Json& json, std::size_t labels, bool& good) {
     auto events = lpe::parse_events(json.get<std::string>());
     if (!events) {
@@ -38,8 +38,8 @@ std::string scene_record(const SceneWords& scene) {
 
 Result<SceneWords> read_scene_record(const std::string& text, const std::string& path) {
     const Error damaged = error_at({path, 0, 0},
-                                   "the atlas does not say what its scene can produce (atlas/scene in its header); "
-                                   "expected an atlas as raylex render --atlas writes it");
+                                   "the atlas has no record of its scene (atlas/scene in the header); "
+                                   "expected an atlas from raylex render --atlas");
     try {
         const Json json = parse_json(text);
         SceneWords scene;

@@ -1,5 +1,5 @@
-// What a scene can produce, as an atlas carries it: so that expressions asked for afterwards are planned, proved and
-// warned about as the render would have done.
+// A record of the paths that a scene can produce, stored in an atlas, so that later expressions get the same plans,
+// proofs and warnings as in the render.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace raylex::experiments {
 
-/// As JSON.
+/// Returns the record as JSON.
 std::string scene_record(const SceneWords& scene);
-/// Errors name `path`: no such record.
+/// Parses a record. Errors name `path`: the text is not such a record.
 Result<SceneWords> read_scene_record(const std::string& text, const std::string& path);
 
 }  // namespace raylex::experiments

@@ -13,15 +13,15 @@ namespace {
 
 using display::WordAlphabet;
 using Letter = display::WordTable::Letter;
-using States = std::vector<lpe::State>;  // of one path
-using StateSet = std::uint32_t;          // number of a set of these
+using States = std::vector<lpe::State>;  // automaton states of one path
+using StateSet = std::uint32_t;          // index of a set of states
 
 bool is_scattering(const lpe::Event& event) {
     return event.type == lpe::EventType::reflection || event.type == lpe::EventType::transmission ||
            event.type == lpe::EventType::volume;
 }
 
-/// Moves sets of states along letters. They are few, whatever the words: each move is worked out once.
+/// Moves sets of states along letters. There are few sets, whatever the words, so each move is computed only once.
 class SetWalk {
   public:
     SetWalk(const display::WordTable& table, const lpe::Program& program) : program_(program) {
@@ -39,7 +39,8 @@ class SetWalk {
     [[nodiscard]] StateSet first() const { return first_; }
     [[nodiscard]] const std::vector<States>& states(StateSet set) const { return *sets_[set]; }
 
-    /// Dead paths stay among the states, for they accept nothing: what all states accept is what all paths do.
+    /// Moves a set along a letter. Dead states stay in the set: they accept nothing, so "all states accept" remains
+    /// correct for all paths of the word.
     StateSet move(StateSet from, Letter letter) {
         const auto [place, fresh] = moves_.try_emplace(std::uint64_t{from} << 16 | letter);
         return fresh ? place->second = number_of(moved(states(from), letter)) : place->second;
@@ -70,7 +71,7 @@ class SetWalk {
             to.insert(next);
         }
     }
-    /// All that one scattering or more lead to.
+    /// Returns the states reached from `from` by one or more scattering events.
     const std::vector<States>& beyond(const States& from) {
         const auto [place, fresh] = beyond_.try_emplace(from);
         if (!fresh) return place->second;
@@ -97,7 +98,7 @@ class SetWalk {
 
 enum class Answer { none, some, all };
 
-/// Whether a count that is known up to WordAlphabet::most_vertices is the one that is wanted.
+/// Returns whether the number of vertices is `wanted`. Counts are exact only below WordAlphabet::most_vertices.
 Answer is_count(std::uint32_t wanted, std::uint32_t found) {
     if (found < WordAlphabet::most_vertices) return found == wanted ? Answer::all : Answer::none;
     return wanted < WordAlphabet::most_vertices ? Answer::none : Answer::some;
@@ -109,7 +110,7 @@ Answer takes(const lpe::TechniquePrefix& wanted, const display::Technique& found
     return std::max(found.s, found.t) < WordAlphabet::most_vertices ? Answer::none : Answer::some;
 }
 
-/// Channels by how many of the states accept.
+/// The channels that all states accept, and those that only some accept.
 struct Acceptance {
     std::vector<std::uint16_t> all, some;
 
@@ -119,7 +120,7 @@ struct Acceptance {
             program.for_each_accepted(each.data(), [&](std::uint16_t channel) { ++count[channel]; });
         for (const auto& [channel, times] : count) (times == states.size() ? all : some).push_back(channel);
     }
-    /// What of it was found as the channels want it.
+    /// Removes channels whose techniques did not find this light.
     void keep(const WordAnswers::Techniques& wanted, const display::Technique& found) {
         const auto answer = [&](std::uint16_t channel) {
             return wanted[channel] ? takes(*wanted[channel], found) : Answer::all;

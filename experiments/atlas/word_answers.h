@@ -1,11 +1,11 @@
-// Which layers the words of an atlas are light of.
+// Determines which words of an atlas belong to which layers.
 //
-// A word of an atlas stands for one path's events, or for several: letters that merge events (what `--atlas-by` left
-// out), and `*` for one scattering or more. The channels' automaton is moved along all of them at once, as a set of
-// states. Where all states at the word's end accept, all its light is the channel's; where some do, the atlas cannot
-// say how much of it is.
+// A word represents one path or several: a letter may merge events (those that `--atlas-by` does not distinguish), and
+// `*` is any number of scattering events from one on. The automaton of the channels moves along all these paths at
+// once, as a set of states. If all states accept at the end of the word, the channel gets all of its light; if only
+// some accept, the atlas cannot determine the channel's part.
 //
-// Channels whose prefix names techniques take what these found, of atlases whose words tell.
+// Channels with a technique prefix get the light that these techniques found, if the words record techniques.
 #pragma once
 
 #include <cstdint>
@@ -23,13 +23,14 @@ namespace raylex::experiments {
 class WordAnswers {
   public:
     using Techniques = std::vector<std::optional<lpe::TechniquePrefix>>;
-    /// What the words of `table` are to the program's channels; `techniques` [channel], all of them where it is empty.
+    /// Assigns the words of `table` to the channels of the program. `techniques` [channel] restricts channels; empty:
+    /// no restriction.
     WordAnswers(const display::WordTable& table, const lpe::Program& program, const Techniques& techniques = {});
 
-    /// Channels that take all light of a word, and those that may take some of it; ascending.
+    /// Channels that get all light of a word, in ascending order; and, with some(), those that may get a part of it.
     [[nodiscard]] std::span<const std::uint16_t> all(std::uint32_t word) const { return of(all_, all_begin_, word); }
     [[nodiscard]] std::span<const std::uint16_t> some(std::uint32_t word) const { return of(some_, some_begin_, word); }
-    /// A word of which a channel may take some, or -1: whether the atlas answers it exactly.
+    /// Returns a word of which the channel may get only a part, or -1 if the channel is exact.
     [[nodiscard]] std::int64_t undecided_word(std::uint16_t channel) const { return undecided_[channel]; }
 
   private:
@@ -42,8 +43,8 @@ class WordAnswers {
     std::vector<std::int64_t> undecided_;
 };
 
-/// A word as people read it: "C <R.D.'floor'> ... L.'key'": events as lpe/match.h writes them, `...` for `*`, `/`
-/// between events that were not told apart, and how its light was found, in brackets, where words tell.
+/// Returns a word as text for people: "C <R.D.'floor'> ... L.'key'". Events are written as in lpe/match.h, `...` is
+/// `*`, `/` separates merged events. If words record techniques, the technique follows in brackets.
 std::string word_text(const display::WordTable& table, std::uint32_t word);
 
 }  // namespace raylex::experiments

@@ -19,7 +19,8 @@
 namespace raylex::experiments {
 namespace {
 
-/// CLI11's own codes (101 to 114) all mean bad usage; help and version are success.
+/// Returns the exit code of a parse that ended early. CLI11's own codes (101 to 114) all mean bad usage; help and
+/// version are success.
 int finish_parse(const CLI::App& app, const CLI::ParseError& error) {
     std::ostringstream help;
     const int code = app.exit(error, help, std::cerr);
@@ -28,14 +29,14 @@ int finish_parse(const CLI::App& app, const CLI::ParseError& error) {
     return code == 0 ? exit_holds : exit_bad_input;
 }
 
-/// CLI11 asks for a subcommand without saying that it did not know the word that was there, and for an option that is
-/// required without saying that it did not know another, which may be that one misspelt.
+/// Returns the error message of a failed parse. CLI11 reports a missing subcommand or a missing required option even
+/// when the real cause is a misspelt word, so unknown words come first.
 std::string what_failed(const CLI::App& command, const CLI::Error& error) {
     const auto* extras = dynamic_cast<const CLI::ExtrasError*>(&error);
     const auto* required = dynamic_cast<const CLI::RequiredError*>(&error);
     const bool has_subcommands = !command.get_subcommands([](const CLI::App*) { return true; }).empty();
     const std::vector<std::string> rest = command.remaining();
-    // A word that should have been one: what stands behind it are its options.
+    // An unknown word in place of a subcommand. The words after it belong to that subcommand.
     if (has_subcommands && !rest.empty() && !rest.front().starts_with('-'))
         return unknown_subcommand(command, rest.front());
     if (extras != nullptr || required != nullptr)
@@ -45,8 +46,8 @@ std::string what_failed(const CLI::App& command, const CLI::Error& error) {
                         : unknown_subcommand(command, rest.front());
 }
 
-/// --color on every command, since nobody remembers on which side of one it belongs. It holds from where it is read on:
-/// for what commands say, and for errors in what stands behind it.
+/// Adds --color to `app` and to every subcommand, so that it works on either side of a subcommand's name. It applies to
+/// everything printed after it is parsed.
 void add_color_option(CLI::App& app) {
     app.add_option_function<std::string>(
            "--color",
@@ -55,7 +56,7 @@ void add_color_option(CLI::App& app) {
                             : choice == "never" ? ColorChoice::never
                                                 : ColorChoice::automatic);
            },
-           "colours words: auto (default: on a terminal, unless $NO_COLOR is set), always or never")
+           "coloured output: auto (default: on a terminal, unless $NO_COLOR is set), always or never")
         ->option_text("WHEN")
         ->group("Options")
         ->check(CLI::IsMember({"auto", "always", "never"}))
@@ -75,16 +76,16 @@ int run_command_line(int argc, const char* const* argv) {
     app.set_version_flag("--version", "raylex " + raylex_version() + " (" + raylex_revision() + ")");
     app.require_subcommand(1);
     app.footer(
-        "Exit codes: 0 done, and what was checked holds; 1 a check does not hold; 2 bad usage or input; 130 after "
+        "Exit codes: 0 success, and all checks hold; 1 a check does not hold; 2 bad usage or input; 130 after "
         "Ctrl-C.\n"
-        "'raylex SUBCOMMAND --help' describes each subcommand. RAYLEX_BUDGETS=NAME=VALUE,... in the environment does "
-        "what --budget does.");
+        "'raylex SUBCOMMAND --help' describes each subcommand. The environment variable RAYLEX_BUDGETS=NAME=VALUE,... "
+        "sets limits as --budget does.");
     app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
-        // The innermost subcommand that was named is the one whose help is of use.
+        // The help of the innermost subcommand on the command line is the relevant one.
         const CLI::App* innermost = failed;
         while (!innermost->get_subcommands().empty()) innermost = innermost->get_subcommands().front();
         return "raylex: " + tinted("error:", Tint::error, true) + " " + what_failed(*innermost, error) + "\nRun '" +
-               command_words(*innermost) + " --help' for what is expected.\n";
+               command_words(*innermost) + " --help' for its options.\n";
     });
     add_render_command(app, context);
     add_lpe_command(app, context);
@@ -109,14 +110,14 @@ int run_command_line(int argc, const char* const* argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) { return finish_parse(app, error); } catch (const std::bad_alloc&) {
-        return report_error("out of memory; a smaller --resolution or fewer channels need less");
+        return report_error("out of memory; lower --resolution or request fewer channels");
     } catch (const std::exception& error) {
         return report_error(std::string("unexpected failure: ") + error.what());
     } catch (...) {
-        return report_error("unexpected failure: something was thrown that is no std::exception, as by a plugin");
+        return report_error("unexpected failure: an exception that is not a std::exception, perhaps from a plugin");
     }
     if (output_is_lost()) return report_error("cannot write to standard output");
-    // What was being read when somebody interrupted is no bad input.
+    // An interrupt during reading is not bad input.
     if (context.exit_code == exit_bad_input && reading_stopped()) return exit_interrupted;
     return context.exit_code;
 }

@@ -1,10 +1,10 @@
-// The raylex program: one file pair a subcommand, in the folders beside this one.
+// The raylex program. Each subcommand has its own files in the folders beside this one.
 #pragma once
 
 namespace raylex::experiments {
 
-/// Parses the command line, runs one subcommand and returns its exit code (program/exit_codes.h). Messages go to
-/// standard error, results to standard output.
+/// Parses the command line, runs one subcommand and returns its exit code (program/exit_codes.h). Prints messages to
+/// standard error and results to standard output.
 int run_command_line(int argc, const char* const* argv);
 
 }  // namespace raylex::experiments

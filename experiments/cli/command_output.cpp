@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Options whose values are files or folders. A plugin, or a colour config, may go by a name that is no file's.
+/// Options whose values are files or folders. The value of --plugin or --ocio can also be a name instead of a file.
 const std::set<std::string> path_options{"-o",       "--output",   "--stats", "--ocio",      "--atlas",
                                          "--plugin", "--channels", "--to",    "--references"};
 
@@ -39,15 +39,15 @@ void add_command_output_options(CLI::App& command, CommandOutputOptions& options
     for (const std::string& each : command_formats()) formats += (formats.empty() ? "" : ", ") + each;
     command
         .add_flag("--commands{shell}", options.format,
-                  "does nothing but print a command for each shard, which stands alone, may be begun again, and does "
-                  "nothing when it is done, and those that come after; =FORMAT: " +
-                      formats + ", or the file of a template of your own")
+                  "prints one command per shard instead of running them, and the commands that follow. A command runs "
+                  "by itself, can be restarted, and does nothing if its work is done. =FORMAT: " +
+                      formats + ", or the file of your own template")
         ->group(group.empty() ? "Options" : group);
     CLI::Option* uncalibrated = command.get_option_no_throw("--no-calibration");
     if (uncalibrated == nullptr)
         command
             .add_flag("--no-calibration", options.no_calibration,
-                      "with --commands: renders nothing, so that CPU seconds are not known")
+                      "with --commands: skips the test render; the CPU seconds are then unknown")
             ->group(group.empty() ? "Options" : group);
 }
 
@@ -65,14 +65,14 @@ std::vector<std::string> standing_alone(const CLI::App& command, const std::vect
     }
     std::error_code failed;
     for (; at != arguments.end(); ++at) {
-        // --name value, --name=value, -n value, -nvalue
+        // Forms: --name value, --name=value, -n value, -nvalue
         const bool is_long = at->starts_with("--");
         const std::size_t equals = is_long ? at->find('=') : std::string::npos;
         const bool joined = is_long ? equals != std::string::npos : at->size() > 2;
         const std::string name = at->substr(0, is_long ? equals : 2);
         const CLI::Option* option =
             name.size() > 1 && name.front() == '-' ? command.get_option_no_throw(name) : nullptr;
-        if (option == nullptr) {  // given by its place: a scene or a config
+        if (option == nullptr) {  // a positional argument: a scene or a config
             result.push_back(fs::exists(*at, failed) ? absolute_path(*at) : *at);
             continue;
         }

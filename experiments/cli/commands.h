@@ -1,4 +1,4 @@
-// The subcommands. Each registers its options and, as its callback, what sets the exit code.
+// The subcommands. Each function registers its options and a callback that sets the exit code.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace raylex::experiments {
 
-/// What every subcommand is given: the words of the command line, and where its exit code goes.
+/// Input and output of every subcommand: the words of the command line, and the exit code.
 struct CommandContext {
     std::vector<std::string> arguments;
     int exit_code = 0;

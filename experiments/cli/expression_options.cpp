@@ -15,8 +15,8 @@ SourceLocation at_option(const std::string& name) {
     return {name, 0, 0};
 }
 
-/// The channels of a file, as if each stood behind an --lpe of its own. Each of `renames`, OLD=NEW, that names one of
-/// them is taken off the list.
+/// Adds the channels of a file to the job, as one --lpe per channel would. Applies the entries of `renames`, OLD=NEW,
+/// that name one of these channels, and removes them from the list.
 Status read_channel_file(const std::string& file, lpe::Dialect dialect, std::vector<std::string>& renames, Job& job) {
     auto set = read_channel_files({file}, {}, dialect);
     if (!set) return set.error();
@@ -47,7 +47,7 @@ Result<ExpressionRequest> parse_named_expression(const std::string& text, lpe::D
     if (equals == std::string::npos || equals == 0)
         return error_at(
             at_option(option),
-            "'" + text + "' is no named expression; expected NAME=EXPR, such as caustics='CDS+L'" +
+            "'" + text + "' is not a named expression; expected NAME=EXPR, such as caustics='CDS+L'" +
                 std::string(option == "channel" ? ", or a file of channels: .toml, .rib, .usda, .usd or .ini" : ""));
     ExpressionRequest request;
     request.name = text.substr(0, equals);
@@ -61,18 +61,21 @@ Result<ExpressionRequest> parse_named_expression(const std::string& text, lpe::D
 void add_expression_options(const OptionGroup& group, ExpressionOptions& options) {
     group.add_repeated("--lpe", options.expressions, "NAME=EXPR",
                        "adds a layer NAME with the light that the light path expression accepts");
+    group.add_repeated("--channels", options.channel_files, "FILE",
+                       "adds a layer for each channel of a file, and the partitions that the file declares. The file "
+                       "has RIB DisplayChannel lines, rendermn.ini settings, USD ASCII RenderVar prims or TOML");
     group.add_repeated(
-        "--channels", options.channel_files, "FILE",
-        "adds the channels of a file as --lpe does, and the partitions that it declares: RIB DisplayChannel lines, "
-        "rendermn.ini, USD ASCII RenderVar prims or TOML");
-    group.add_repeated("--rename", options.renames, "OLD=NEW",
-                       "the channel OLD of the --channels files becomes the layer NEW, where another has its name");
-    group.add_repeated("--dialect", options.dialects, "D",
-                       "language of the --lpe and of USD channel files that follow: renderman (default) or osl");
-    group.add("--partition", options.partition, "shipped", "'shipped' adds the layers of the shipped partition")
+        "--rename", options.renames, "OLD=NEW",
+        "names the layer of channel OLD in the --channels files NEW, in case another layer is named OLD");
+    group.add_repeated(
+        "--dialect", options.dialects, "D",
+        "syntax of the --lpe options and USD channel files after this option: renderman (default) or osl");
+    group
+        .add("--partition", options.partition, "shipped",
+             "'shipped' adds the layers of the partition that comes with raylex")
         ->check(CLI::IsMember({"shipped"}));
     group.add_flag("--light-groups", options.light_groups,
-                   "adds a layer per light group, and one for lights without a group");
+                   "adds one layer per light group, and one for all lights without a group");
 }
 
 Status read_expressions(const CLI::App& command, const ExpressionOptions& options, Job& job) {
@@ -81,9 +84,9 @@ Status read_expressions(const CLI::App& command, const ExpressionOptions& option
     bool rules_nothing = false;
     const auto check_dialect = [&]() -> Status {
         if (!rules_nothing) return success();
-        return error_at(at_option("--dialect"), "no --lpe or --channels follows '--dialect " +
-                                                    options.dialects[next_dialect - 1] +
-                                                    "', and it is of those that follow; expected it before them");
+        return error_at(at_option("--dialect"),
+                        "no --lpe or --channels follows '--dialect " + options.dialects[next_dialect - 1] +
+                            "', which applies to those after it; expected --dialect before them");
     };
     std::vector<std::string> renames = options.renames;
     for (const CLI::Option* option : command.parse_order()) {
@@ -106,7 +109,7 @@ Status read_expressions(const CLI::App& command, const ExpressionOptions& option
     }
     if (Status used = check_dialect(); !used) return used;
     if (!renames.empty())
-        return error_at(at_option("--rename"), "no file of --channels has the channel of '" + renames.front() +
+        return error_at(at_option("--rename"), "no --channels file declares the channel of '" + renames.front() +
                                                    "'; expected OLD=NEW, the name of such a channel before '='");
     if (!options.partition.empty()) job.shipped_partition = true;
     if (options.light_groups) job.light_groups = true;

@@ -1,4 +1,4 @@
-// Flags that ask for layers of light, the same for a render and for an atlas.
+// Flags that request layers of light, shared by render and ask.
 #pragma once
 
 #include <string>
@@ -20,11 +20,12 @@ struct ExpressionOptions {
 };
 
 void add_expression_options(const OptionGroup& group, ExpressionOptions& options);
-/// Adds to the job: --lpe NAME=EXPR and --channels FILE in the order given, each in the dialect of the last --dialect
-/// before it, then partition and light groups. Errors: theirs, and a --dialect that none of them follows.
+/// Adds layers to the job: first --lpe NAME=EXPR and --channels FILE in command-line order, each in the dialect of the
+/// last --dialect before it, then the partition and the light groups. Errors: an invalid value, and a --dialect that no
+/// expression follows.
 Status read_expressions(const CLI::App& command, const ExpressionOptions& options, Job& job);
 
-/// "NAME=EXPR" as given to `option`.
+/// Parses "NAME=EXPR", the value of `option`.
 Result<ExpressionRequest> parse_named_expression(const std::string& text, lpe::Dialect dialect,
                                                  const std::string& option);
 

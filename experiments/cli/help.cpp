@@ -1,4 +1,4 @@
-// raylex help: what --help says, for those who ask by a word.
+// raylex help: prints the same text as --help.
 #include <algorithm>
 #include <memory>
 
@@ -15,13 +15,13 @@ int print_help(const CLI::App& app, const std::vector<std::string>& words) {
     for (const std::string& word : words) {
         const std::vector<const CLI::App*> below = command->get_subcommands([](const CLI::App*) { return true; });
         if (below.empty())
-            return report_error("'" + command_words(*command) + "' has no subcommands; expected nothing behind it");
+            return report_error("'" + command_words(*command) + "' has no subcommands; expected nothing after it");
         const auto named =
             std::find_if(below.begin(), below.end(), [&](const CLI::App* each) { return each->get_name() == word; });
         if (named == below.end()) return report_error(unknown_subcommand(*command, word));
         command = *named;
     }
-    // Not App::help(), which speaks of the subcommand that was given: this one.
+    // App::help() would describe the subcommand on the command line, which is `help` itself.
     const std::string text =
         command->get_formatter()->make_help(command, command_words(*command), CLI::AppFormatMode::Normal);
     write_output(text);
@@ -31,9 +31,9 @@ int print_help(const CLI::App& app, const std::vector<std::string>& words) {
 }  // namespace
 
 void add_help_command(CLI::App& app, CommandContext& context) {
-    CLI::App* help = app.add_subcommand("help", "Describes a subcommand, as its --help does.");
+    CLI::App* help = app.add_subcommand("help", "Describes a subcommand, like its --help.");
     auto words = std::make_shared<std::vector<std::string>>();
-    help->add_option("SUBCOMMAND", *words, "such as render, or lpe check; default: raylex itself")->option_text("...");
+    help->add_option("SUBCOMMAND", *words, "such as render or lpe check; default: raylex itself")->option_text("...");
     help->callback([&app, words, &context] { context.exit_code = print_help(app, *words); });
 }
 

@@ -1,4 +1,4 @@
-// Subcommands about pictures and colours; commands.h says what each of them does with its arguments.
+// Subcommands that handle images and colours. commands.h describes their arguments.
 #pragma once
 
 #include "experiments/cli/commands.h"

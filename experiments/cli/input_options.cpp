@@ -19,7 +19,8 @@ constexpr const char* variable = "RAYLEX_BUDGETS";
 constexpr const char* file_options[] = {"--output", "--stats",    "--deep",  "--atlas",   "--ocio",  "--to",
                                         "--plugin", "--channels", "--scene", "--preview", "--driver"};
 
-/// The environment hands what was raised to the processes that this one starts: a study's cells.
+/// Sets budgets and adds them to the environment, so that child processes (the runs of a study) use them too. Returns
+/// an error message, or an empty string.
 std::string raise_budgets(const std::vector<std::string>& assignments) {
     const char* earlier = std::getenv(variable);
     std::string all = earlier != nullptr ? earlier : "";
@@ -31,21 +32,12 @@ std::string raise_budgets(const std::vector<std::string>& assignments) {
     return {};
 }
 
-std::string budget_help() {
-    std::string text =
-        "raises (or lowers) what reading a file may take; K, M and G stand for powers of 1024. Budgets and their "
-        "values:";
-    for (const BudgetRow& row : budget_table())
-        text += std::string(" ") + row.name + " " + std::to_string(row.fallback);
-    return text;
-}
-
 void add_to(CLI::App& command) {
     for (CLI::App* each : command.get_subcommands([](CLI::App*) { return true; })) add_to(*each);
     for (const char* name : file_options)
         if (CLI::Option* option = command.get_option_no_throw(name))
             option->check([](const std::string& value) {
-                return value.empty() ? std::string("the name is empty; expected that of a file") : std::string();
+                return value.empty() ? std::string("the name is empty; expected the name of a file") : std::string();
             });
     if (!command.get_subcommands([](CLI::App*) { return true; }).empty()) return;
     command
@@ -55,7 +47,8 @@ void add_to(CLI::App& command) {
                 if (const std::string wrong = raise_budgets(assignments); !wrong.empty())
                     throw CLI::ValidationError("--budget", wrong);
             },
-            budget_help())
+            "raises or lowers a limit on input, such as include_files=20000 (suffixes K, M, G: powers of 1024); "
+            "experiments/docs/limits.md lists the limits")
         ->option_text("NAME=VALUE")
         ->allow_extra_args(false)
         ->trigger_on_parse();

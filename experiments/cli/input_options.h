@@ -1,4 +1,4 @@
-// What every command has that reads something: --budget, and file names that are not empty.
+// Options of every command that reads files: --budget, and the check that file names are not empty.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -7,10 +7,11 @@
 
 namespace raylex::experiments {
 
-/// Budgets of the environment variable RAYLEX_BUDGETS, "NAME=VALUE,...", hold from the start; reading hears interrupts.
+/// Applies the budgets of the environment variable RAYLEX_BUDGETS, "NAME=VALUE,...". From now on, interrupts stop
+/// reading.
 Status prepare_reading();
 
-/// Adds --budget to all commands below `app`, and refuses empty names of files where a command takes them by an option.
+/// Adds --budget to all commands below `app`, and makes options that take file names refuse empty names.
 void add_input_options(CLI::App& app);
 
 }  // namespace raylex::experiments

@@ -50,7 +50,7 @@ std::string reasons(const display::SplitVerdict& verdict) {
     return text;
 }
 
-// What is allowed on top of rounding and how many pixels need it; nothing where nothing is.
+// Returns what the check allowed beyond rounding and how many pixels need it; empty if it allowed nothing.
 std::string allowance_text(const display::SplitVerdict& verdict) {
     if (verdict.allowed_for.empty() || verdict.answer == display::SplitAnswer::holds_to_rounding) return {};
     std::string text = "\n  allowed on top: ";
@@ -71,7 +71,7 @@ fs::path residual_map_beside(const display::SplitVerdict& verdict, const display
 
 std::string clamped_text(const display::SplitVerdict& verdict) {
     return counted(verdict.clamped, "pixel") +
-           " with values at the largest number of half or float, which are bounds: " +
+           " with values clamped to the largest half or float, which are lower bounds: " +
            std::to_string(verdict.judged()) + " of " + counted(verdict.pixels, "pixel") + " judged";
 }
 
@@ -79,7 +79,7 @@ std::string clamped_text(const display::SplitVerdict& verdict) {
 
 std::string clamped_text(std::size_t pixels, const std::string& what) {
     return counted(pixels, "pixel") +
-           " with values at the largest number of half or float: there the file does not show whether " + what;
+           " with values clamped to the largest half or float; for them the file does not show whether " + what;
 }
 
 std::string verdict_text(const display::SplitVerdict& verdict, const std::string& title) {
@@ -95,7 +95,8 @@ std::string verdict_text(const display::SplitVerdict& verdict, const std::string
         text += "\n  " + std::to_string(verdict.exceeding) +
                 (verdict.exceeding == 1 ? " pixel exceeds " : " pixels exceed ") +
                 (verdict.allowed_for.empty() ? "the bound" : "what is allowed") +
-                (verdict.never_above ? "; the sum is never above, so that light is missing from the layers" : "");
+                (verdict.never_above ? "; the sum is never larger than the beauty, so light is missing from the layers"
+                                     : "");
     if (const display::NegativeValues& negative = verdict.negative; negative.pixels > 0)
         text += "\n  " + std::to_string(negative.pixels) + (negative.pixels == 1 ? " pixel has" : " pixels have") +
                 " negative values, the lowest " + number_text(static_cast<double>(negative.lowest)) + " in " +
@@ -110,7 +111,7 @@ std::string verdict_text(const display::SplitVerdict& verdict, const std::string
     if (!verdict.holds)
         for (const std::string& lossy : verdict.unexplained)
             text +=
-                "\n  " + lossy + " compression loses bits that nothing is allowed for; --tolerance ABS,REL allows them";
+                "\n  " + lossy + " compression loses bits, and no tolerance covers that; --tolerance ABS,REL sets one";
     return text;
 }
 
@@ -137,7 +138,7 @@ std::string repaired_text(const std::map<std::string, std::string>& attributes, 
     if (count == 0) return {};
     return "the file cannot hold all values of " + counted(count, "layer") + ": " + text +
            (count > most ? "; ..." : "") +
-           (text.find("beyond half") == std::string::npos ? "" : ". " + remedy + " has the larger range");
+           (text.find("beyond half") == std::string::npos ? "" : ". " + remedy + " stores larger values");
 }
 
 std::string write_residual_map(const display::SplitVerdict& verdict, const display::ExrImage& image) {

@@ -1,4 +1,4 @@
-// Split-sum verdicts as text, and the heat map that a failure leaves.
+// The results of split-sum checks as text, and the heat map of a failed check.
 #pragma once
 
 #include <map>
@@ -10,33 +10,34 @@
 
 namespace raylex::experiments {
 
-/// What was summed and whether it holds (to rounding, as allowed, or not), the largest errors with their pixels, the
-/// bound and where it comes from, what was allowed and for what, pixels past it. `title` names the split; empty: its
-/// partition.
+/// Returns the whole result of one check: the layers and their target, whether the sum holds (to rounding, within the
+/// tolerance, or not), the largest errors and their pixels, the bound and its reason, the tolerance and its reasons,
+/// and the pixels beyond it. `title` names the split; empty: the name of its partition.
 std::string verdict_text(const display::SplitVerdict& verdict, const std::string& title = {});
 
-/// One line for the end of a render: "partition 'auto': 3 layers sum to beauty (largest relative error 3e-08,
+/// Returns one line for the end of a render: "partition 'auto': 3 layers sum to beauty (largest relative error 3e-08,
 /// bound 1.2e-07)".
 std::string verdict_line(const display::SplitVerdict& verdict);
 
-/// The layers of which the writer changed values that their type cannot hold, and how many; empty where it changed
-/// none. By a header's attributes; `remedy` is the option that stores floats.
+/// Lists the layers with values that the writer changed because their type cannot hold them, with counts; empty if it
+/// changed none. `attributes` are those of the file's header; `remedy` is the option that stores floats.
 std::string repaired_text(const std::map<std::string, std::string>& attributes,
                           const std::string& remedy = "--exr 'all=float zip'");
-/// "3 pixels with values at the largest number of half or float: there the file does not show whether " + `what`.
+/// Returns the number of clamped pixels and what the file cannot show for them, `what`: "3 pixels with values clamped
+/// to the largest half or float; for them the file does not show whether " + `what`.
 std::string clamped_text(std::size_t pixels, const std::string& what);
 
-/// "atlas: 214 words, 18.3 a pixel, sum to the beauty (...)".
+/// Returns the result of an atlas check in one line: "atlas: 214 words, 18.3 a pixel, sum to the beauty (...)".
 std::string atlas_line(const display::AtlasVerdict& verdict, std::uint64_t pixels);
-/// Prints that of a file; the exit code.
+/// Checks an atlas file, prints the result and returns the exit code.
 int judge_atlas(display::AtlasFile& file);
 
-/// Writes STEM.PARTITION.residual.png beside the image, or into the current directory when that fails. The text says
-/// where it is, or why there is none.
+/// Writes STEM.PARTITION.residual.png beside the image, or into the current directory if that fails. Returns a text
+/// with the path of the map, or with the reason why there is none.
 std::string write_residual_map(const display::SplitVerdict& verdict, const display::ExrImage& image);
 
-/// Verdicts on an image that took the place of an earlier one, a line each; a failure leaves its map, and where the
-/// split holds, the map that the earlier image left is of no image any more and is removed. Returns whether all hold.
+/// Prints the results for a new image, one line each, and writes a residual map for each failed check. Where a check
+/// holds, it removes the map that an earlier image of this name left. Returns whether all checks hold.
 bool print_verdicts_of_new(std::span<const display::SplitVerdict> verdicts, const display::ExrImage& image);
 
 }  // namespace raylex::experiments

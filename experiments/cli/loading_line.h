@@ -1,5 +1,5 @@
-// How far loading a scene is: a line that redraws itself on a terminal, a plain one every few seconds elsewhere, and
-// nothing where it takes no longer than a second.
+// Progress of loading a scene: a line that redraws itself on a terminal, or a plain line every few seconds elsewhere.
+// Nothing is printed in the first second.
 #pragma once
 
 #include <condition_variable>
@@ -18,12 +18,12 @@ class LoadingLine {
     LoadingLine(const LoadingLine&) = delete;
     LoadingLine& operator=(const LoadingLine&) = delete;
 
-    /// What loading tells; it must end before this does.
+    /// The object that loading reports to. Loading must end before this object does.
     [[nodiscard]] transport::LoadingProgress* progress() { return &progress_; }
-    /// Takes the line away. Call before anything else is printed.
+    /// Erases the line. Call it before anything else is printed.
     void finish();
 
-    /// "loading meshes: 120 of 3000, 12.3 s".
+    /// Returns the text of the line: "loading meshes: 120 of 3000, 12.3 s".
     static std::string describe(const transport::LoadingProgress& progress, double seconds);
 
   private:
@@ -31,7 +31,7 @@ class LoadingLine {
 
     transport::LoadingProgress progress_;
     bool terminal_ = false, over_ = false;
-    std::mutex mutex_;  // of over_
+    std::mutex mutex_;  // guards over_
     std::condition_variable ends_;
     std::thread thread_;
 };

@@ -1,4 +1,4 @@
-// raylex new plugin: a project that builds a plugin, renders with it and tests it.
+// raylex new plugin: writes a project that builds a plugin, renders with it and tests it.
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -54,7 +54,7 @@ Translate 0 0.6 0 Shape "sphere" "float radius" 0.6
 Translate 0 -0.6 0 Shape "bilinearmesh" "point3 P" [-3 0 -2  3 0 -2  -3 0 2  3 0 2]
 )text";
 
-/// What the scene is made of, and what a render needs beside it, by kind.
+/// The parts of the generated scene and of its render command that depend on the kind of plugin.
 struct Use {
     const char *kind, *surface, *options, *channels;
 };
@@ -95,7 +95,8 @@ Status check_name(const std::string& name) {
                                   [](unsigned char c) { return std::islower(c) || std::isdigit(c) || c == '_'; });
     if (fits) return success();
     return error_at(
-        {}, "'" + name + "' cannot be a plugin's name; expected lower-case letters, digits and _, with a letter first");
+        {}, "'" + name +
+                "' is not a valid plugin name; expected lower-case letters, digits and _, beginning with a letter");
 }
 
 int make_plugin(const NewPlugin& wanted) {
@@ -138,15 +139,16 @@ void add_new_command(CLI::App& app, CommandContext& context) {
     CLI::App* command = app.add_subcommand("new", "Starts a project that uses raylex.");
     command->require_subcommand(1);
     CLI::App* plugin = command->add_subcommand(
-        "plugin", "Writes a project that builds a plugin, renders with it and passes a test at once.");
+        "plugin", "Writes a project that builds a plugin and renders with it. Its test passes as generated.");
     auto wanted = std::make_shared<NewPlugin>();
-    plugin->add_option("NAME", wanted->name, "name of the plugin, and of what it registers")
+    plugin->add_option("NAME", wanted->name, "name of the plugin and of the type that it registers")
         ->required()
         ->option_text("(required)");
     plugin->add_option("--kind", wanted->kind, "integrator (default), pattern, material, filter or driver")
         ->option_text("KIND")
         ->check(CLI::IsMember(std::vector<std::string>(plugin_kinds.begin(), plugin_kinds.end())));
-    plugin->add_option("-o,--output", wanted->folder, "folder to make; default: NAME")->option_text("FOLDER");
+    plugin->add_option("-o,--output", wanted->folder, "new folder for the project; default: NAME")
+        ->option_text("FOLDER");
     plugin->footer("experiments/docs/plugins.md describes the calls that a plugin makes.");
     plugin->callback([wanted, &context] { context.exit_code = make_plugin(*wanted); });
 }

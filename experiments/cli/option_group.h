@@ -1,4 +1,4 @@
-// Options of a command that its --help shows together.
+// A group of options under one heading in a command's --help.
 #pragma once
 
 #include <string>
@@ -8,17 +8,17 @@
 
 namespace raylex::experiments {
 
-/// Groups stand in --help in the order of their first options.
+/// --help shows the groups in the order in which their first options were added.
 class OptionGroup {
   public:
     OptionGroup(CLI::App& command, std::string name) : command_(command), name_(std::move(name)) {}
 
-    /// `value` is how its value reads in --help.
+    /// Adds an option. `value` is the placeholder of its value in --help.
     template <typename T>
     CLI::Option* add(const std::string& names, T& to, const std::string& value, const std::string& description) const {
         return command_.add_option(names, to, description)->option_text(value)->group(name_);
     }
-    /// One that may stand several times, each with one value.
+    /// Adds an option that can be repeated, with one value each time.
     template <typename T>
     CLI::Option* add_repeated(const std::string& names, T& to, const std::string& value,
                               const std::string& description) const {

@@ -1,4 +1,4 @@
-// --plugin, for every command that reads scenes.
+// --plugin, an option of every command that reads scenes.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace raylex::experiments {
 
 void add_plugin_option(CLI::App& command, std::vector<std::string>& files);
 
-/// Loads what --plugin named, in order.
+/// Loads the files of --plugin, in order.
 Status load_plugins(const std::vector<std::string>& files);
 
 }  // namespace raylex::experiments

@@ -1,4 +1,4 @@
-// raylex plugins: what plugins bring, and what is in the tree; --plugin for the commands that read scenes.
+// raylex plugins: lists the types that plugins add, or the built-in ones. Also --plugin, for commands that read scenes.
 #include <memory>
 #include <utility>
 
@@ -72,8 +72,8 @@ void add_plugin_option(CLI::App& command, std::vector<std::string>& files) {
     command
         .add_option(
             "--plugin", files,
-            "loads a plugin: a shared library that brings integrators, cameras, materials, filters, drivers and the "
-            "like, which are then used by name; 'raylex plugins FILE.so' lists them; may be repeated")
+            "loads a plugin: a shared library that adds integrators, cameras, materials, filters, drivers or other "
+            "types, which scenes and options then use by name; 'raylex plugins FILE.so' lists them; may be repeated")
         ->option_text("FILE.so")
         ->expected(1)
         ->allow_extra_args(false)
@@ -91,10 +91,10 @@ Status load_plugins(const std::vector<std::string>& files) {
 
 void add_plugins_command(CLI::App& app, CommandContext& context) {
     CLI::App* command = app.add_subcommand(
-        "plugins", "Lists what plugins bring, with every parameter; without one, what the program has itself.");
+        "plugins", "Lists the types that plugins add, with all parameters; without arguments, the built-in types.");
     auto files = std::make_shared<std::vector<std::string>>();
     command->add_option("FILE.so", *files, "plugins to load")->option_text("...");
-    command->footer("A plugin that does not fit this program is refused with what differs; the exit code is 2.");
+    command->footer("An incompatible plugin is refused with an error that names the difference; the exit code is 2.");
     command->callback([files, &context] { context.exit_code = list_plugins(*files); });
 }
 

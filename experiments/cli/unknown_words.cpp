@@ -15,7 +15,7 @@ bool is_option(const std::string& word) {
     return word.size() > 1 && word.front() == '-' && word != "--";
 }
 
-/// "--threads" of "--threads=4".
+/// Returns the option without its value: "--threads" for "--threads=4".
 std::string option_name(const std::string& word) {
     return word.substr(0, word.find('='));
 }
@@ -27,7 +27,8 @@ std::vector<std::string> subcommand_names(const CLI::App& command) {
     return names;
 }
 
-/// Dashes are left out of what is compared: one letter is no slip of another for having a dash in common.
+/// Returns the option most similar to `name`, or an empty string. Dashes are not compared: a shared dash would make any
+/// two one-letter options similar.
 std::string nearest_option(const CLI::App& command, const std::string& name) {
     std::vector<std::string> known;
     for (const CLI::Option* option : command.get_options())
@@ -39,9 +40,9 @@ std::string nearest_option(const CLI::App& command, const std::string& name) {
 std::string about_option(const CLI::App& given_to, const CLI::App& innermost, const std::string& word) {
     const std::string name = option_name(word), text = "unknown option '" + name + "'";
     if (&given_to == &innermost && innermost.get_option_no_throw(name) != nullptr)
-        return "option '" + name + "' stands behind '--', where words are no options; expected it before";
+        return "option '" + name + "' stands after '--', where words are not options; expected it before '--'";
     if (innermost.get_option_no_throw(name) != nullptr)
-        return text + " of '" + command_words(given_to) + "'; expected it behind '" + command_words(innermost) + "'";
+        return text + " of '" + command_words(given_to) + "'; expected it after '" + command_words(innermost) + "'";
     const std::string near = nearest_option(given_to, name);
     return near.empty() ? text : text + "; did you mean '" + near + "'?";
 }

@@ -1,4 +1,4 @@
-// What stands on a command line and is not known, each with its near miss.
+// Errors for unknown words on a command line, each with the closest match.
 #pragma once
 
 #include <string>
@@ -8,20 +8,21 @@
 
 namespace raylex::experiments {
 
-/// "raylex lpe explain".
+/// Returns the words of a command: "raylex lpe explain".
 std::string command_words(const CLI::App& command);
 
-/// "expected one of: match, check".
+/// Lists the subcommands: "expected one of: match, check".
 std::string expected_subcommands(const CLI::App& command);
-/// "unknown subcommand 'rendr'; expected one of: ...", and what may have been meant.
+/// Returns the error message of an unknown subcommand: "unknown subcommand 'rendr'; expected one of: ...", with the
+/// closest match.
 std::string unknown_subcommand(const CLI::App& command, const std::string& word);
 
-/// "unknown option '--threds'; did you mean '--threads'?" of the first one that `command` or one above it was given
-/// and left over, or empty.
+/// Returns the error message of the first option that `command`, or a command above it, was given and did not
+/// recognise: "unknown option '--threds'; did you mean '--threads'?". Empty if there is none.
 std::string unknown_option(const CLI::App& command);
 
-/// For commands that take all that is left over, which may stand behind "--". Throws CLI::ExtrasError where an option
-/// is among it, so that the error reads as that of any other command.
+/// Returns the remaining words of a command that accepts any number of them, also after "--". Throws CLI::ExtrasError
+/// if one of them is an option, so that the error message is the usual one.
 std::vector<std::string> further_words(const CLI::App& command);
 
 }  // namespace raylex::experiments

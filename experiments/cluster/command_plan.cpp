@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 namespace mustache = kainjow::mustache;
 
-/// Where the templates that come with raylex stand: beside the program in a build folder, or as installed.
+/// Returns the folder of raylex's templates: beside the program in a build folder, or as installed.
 fs::path template_folder() {
     std::error_code failed;
     const fs::path program = fs::path(program_path()).parent_path();
@@ -31,7 +31,7 @@ fs::path template_folder() {
     return fs::exists(built, failed) ? built : installed;
 }
 
-/// Name and file of each template there.
+/// Returns the name and the file of each template in that folder.
 std::vector<std::pair<std::string, fs::path>> shipped_templates() {
     std::vector<std::pair<std::string, fs::path>> found;
     std::error_code failed;
@@ -47,13 +47,13 @@ std::string replaced(const std::string& text, const std::function<std::string(ch
     return result;
 }
 
-/// How text stands in a file of this ending.
+/// Returns a function that escapes text for files with this extension.
 std::function<std::string(const std::string&)> escape_of(const std::string& extension) {
     const auto by = [](std::function<std::string(char)> of) {
         return [of = std::move(of)](const std::string& text) { return replaced(text, of); };
     };
     if (extension == ".mk") return by([](char c) { return c == '$' ? "$$" : std::string(1, c); });
-    // Inside "..." of Python, where Snakemake takes braces for places.
+    // Snakemake files have Python strings "...", in which braces are placeholders.
     if (extension == ".smk")
         return by([](char c) {
             if (c == '\\' || c == '"') return std::string("\\") + c;
@@ -69,7 +69,7 @@ std::function<std::string(const std::string&)> escape_of(const std::string& exte
         });
     if (extension == ".yaml")  // inside "..."
         return [](const std::string& text) {
-            // Kubernetes puts values in the place of $(NAME), and $ in that of $$.
+            // Kubernetes replaces $(NAME) by a value, and $$ by $.
             const std::string quoted =
                 json_text(Json(replaced(text, [](char c) { return c == '$' ? "$$" : std::string(1, c); })));
             return quoted.substr(1, quoted.size() - 2);
@@ -77,8 +77,8 @@ std::function<std::string(const std::string&)> escape_of(const std::string& exte
     return [](const std::string& text) { return text; };
 }
 
-/// Whether text stays in its line, whatever reads the file: no control characters, nor what YAML takes for line ends
-/// and XML for no characters. A line break would end a comment or an option, and what is behind it would be run.
+/// Returns whether text stays on one line in every format: it has no control characters, no YAML line ends and no
+/// characters forbidden in XML. A line break would end a comment or an option, and the rest would be executed.
 bool stays_in_line(const std::string& text) {
     constexpr std::array<std::string_view, 5> refused{"\xC2\x85", "\xE2\x80\xA8", "\xE2\x80\xA9", "\xEF\xBF\xBE",
                                                       "\xEF\xBF\xBF"};
@@ -87,7 +87,7 @@ bool stays_in_line(const std::string& text) {
                         [&](std::string_view each) { return text.find(each) != std::string::npos; });
 }
 
-/// In quotes, with codes in place of all but visible ASCII.
+/// Returns the text in quotes, with codes instead of everything but visible ASCII.
 std::string visible(const std::string& text) {
     return Json(text).dump(-1, ' ', true, Json::error_handler_t::replace);
 }
@@ -103,7 +103,7 @@ bool is_utf8(const std::string& text) {
     } catch (const Json::exception&) { return false; }
 }
 
-/// Letters, digits and '_', not beginning with a digit.
+/// Returns a name of letters, digits and '_' that does not begin with a digit.
 std::string rule_name(const std::string& name) {
     std::string rule = name;
     for (char& c : rule)
@@ -111,7 +111,7 @@ std::string rule_name(const std::string& name) {
     return rule.empty() || std::isdigit(static_cast<unsigned char>(rule.front())) != 0 ? "_" + rule : rule;
 }
 
-/// Make knows no way to write some characters in a file's name; then the command goes by its own.
+/// Returns whether Make can express this file name. For other files, the command uses its own name as target.
 bool is_plain_file(const std::string& path) {
     return !path.empty() && std::all_of(path.begin(), path.end(), [](char c) {
         return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
@@ -125,9 +125,9 @@ double megabytes(std::uint64_t bytes) {
 
 std::string needs_text(const PlannedCommand& command) {
     std::string text =
-        command.memory_bytes > 0 ? size_text(static_cast<double>(command.memory_bytes)) : "memory not known";
-    text += command.cpu_seconds >= 0 ? ", " + duration_text(command.cpu_seconds) + " CPU" : ", CPU time not known";
-    return text + ", " + counted(command.cores, "core") + (command.exclusive ? ", nothing else on its machine" : "");
+        command.memory_bytes > 0 ? size_text(static_cast<double>(command.memory_bytes)) : "memory unknown";
+    text += command.cpu_seconds >= 0 ? ", " + duration_text(command.cpu_seconds) + " CPU" : ", CPU time unknown";
+    return text + ", " + counted(command.cores, "core") + (command.exclusive ? ", alone on its machine" : "");
 }
 
 std::string shell_text(const CommandPlan& plan) {
@@ -165,7 +165,8 @@ mustache::data argument_list(const std::vector<std::string>& arguments) {
     return list;
 }
 
-/// Small letters, digits and '-', at most 63 of them: a name in Kubernetes, whose end tells commands apart.
+/// Returns a Kubernetes name: lower-case letters, digits and '-', at most 63 characters. Its end distinguishes
+/// commands.
 std::string object_name(const std::string& plan, const std::string& command) {
     constexpr std::size_t most = 63;
     const std::size_t left = most - std::min(most, command.size() + 1);
@@ -177,7 +178,7 @@ std::string object_name(const std::string& plan, const std::string& command) {
     return name.substr(name.find_first_not_of('-'));
 }
 
-/// Where commands stand by their names; each stands behind what it needs.
+/// The positions of commands by name. Each command comes after those that it needs.
 class PlanIndex {
   public:
     explicit PlanIndex(const CommandPlan& plan) : plan_(plan), needed_(plan.commands.size()) {
@@ -193,7 +194,7 @@ class PlanIndex {
         }
     }
     [[nodiscard]] const PlannedCommand& command(const std::string& name) const { return plan_.commands[at_.at(name)]; }
-    /// 1 for what needs nothing, else one more than what it needs.
+    /// Returns 1 for a command without needs, else one more than the largest step of its needs.
     [[nodiscard]] std::size_t step(const std::string& name) const { return steps_[at_.at(name)]; }
     [[nodiscard]] bool is_needed(const std::string& name) const { return needed_[at_.at(name)]; }
 
@@ -256,7 +257,8 @@ const std::vector<std::string>& plan_names() {
     return names;
 }
 
-/// Mustache writes nothing for a name that it does not know; a file with a hole helps nobody.
+/// Checks that the template uses only known names. Mustache writes nothing for an unknown name, which would leave a
+/// hole.
 Status check_names(const std::string& text, const std::string& path, const std::vector<std::string>& known) {
     for (std::size_t at = text.find("{{"); at != std::string::npos; at = text.find("{{", at + 2)) {
         const std::size_t begin = text.find_first_not_of("{#^/& ", at), end = text.find_first_of("} ", begin);
@@ -268,8 +270,7 @@ Status check_names(const std::string& text, const std::string& path, const std::
         return error_at(
             {path, static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n')) + 1,
              0},
-            "the template asks for '" + name + "', which is not known; expected one of: " + list,
-            near_miss(name, known));
+            "the template uses the unknown name '" + name + "'; expected one of: " + list, near_miss(name, known));
     }
     return success();
 }
@@ -284,7 +285,8 @@ Result<fs::path> template_file(const std::string& format) {
     if (format.find_first_of("./") != std::string::npos || fs::exists(format, failed)) return fs::path(format);
     std::string list;
     for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
-    return error_at({"--commands", 0, 0}, "'" + format + "' is no format; expected " + list + ", or a template's file",
+    return error_at({"--commands", 0, 0},
+                    "'" + format + "' is not a format; expected " + list + ", or the file of a template",
                     near_miss(format, known));
 }
 
@@ -296,7 +298,7 @@ Result<std::string> rendered_template(const std::string& format, const mustache:
     if (!text) return text.error();
     if (Status s = check_names(*text, file->string(), known); !s) return s.error();
     mustache::mustache form(*text);
-    if (!form.is_valid()) return error_at({file->string(), 0, 0}, "this is no template: " + form.error_message());
+    if (!form.is_valid()) return error_at({file->string(), 0, 0}, "this is not a template: " + form.error_message());
     form.set_custom_escape(escape_of(file->extension().string()));
     return form.render(data);
 }
@@ -318,7 +320,7 @@ std::string job_name(const std::string& text) {
 std::vector<std::string> command_formats() {
     std::vector<std::string> formats{"shell", "json"};
     for (const auto& [name, path] : shipped_templates())
-        if (!name.starts_with("slurm")) formats.push_back(name);  // those are for 'raylex submit'
+        if (!name.starts_with("slurm")) formats.push_back(name);  // these belong to 'raylex submit'
     return formats;
 }
 
@@ -328,11 +330,11 @@ Status check_job_texts(const std::vector<std::string>& texts, const std::string&
                              format == "slurm" || ending == ".sh";
     for (const std::string& each : texts) {
         if (format != "json" && !stays_in_line(each))
-            return error_at(place, visible(each) + " holds a control character, which no job file can hold",
-                            "expected names and values of one line; --commands=json writes any");
+            return error_at(place, visible(each) + " has a control character, which job files cannot contain",
+                            "expected names and values on one line; --commands=json allows all characters");
         if (!takes_bytes && !is_utf8(each))
-            return error_at(place, visible(each) + " is no UTF-8, as files of this format have to be",
-                            "expected other names; --commands writes lines for a shell, which takes any");
+            return error_at(place, visible(each) + " is not UTF-8, which this format requires",
+                            "expected other names; --commands, which writes shell commands, allows all names");
     }
     return success();
 }

@@ -21,10 +21,10 @@ namespace fs = std::filesystem;
 
 struct Answer {
     int code = -1;
-    std::string text;  ///< standard output, and standard error behind it
+    std::string text;  ///< standard output, followed by standard error
 };
 
-/// A program of Slurm, to its end.
+/// Runs a program of Slurm until it ends.
 Answer ask(const std::vector<std::string>& arguments) {
     Answer answer;
     FILE* pipe = popen((shell_command(arguments) + " 2>&1").c_str(), "r");
@@ -41,7 +41,7 @@ std::string slurm_folder(const std::string& directory) {
     return directory + "/slurm";
 }
 
-/// "1-3,5": as an array takes them.
+/// Returns the numbers as ranges for an array job: "1-3,5".
 std::string ranges_text(const std::vector<unsigned>& numbers) {
     std::string text;
     for (std::size_t i = 0; i < numbers.size();) {
@@ -54,8 +54,7 @@ std::string ranges_text(const std::vector<unsigned>& numbers) {
     return text;
 }
 
-/// A file's name as sbatch takes it in quotes, to which % is the start of a place and \ takes the next character as it
-/// is.
+/// Returns a quoted file name for sbatch, in which % begins a placeholder and \\ escapes the next character.
 std::string log_name(const std::string& folder, const std::string& name) {
     std::string text;
     for (const char c : folder) {
@@ -68,7 +67,7 @@ std::string log_name(const std::string& folder, const std::string& name) {
 
 TemplateValues values_of(const SlurmRequest& request, const CommandPlan& plan, const PlannedCommand& command,
                          const std::string& job, const std::string& log) {
-    // What is asked for is a limit to Slurm: a task beyond it is killed.
+    // Slurm kills a task that exceeds its requested memory, hence a margin.
     constexpr double margin = 1.5;
     const double megabytes = std::ceil(margin * static_cast<double>(command.memory_bytes) / 1e6);
     std::string options;
@@ -97,7 +96,7 @@ void set_value(TemplateValues& values, const std::string& name, const std::strin
 
 std::string by_hand(const std::string& directory, bool references) {
     const std::string folder = slurm_folder(directory);
-    std::string text = "the job files are written; where Slurm is, run\n";
+    std::string text = "the job files are written; on a machine with Slurm, run\n";
     if (references) text += "  sbatch " + shell_command({folder + "/references.sh"}) + "\n";
     text += std::string("  sbatch ") + (references ? "--dependency=afterany:ID_OF_REFERENCES " : "") +
             shell_command({folder + "/shards.sh"}) + "\n  sbatch --dependency=afterany:ID_OF_SHARDS " +
@@ -105,7 +104,7 @@ std::string by_hand(const std::string& directory, bool references) {
     return text;
 }
 
-/// The id that sbatch --parsable printed, "123" or "123;cluster"; empty where it is none.
+/// Returns the id from the output of sbatch --parsable, "123" or "123;cluster"; empty if there is none.
 std::string id_of(const Answer& answer) {
     std::istringstream lines(answer.text);
     std::string id;
@@ -141,8 +140,8 @@ Result<std::vector<Submission>> read_submission(const std::string& directory) {
         submission.count = whole(json->at("count"));
         return std::vector{submission};
     } catch (const std::exception& error) {
-        return error_at({path, 0, 0}, std::string("this is no submission.json, or it is damaged: ") + error.what(),
-                        "remove it once none of its jobs is in the queue");
+        return error_at({path, 0, 0}, std::string("this is not a submission.json, or it is damaged: ") + error.what(),
+                        "remove it if none of its jobs is in the queue");
     }
 }
 
@@ -164,7 +163,7 @@ Status write_slurm_files(const SlurmRequest& request, const CommandPlan& plan, c
     fs::create_directories(folder, failed);
     if (failed) return error_at({folder, 0, 0}, "cannot make this directory: " + failed.message());
     std::string lines;
-    PlannedCommand all;  // what any shard takes
+    PlannedCommand all;  // requirements that hold for any shard
     for (const PlannedCommand& each : plan.commands) {
         if (each.name == "references")
             if (Status s = write_job_file(request, "references.sh",
@@ -193,7 +192,7 @@ Status write_slurm_files(const SlurmRequest& request, const CommandPlan& plan, c
 Result<Submission> submit_to_slurm(const std::string& directory, bool references, unsigned count) {
     const std::string folder = slurm_folder(directory);
     if (ask({"sbatch", "--version"}).code != 0)
-        return error_at({}, "there is no sbatch here: Slurm's programs are not installed, or not in $PATH",
+        return error_at({}, "sbatch was not found: Slurm's programs are not installed, or not in $PATH",
                         by_hand(directory, references));
     Submission submission;
     submission.submitted = utc_time();
@@ -211,7 +210,7 @@ Result<Submission> submit_to_slurm(const std::string& directory, bool references
         if (id->empty()) {
             for (const std::string& earlier : submission.ids()) static_cast<void>(ask({"scancel", earlier}));
             return error_at({folder + "/" + file, 0, 0},
-                            "sbatch refuses this job, and nothing was submitted: " + answer.text,
+                            "sbatch rejects this job, and nothing was submitted: " + answer.text,
                             by_hand(directory, references));
         }
         after = *id;
@@ -224,11 +223,11 @@ Result<std::map<std::string, std::string>> slurm_queue(const std::vector<std::st
     if (jobs.empty()) return tasks;
     std::string list;
     for (const std::string& each : jobs) list += (list.empty() ? "" : ",") + each;
-    // Each task of an array a line, those that wait too.
+    // One line per task of an array, including pending tasks.
     const Answer answer = ask({"squeue", "--noheader", "--array", "--format=%i %T", "--jobs=" + list});
-    // squeue knows a finished job for a while only; then it says so, with an error.
+    // squeue forgets finished jobs after a while and then reports an error.
     if (answer.code != 0 && answer.text.find("Invalid job id") == std::string::npos)
-        return error_at({}, "squeue does not answer: " + answer.text);
+        return error_at({}, "squeue failed: " + answer.text);
     std::istringstream lines(answer.text);
     for (std::string task, state; lines >> task >> state;)
         if (task.find_first_not_of("0123456789_") == std::string::npos) tasks[task] = state;

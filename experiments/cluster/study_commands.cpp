@@ -25,7 +25,7 @@ bool has_references(const ExperimentConfig& config) {
                        [](const SceneRequest& each) { return !each.reference_file.empty(); });
 }
 
-/// What a study takes, as far as a short render of every scene by every variant tells.
+/// Estimates the requirements of a study by a short render of every scene with every variant.
 class StudySurvey {
   public:
     StudySurvey(const ExperimentConfig& config, const StudyCommandsRequest& request, const std::atomic<bool>* stop)
@@ -60,7 +60,7 @@ class StudySurvey {
                             std::to_string(request_.shards) + " shards of " + counted(work_.items.size(), "cell") +
                                 (request_.split_cells > 1 ? " and parts of cells" : "") +
                                 "; expected at most as many shards",
-                            "--split-cells N makes several parts of a cell");
+                            "--split-cells N divides a cell into several parts");
         return success();
     }
 
@@ -70,7 +70,7 @@ class StudySurvey {
         return notes;
     }
 
-    /// Memory, CPU seconds and whether it must be alone.
+    /// Sets memory, CPU seconds and whether the command must run alone on its machine.
     void describe(unsigned part, PlannedCommand& command) const {
         const Shard shard{part, request_.shards, request_.split_cells};
         double seconds = 0;
@@ -101,13 +101,13 @@ class StudySurvey {
         if (known) command.cpu_seconds = seconds * cores_here();
     }
 
-    /// What was resident with an image; with copies for a checkpoint and for what is written.
+    /// Returns the peak memory of the test renders, plus two copies of the image: for a checkpoint and for writing.
     [[nodiscard]] std::uint64_t memory() const {
         return estimates_.peak_memory_bytes() > 0 ? estimates_.peak_memory_bytes() + 2 * image_bytes_ : 0;
     }
 
   private:
-    /// Those that a shard has there, and those that the calibration had here.
+    /// Number of cores of a shard on its machine. cores_here() is the number of cores of the test render.
     [[nodiscard]] unsigned cores() const { return request_.threads > 0 ? request_.threads : cores_here(); }
     [[nodiscard]] unsigned cores_here() const {
         const int threads = config_.base.settings.threads;
@@ -170,8 +170,8 @@ Result<CommandPlan> study_commands(const ExperimentConfig& config, const StudyCo
     const StudyFolders folders(request.directory);
     CommandPlan plan;
     plan.name = job_name(config.name);
-    plan.notes = {"The commands stand alone. What is done is not done again, and what was killed goes on.",
-                  "The last one merges what the others leave to " + folders.results};
+    plan.notes = {"Each command can run by itself. Repeated commands skip finished work and resume interrupted work.",
+                  "The last command merges the results of the others into " + folders.results};
     for (const std::string& note : survey.notes()) plan.notes.push_back(note);
     std::vector<std::string> first;
     if (has_references(config)) {

@@ -1,4 +1,4 @@
-// A study as commands for many machines: the references first, its cells in shards, what merges them.
+// Splits a study into commands for many machines: the references first, then the cells in shards, then the merge.
 #pragma once
 
 #include <atomic>
@@ -12,22 +12,22 @@
 namespace raylex::experiments {
 
 struct StudyCommandsRequest {
-    std::string directory;  ///< of all of it, as a whole path
+    std::string directory;  ///< absolute path of the study's directory
     unsigned shards = 1, split_cells = 1;
-    unsigned threads = 0;             ///< of each shard; 0: as the config says
-    std::vector<std::string> config;  ///< CONFIG.toml and its --set, standing alone
+    unsigned threads = 0;             ///< threads of each shard; 0: the config's number
+    std::vector<std::string> config;  ///< CONFIG.toml and its --set, with absolute paths
     bool calibrate = true, report = true;
-    bool retry = false;  ///< cells that failed are run again
+    bool retry = false;  ///< failed cells run again
 };
 
-/// Where the parts of such a study are.
+/// The folders of the parts of a study.
 struct StudyFolders {
     std::string references, reference_run, parts, results;
     explicit StudyFolders(const std::string& directory);
     [[nodiscard]] std::string part(unsigned shard) const { return parts + "/" + std::to_string(shard); }
 };
 
-/// Errors: the plan has fewer cells and parts than shards; no scene of it can be loaded.
+/// Makes the commands. Errors: the plan has fewer cells and parts than shards; no scene of it can be loaded.
 Result<CommandPlan> study_commands(const ExperimentConfig& config, const StudyCommandsRequest& request,
                                    const std::atomic<bool>* stop);
 

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Entries of a folder that are whole: no partial ones, no hidden ones.
+/// Counts the complete entries of a folder, without partial and hidden ones.
 std::size_t count_entries(const std::string& folder) {
     std::size_t count = 0;
     std::error_code failed;
@@ -26,7 +26,7 @@ std::size_t count_entries(const std::string& folder) {
     return count;
 }
 
-/// By the part directories, where nobody submitted them.
+/// Returns the number of shards by the part directories, for studies without a submission.
 unsigned shards_begun(const StudyFolders& folders) {
     unsigned shards = 0;
     std::error_code failed;
@@ -36,7 +36,7 @@ unsigned shards_begun(const StudyFolders& folders) {
     return shards;
 }
 
-/// The last error that a task printed to its log: a disk that takes nothing takes no mark of an error either.
+/// Returns the last error in a task's log. A full disk can prevent the error mark of a cell, but not this.
 std::string error_in_log(const std::string& path) {
     std::ifstream log(path);
     std::string error;
@@ -75,7 +75,7 @@ class Look {
         } else if (begun_mark(directory) || !job.empty()) {
             status.message = log.empty() ? std::string() : error_in_log(log);
             status.state = status.message.empty() ? TaskState::stopped : TaskState::failed;
-            if (status.message.empty()) status.message = "it was ended before it was done";
+            if (status.message.empty()) status.message = "it ended before it was finished";
         }
         return status;
     }
@@ -147,7 +147,7 @@ Result<StudyStatus> study_status(const std::string& directory) {
     const StudyFolders folders(directory);
     const unsigned shards = submission != nullptr ? submission->count : shards_begun(folders);
     if (shards == 0)
-        return error_at({directory, 0, 0}, "nothing was submitted or begun in this directory",
+        return error_at({directory, 0, 0}, "this directory contains no study",
                         "expected the -o of 'raylex submit' or of 'raylex experiment plan --commands'");
     const Look look(directory, submission);
     StudyStatus status;

@@ -1,4 +1,4 @@
-// How far a study over many processes is, from what they leave on disk and from what a queue says of them.
+// The progress of a study over many processes, from its files on disk and from a queue.
 #pragma once
 
 #include <string>
@@ -14,16 +14,17 @@ struct TaskStatus {
     std::string name;  ///< "references", "shard 2", "merge"
     TaskState state = TaskState::missing;
     std::size_t cells = 0, failed_cells = 0;  ///< of a shard, so far
-    std::string message;                      ///< what failed
+    std::string message;                      ///< error message
 };
 
 struct StudyStatus {
     std::vector<TaskStatus> tasks;
-    std::string warning;  ///< a queue that does not answer
+    std::string warning;  ///< the queue does not answer
     [[nodiscard]] std::size_t count(TaskState state) const;
 };
 
-/// Of the directory that was given to `submit`, or to `experiment plan --commands`. Errors: nothing was begun there.
+/// Returns the status of the study in the directory of `submit`, or of `experiment plan --commands`. Errors: the
+/// directory contains no study.
 Result<StudyStatus> study_status(const std::string& directory);
 
 std::string state_text(TaskState state);

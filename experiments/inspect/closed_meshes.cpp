@@ -14,7 +14,7 @@ namespace {
 using transport::DVec3;
 using transport::SceneShape;
 
-/// [vertex] the first one in its place.
+/// Returns for each vertex the index of the first vertex at the same position.
 std::vector<std::uint32_t> welded(const SceneShape& shape) {
     const auto key = [&](std::uint32_t i) {
         const auto& p = shape.positions[i];
@@ -28,7 +28,7 @@ std::vector<std::uint32_t> welded(const SceneShape& shape) {
     return first;
 }
 
-/// Whether every edge has two faces, whichever way round they are.
+/// Returns whether every edge has two faces, in any orientation.
 bool is_closed(const SceneShape& shape) {
     const std::vector<std::uint32_t> vertex = welded(shape);
     std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;

@@ -1,4 +1,4 @@
-// Whether meshes enclose something, and on which side.
+// Checks whether meshes are closed, and on which side their volume is.
 #pragma once
 
 #include <optional>
@@ -7,10 +7,10 @@
 
 namespace raylex::experiments {
 
-/// Of a triangle mesh in which every edge has two faces, in the space it was written in: the volume behind its faces.
-/// Below 0: they face inwards, so that all of space is inside. Nothing for other shapes and meshes that are open.
-/// Vertices in the same place count as one. Faces face as pbrt-v4 turns them: by vertex normals where there are any,
-/// else by their winding; ReverseOrientation turns both.
+/// Returns the volume behind the faces of a triangle mesh, in the space of its vertices. Negative if the faces point
+/// inwards, so that all outer space is "inside". Nothing for other shapes and for open meshes, where an edge does not
+/// have two faces. Vertices at the same position count as one. Faces are oriented as in pbrt-v4: by vertex normals if
+/// there are any, otherwise by winding; ReverseOrientation flips both.
 std::optional<double> enclosed_volume(const transport::SceneShape& shape);
 
 }  // namespace raylex::experiments

@@ -23,10 +23,10 @@ using transport::ShapeKind;
 
 using Doubts = std::vector<Error>;
 
-/// Everything that is referred to by name or number somewhere.
+/// All names and indices that something in the scene refers to.
 struct Used {
     std::set<std::string> textures, media;
-    std::set<std::string> material_names;  // by mixes
+    std::set<std::string> material_names;  // used by mixes
     std::set<int> materials, area_lights, objects;
 };
 
@@ -63,7 +63,8 @@ Used everything_used(const SceneDescription& scene) {
     return used;
 }
 
-/// Whether one may have been typed for the other: numbers in a series are no slips.
+/// Returns whether one name may be a misspelling of the other. Names that differ in a number belong to a series and do
+/// not count.
 bool is_slip(std::string_view a, std::string_view b) {
     const auto letters = [](std::string_view name) {
         std::string kept;
@@ -74,14 +75,14 @@ bool is_slip(std::string_view a, std::string_view b) {
     return letters(a) != letters(b) && edit_distance(a, b) <= 2;
 }
 
-/// A defined name that nothing uses; the hint is one that is used and reads alike.
+/// Warns of a defined name that nothing uses. The hint is a used name that is similar.
 void doubt_unused(const transport::SceneEntity& entity, const char* what, const std::set<std::string>& used,
                   Doubts& doubts) {
     if (entity.name.empty() || used.count(entity.name) > 0) return;
     const std::string near = nearest_name(entity.name, {used.begin(), used.end()});
     doubts.push_back(
-        error_at(entity.location, std::string("the ") + what + " '" + entity.name + "' is used by nothing",
-                 near.empty() || !is_slip(entity.name, near) ? "" : "'" + near + "' is used: was this meant?"));
+        error_at(entity.location, std::string("the ") + what + " '" + entity.name + "' is unused",
+                 near.empty() || !is_slip(entity.name, near) ? "" : "'" + near + "' is used; did you mean this?"));
 }
 
 void doubt_unused_entities(const SceneDescription& scene, const Used& used, Doubts& doubts) {
@@ -95,8 +96,8 @@ void doubt_unused_entities(const SceneDescription& scene, const Used& used, Doub
     for (const auto& each : scene.media) doubt_unused(each, "medium", used.media, doubts);
     for (std::size_t i = 0; i < scene.area_lights.size(); ++i)
         if (used.area_lights.count(static_cast<int>(i)) == 0)
-            doubts.push_back(
-                error_at(scene.area_lights[i].location, "no shape that can shine follows this area light: it is dark"));
+            doubts.push_back(error_at(scene.area_lights[i].location,
+                                      "no emitting shape follows this area light, so it gives no light"));
     for (std::size_t i = 0; i < scene.objects.size(); ++i)
         if (used.objects.count(static_cast<int>(i)) == 0)
             doubts.push_back(error_at(scene.objects[i].shapes.empty() ? SourceLocation{scene.file, 0, 0}
@@ -104,7 +105,7 @@ void doubt_unused_entities(const SceneDescription& scene, const Used& used, Doub
                                       "the object '" + scene.objects[i].name + "' has no instance"));
 }
 
-/// Of a mesh's faces.
+/// Counts of a mesh's faces.
 struct FaceCounts {
     std::size_t faces = 0, degenerate_uv = 0, torn_normals = 0;
 };
@@ -113,7 +114,7 @@ DVec3 at(const std::vector<transport::StoredVec3>& values, std::uint32_t i) {
     return DVec3(values[i]);
 }
 
-/// Twice the area of a face in texture space, its corners in order; of a triangle the last one comes twice.
+/// Returns twice the area of a face in texture space. Corners are in order; a triangle repeats its last corner.
 double uv_area(const SceneShape& shape, const std::array<std::uint32_t, 4>& around) {
     double area = 0;
     for (std::size_t i = 1; i + 1 < around.size(); ++i) {
@@ -137,7 +138,7 @@ FaceCounts count_faces(const SceneShape& shape) {
         const std::uint32_t* of = shape.indices.data() + face * corners;
         const std::array<std::uint32_t, 4> around =
             triangles ? std::array{of[0], of[1], of[2], of[2]} : std::array{of[0], of[1], of[3], of[2]};
-        // Of a patch by its diagonals, of a triangle, whose last corner comes twice, by two sides.
+        // The cross product of a patch's diagonals; of a triangle, which repeats its last corner, that of two sides.
         const auto corner = [&](std::size_t i) { return at(shape.positions, around[i]); };
         const DVec3 n = cross(corner(2) - corner(0), corner(3) - corner(1));
         if (!shape.uvs.empty()) counts.degenerate_uv += uv_area(shape, around) == 0;
@@ -152,7 +153,7 @@ FaceCounts count_faces(const SceneShape& shape) {
     return counts;
 }
 
-/// What goes by texture coordinates of all that a shape's look is made of.
+/// Finds whether materials, mixes and textures use texture coordinates.
 class TexturedBy {
   public:
     explicit TexturedBy(const SceneDescription& scene) : scene_(scene) {
@@ -193,7 +194,7 @@ class TexturedBy {
     const SceneDescription& scene_;
     std::multimap<std::string, const transport::SceneTexture*> textures_;
     std::map<std::string, const transport::SceneEntity*> materials_;
-    std::set<const transport::SceneEntity*> seen_;  // in work or done: mixes may name themselves
+    std::set<const transport::SceneEntity*> seen_;  // visited entities, because mixes can refer to themselves
     std::map<const transport::SceneEntity*, bool> answers_;
 };
 
@@ -207,11 +208,11 @@ void doubt_shape(const SceneShape& shape, TexturedBy& textured, Doubts& doubts) 
     };
     if (counts.faces == 0) doubts.push_back(error_at(shape.location, transport::mesh_name(shape) + " has no faces"));
     if (counts.degenerate_uv > 0 && textured.coordinates(shape))
-        doubt(counts.degenerate_uv, "have texture coordinates on a line, and a material that reads textures");
-    doubt(counts.torn_normals, "have vertex normals on both of their sides");
+        doubt(counts.degenerate_uv, "have collinear texture coordinates and a material with textures");
+    doubt(counts.torn_normals, "have vertex normals on both sides of the face");
 }
 
-/// Of a mesh, in the space its list of shapes stands in.
+/// Returns the bounds of a mesh in the space of its shape list.
 transport::Bounds bounds_of(const SceneShape& shape) {
     constexpr transport::Real far = std::numeric_limits<transport::Real>::infinity();
     transport::Bounds bounds{{far, far, far}, {-far, -far, -far}};
@@ -231,12 +232,13 @@ bool lies_in(const transport::Bounds& inner, const transport::Bounds& outer) {
     return true;
 }
 
-/// A body of a medium that faces inwards fills the space around it, unless it is the hollow of another one.
+/// Warns of a closed medium boundary that faces inwards: it fills the space around it, unless it is a hole in another
+/// one.
 void doubt_bodies(const SceneDescription& scene, const std::vector<SceneShape>& shapes, Doubts& doubts) {
     for (const SceneShape& shape : shapes) {
         const bool body =
             shape.material >= 0 && scene.materials[static_cast<std::size_t>(shape.material)].type == "subsurface";
-        // Behind faces that look into a room of fog there is nothing.
+        // Without a body, fog that an inward-facing room contains is correct.
         if (!body && (shape.inside_medium < 0 || shape.inside_medium == shape.outside_medium)) continue;
         const auto volume = enclosed_volume(shape);
         if (!volume || *volume >= 0) continue;
@@ -244,12 +246,12 @@ void doubt_bodies(const SceneDescription& scene, const std::vector<SceneShape>& 
         const bool within_another = std::any_of(shapes.begin(), shapes.end(), [&](const SceneShape& other) {
             const bool alike = body ? other.material == shape.material : other.inside_medium == shape.inside_medium;
             return alike && &other != &shape &&
-                   (other.positions.empty() || lies_in(bounds, bounds_of(other)));  // of a quadric: it may be
+                   (other.positions.empty() || lies_in(bounds, bounds_of(other)));  // a quadric may contain it
         });
         if (!within_another)
-            doubts.push_back(error_at(shape.location, transport::mesh_name(shape) +
-                                                          " is closed and faces inwards: its medium fills the space "
-                                                          "around it; ReverseOrientation turns it"));
+            doubts.push_back(error_at(
+                shape.location, transport::mesh_name(shape) + " is closed and faces inwards, so its medium fills the "
+                                                              "space around it; ReverseOrientation flips it"));
     }
 }
 
@@ -264,7 +266,7 @@ std::vector<Error> scene_doubts(const SceneDescription& scene, const transport::
     doubt_bodies(scene, scene.shapes, doubts);
     for (const transport::SceneObject& object : scene.objects) doubt_bodies(scene, object.shapes, doubts);
     doubts.insert(doubts.end(), built.dark_lights.begin(), built.dark_lights.end());
-    // What stands in for a mesh is of a material of its own, so whatever seems unused may be that mesh's.
+    // A placeholder mesh has its own material, so any unused definition may belong to the missing mesh.
     const auto is_mesh = [](const std::string& file) { return file.ends_with(".ply") || file.ends_with(".ply.gz"); };
     if (std::none_of(scene.placeholders.begin(), scene.placeholders.end(), is_mesh))
         doubt_unused_entities(scene, everything_used(scene), doubts);

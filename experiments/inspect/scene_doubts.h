@@ -1,4 +1,4 @@
-// What of a scene renders, but hardly as somebody meant it: for `raylex scene check`.
+// Finds likely mistakes in a scene that renders, for `raylex scene check`.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,9 @@
 
 namespace raylex::experiments {
 
-/// One an object, at its directive, in the order of the file: degenerate texture coordinates where textures read them,
-/// vertex normals that lie on both sides of their face, lights without power, and what is defined and
-/// never used, with the near miss that may have been meant. `built` is of `scene`.
+/// Returns one warning per object, located at its directive, in file order: degenerate texture coordinates on textured
+/// shapes, vertex normals on both sides of their face, lights without power, and unused definitions with the closest
+/// used name. `built` must be built from `scene`.
 std::vector<Error> scene_doubts(const transport::SceneDescription& scene, const transport::BuiltScene& built);
 
 }  // namespace raylex::experiments

@@ -22,7 +22,7 @@ using transport::SceneDescription;
 using transport::SceneShape;
 using transport::ShapeKind;
 
-/// Counts in the order in which kinds first appear.
+/// Counts kinds, in the order in which they first appear.
 class KindCounter {
   public:
     void add(const std::string& kind, std::uint64_t count = 1) {
@@ -110,7 +110,7 @@ std::string point_text(const double (&p)[3]) {
     return "(" + number_text(p[0], 6) + ", " + number_text(p[1], 6) + ", " + number_text(p[2], 6) + ")";
 }
 
-/// All but the default one, where every shape has another.
+/// Returns the materials in use: all, but without the default material if every shape has another one.
 std::span<const transport::SceneEntity> materials_in_use(const SceneDescription& scene) {
     const auto by_default = [](const SceneShape& shape) { return shape.material <= 0; };
     bool used = std::any_of(scene.shapes.begin(), scene.shapes.end(), by_default);
@@ -119,7 +119,7 @@ std::span<const transport::SceneEntity> materials_in_use(const SceneDescription&
     return std::span(scene.materials).subspan(used || scene.materials.empty() ? 0 : 1);
 }
 
-/// Of a bound, which the intersector keeps a least number away from 0.
+/// Returns a coordinate of a bound. The intersector moves bounds at 0 by the smallest float.
 double coordinate(float rendered, double origin) {
     return (std::abs(rendered) <= std::numeric_limits<float>::min() ? 0.0 : double{rendered}) + origin;
 }
@@ -129,7 +129,7 @@ std::string medium_text(const MediumFact& medium) {
     return medium.name + (medium.scatters ? " (scatters, emits)" : " (emits)");
 }
 
-/// All that something uses but vacuum, without the insides of subsurface materials.
+/// Returns all media in use except vacuum and the insides of subsurface materials.
 std::vector<MediumFact> named_media(const transport::MediumTable& media) {
     std::vector<MediumFact> facts;
     for (std::size_t i = 0; i < media.size(); ++i) {
@@ -172,7 +172,7 @@ SceneFacts scene_facts(const SceneDescription& scene) {
     if (const auto choice = transport::choose_sampler(scene.sampler); choice && choice->stands_in)
         facts.sampler += " (rendered with " + choice->name + ")";
     facts.integrator = scene.integrator.type;
-    std::vector<Error> ignored;  // the render says them
+    std::vector<Error> ignored;  // the render reports these errors
     if (const auto film = transport::read_film(scene.film, std::nullopt, ignored))
         facts.width = film->width, facts.height = film->height;
     facts.effects = transport::analyse_effects(scene);
@@ -223,7 +223,7 @@ std::vector<std::string> lines_of(const SceneFacts& facts) {
         for (const MediumFact& each : facts.media_by_name) media.push_back(medium_text(each));
         line("medium names", names_text(media, 12));
     }
-    line("lights", kinds_text(facts.lights) + "; " + counted(facts.emitters, "emitter") + " to choose from");
+    line("lights", kinds_text(facts.lights) + "; " + counted(facts.emitters, "emitter") + " for light sampling");
     line("labels", names_text(facts.labels, 12));
     line("light groups", names_text(facts.light_groups, 12));
     std::string film = or_default(facts.film);
@@ -232,11 +232,11 @@ std::vector<std::string> lines_of(const SceneFacts& facts) {
     line("image", "camera " + or_default(facts.camera) + ", film " + film + ", filter " + or_default(facts.filter));
     line("sampling", "sampler " + or_default(facts.sampler) + ", integrator " + or_default(facts.integrator));
     line("memory",
-         size_text(static_cast<double>(facts.mesh_bytes)) + " of meshes as read" +
-             (facts.grid_bytes > 0 ? ", " + size_text(static_cast<double>(facts.grid_bytes)) + " of media's grids"
+         size_text(static_cast<double>(facts.mesh_bytes)) + " of meshes" +
+             (facts.grid_bytes > 0 ? ", " + size_text(static_cast<double>(facts.grid_bytes)) + " of grids of media"
                                    : std::string()) +
              (facts.is_built
-                  ? ", " + size_text(static_cast<double>(facts.peak_bytes)) + " at most while reading and building"
+                  ? ", " + size_text(static_cast<double>(facts.peak_bytes)) + " peak while reading and building"
                   : std::string()));
     if (facts.is_built)
         line("time",

@@ -36,15 +36,14 @@ Result<SceneReport> check_invariants(const std::string& text, const std::string&
         if (std::find(names.begin(), names.end(), name) == names.end()) {
             std::string list;
             for (const std::string& each : names) list += (list.empty() ? "" : ", ") + each;
-            return error_at({}, "no invariant is called '" + name + "'; expected one of: " + list,
-                            near_miss(name, names));
+            return error_at({}, "unknown invariant '" + name + "'; expected one of: " + list, near_miss(name, names));
         }
     SceneReport report;
     const auto test = SceneUnderTest::make(text, path, options);
     if (!test) {
         report.refused = test.error().to_string();
         if (test.error().message.empty())
-            report.verdicts.push_back({"error", InvariantState::violated, 1, 0, "refused without a word"});
+            report.verdicts.push_back({"error", InvariantState::violated, 1, 0, "rejected without an error message"});
         return report;
     }
     for (const Invariant* each : all_invariants()) {
@@ -54,7 +53,7 @@ Result<SceneReport> check_invariants(const std::string& text, const std::string&
         const Measured measured = each->check(*test);
         Verdict verdict{std::string(each->info.name), InvariantState::skipped, measured.value, measured.bound,
                         measured.note};
-        // Not a number violates every bound.
+        // NaN violates every bound.
         if (measured.applies)
             verdict.outcome = measured.value <= measured.bound ? InvariantState::holds : InvariantState::violated;
         report.verdicts.push_back(std::move(verdict));

@@ -1,4 +1,4 @@
-// Invariants of what an image is in the mean: renders by independent seeds, compared by Student's t.
+// Invariants of the mean of an image. Renders with independent seeds are compared by Student's t.
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -16,19 +16,20 @@ namespace {
 using transport::RenderSettings;
 using transport::SceneDescription;
 
-/// Of one comparison: Sidak's for a million at one in a thousand. A suspicion, which is looked at again, is far more.
+/// Levels of one comparison. `level` is Sidak's for a million comparisons and a total of 0.001. A suspicion, far more
+/// frequent, is checked again.
 constexpr double level = 1e-9, suspicion = 1e-3;
 
-/// Means over the image of every channel, of each seed.
+/// The mean over the image of every channel, for each seed.
 using Means = std::vector<std::vector<double>>;
 
 struct Render {
     SceneDescription scene;
-    std::string integrator;  ///< empty: the scene's
+    std::string integrator;  ///< empty: the scene's integrator
     std::vector<Parameter> parameters;
 };
 
-/// `channels` alone when given, else those of the test.
+/// Renders with several seeds and returns the means of `expressions`, or of the test's channels if there are none.
 Result<Means> means_of(const SceneUnderTest& test, const Render& render, const std::vector<std::string>& expressions,
                        int replicates, std::uint64_t first_seed) {
     auto built = transport::BuiltScene::build(render.scene, {.isa = {}, .threads = 1});
@@ -69,7 +70,7 @@ Result<Means> means_of(const SceneUnderTest& test, const Render& render, const s
 }
 
 struct Comparison {
-    double mean_a = 0, mean_b = 0, error = 0;  ///< of the difference
+    double mean_a = 0, mean_b = 0, error = 0;  ///< `error` is the standard error of the difference
     double t = 0, freedom = 1;
     [[nodiscard]] double threshold(double at) const {
         return boost::math::quantile(boost::math::complement(boost::math::students_t(freedom), at / 2));
@@ -91,7 +92,7 @@ std::vector<double> column(const Means& means, std::size_t channel) {
     return values;
 }
 
-/// Welch's, of independent seeds.
+/// Welch's t test for independent seeds.
 Comparison compare(const std::vector<double>& a, const std::vector<double>& b) {
     Comparison result{mean_of(a), mean_of(b)};
     const double va = variance_of_mean(a), vb = variance_of_mean(b), n = double(a.size());
@@ -102,7 +103,7 @@ Comparison compare(const std::vector<double>& a, const std::vector<double>& b) {
     return result;
 }
 
-/// Of the same seeds on both sides: by the differences of pairs, which is sharper where paths are alike.
+/// The t test for equal seeds on both sides, by the differences of pairs. It is more sensitive if paths are similar.
 Comparison compare_pairs(const std::vector<double>& a, const std::vector<double>& b) {
     std::vector<double> apart;
     for (std::size_t i = 0; i < a.size(); ++i) apart.push_back(a[i] - b[i]);
@@ -121,7 +122,8 @@ std::string text_of(const Comparison& worst) {
     return number(worst.mean_a) + " and " + number(worst.mean_b) + ", difference +- " + number(worst.error);
 }
 
-/// Most of the light is in a few samples, perhaps in ones that have not come: errors say nothing then.
+/// Returns whether most of the light is in a few samples. Further rare samples may be missing, so the standard error is
+/// unreliable.
 bool is_rare(const std::vector<double>& values) {
     const double mean = mean_of(values);
     return mean != 0 && std::sqrt(variance_of_mean(values)) > 0.05 * std::abs(mean);
@@ -132,8 +134,8 @@ bool has_borders(const SceneDescription& scene) {
                        [](const auto& shape) { return shape.inside_medium != shape.outside_medium; });
 }
 
-/// Rough coats without raylex:unbiased: what they evaluate and what they sample differ, as in pbrt-v4
-/// (transport/materials/closures/layered.h), so that estimators do.
+/// Returns whether the scene has rough coats without raylex:unbiased. As in pbrt-v4, their evaluation and their
+/// sampling differ (transport/materials/closures/layered.h), so estimators disagree.
 bool has_biased_coats(const SceneDescription& scene) {
     return std::any_of(scene.materials.begin(), scene.materials.end(), [](const transport::SceneEntity& material) {
         const auto unbiased = material.parameters.boolean_or("raylex:unbiased", false);
@@ -141,10 +143,10 @@ bool has_biased_coats(const SceneDescription& scene) {
     });
 }
 
-/// Of emission in the scene.
+/// The brightest emission in the scene.
 struct Brightest {
-    double radiance = 0;  ///< of lights that have a known one
-    bool all = true;      ///< all lights are of known radiance
+    double radiance = 0;  ///< the largest known radiance of a light
+    bool all = true;      ///< the radiance of all lights is known
 };
 
 Brightest brightest(const SceneDescription& scene) {
@@ -165,9 +167,9 @@ Brightest brightest(const SceneDescription& scene) {
     return found;
 }
 
-/// One side has found nothing at all in `draws` samples, and may not have had the chance. A mean takes at least
-/// mean / brightest of all samples, and that many all miss with a probability of e^-20, twice `level`; where a light is
-/// of no largest radiance, what no sample of the test's own image covers may be as rare.
+/// Returns whether one side found no light at all in `draws` samples, although this may be chance. A mean needs at
+/// least mean / brightest of all samples; the probability that they all miss is e^-20, twice `level`. If a light has no
+/// largest radiance, this is also assumed if no sample of the test's own image hits a surface.
 bool is_unseen(const Comparison& found, const SceneUnderTest& test, double draws) {
     if (found.mean_a != 0 && found.mean_b != 0) return false;
     const double mean = std::max(std::abs(found.mean_a), std::abs(found.mean_b));
@@ -178,14 +180,15 @@ bool is_unseen(const Comparison& found, const SceneUnderTest& test, double draws
     return std::all_of(covered.begin(), covered.end(), [](double alpha) { return alpha == 0; });
 }
 
-/// Whether anything is nearer to the point than `near`, as far as rays in all directions tell.
+/// Returns whether any surface is closer to the point than `near`, by tracing rays in all directions.
 bool is_near_surface(const transport::EmbreeScene& geometry, const transport::Vec3& point, transport::Real near) {
     Random random(1);
     for (int i = 0; i < 256; ++i) {
         transport::Ray ray;
         ray.direction = transport::sample_uniform_sphere(
             {static_cast<transport::Real>(random.unit()), static_cast<transport::Real>(random.unit())});
-        ray.origin = point - ray.direction * near;  // through the point: a hit at 0 would be none
+        // starts before the point, because a hit at distance 0 would not count
+        ray.origin = point - ray.direction * near;
         transport::Hit hit;
         geometry.intersect({&ray, 1}, {&hit, 1});
         if (hit.valid() && hit.t < 2 * near) return true;
@@ -193,9 +196,9 @@ bool is_near_surface(const transport::EmbreeScene& geometry, const transport::Ve
     return false;
 }
 
-/// Rays that begin on a surface meet it or not as rounding has it; from a vertex they run in a triangle's plane. And a
-/// light without area that stands right before a surface lights a spot that few camera rays meet, too few for their
-/// errors to be known.
+/// Returns "the camera" or "a light" if it lies on a surface; else an empty string. Rays that start on a surface hit it
+/// or not depending on rounding, and rays from a vertex lie in the plane of a triangle. A point light close to a
+/// surface lights a spot that few camera rays meet, too few to know their errors.
 std::string what_stands_on_a_surface(const SceneUnderTest& test) {
     const transport::SceneView view = test.built->view();
     const transport::EmbreeScene& geometry = *view.geometry;
@@ -215,14 +218,17 @@ std::string what_stands_on_a_surface(const SceneUnderTest& test) {
     return {};
 }
 
-/// t of the channel that is most apart, over the t that is allowed. `rounding`: relative difference that is no noise.
+/// Returns the largest t over all channels, divided by the allowed t. `rounding` is a relative difference that does not
+/// count as noise.
 Measured agreement(const SceneUnderTest& test, const Render& a, const Render& b, bool paired, double rounding,
                    const std::vector<std::string>& expressions = {}) {
     if (test.output->statistics.invalid_samples > 0) return Measured::skip("numbers leave the range of float");
     if (const std::string what = what_stands_on_a_surface(test); !what.empty())
-        return Measured::skip(what + " stands on a surface, or nearly");
+        return Measured::skip(what + " lies on a surface, or almost");
     if ((a.integrator != "path" || b.integrator != "path") && has_borders(test.scene))
-        return Measured::skip("media meet at surfaces: what a camera and a light stand in agrees for closed ones only");
+        return Measured::skip(
+            "surfaces separate media, so the medium at the camera and at a light is consistent only for closed "
+            "surfaces");
     const display::FrameBufferLayout& layout = test.output->frame_buffer.layout();
     const double pixels = static_cast<double>(layout.width) * layout.height;
     Measured result{true, 0, 1, {}};
@@ -237,11 +243,11 @@ Measured agreement(const SceneUnderTest& test, const Render& a, const Render& b,
         for (std::size_t channel = 0; channel < x->front().size(); ++channel) {
             const auto u = column(*x, channel), v = column(*y, channel);
             const Comparison found = paired ? compare_pairs(u, v) : compare(u, v);
-            // Light paths may all pass by what little of a surface a camera close to it sees.
+            // All light paths may miss the small part of a surface that a camera close to it sees.
             const bool passed_by = b.integrator == "lighttracer" && found.mean_b == 0;
             const double draws = static_cast<double>(replicates) * test.options.samples_of_means * pixels;
             if (again && !paired && (passed_by || is_rare(u) || is_rare(v) || is_unseen(found, test, draws))) {
-                result.note += result.note.empty() ? "too rare to tell" : "";
+                result.note += result.note.empty() ? "too rare for a comparison" : "";
                 continue;
             }
             const double allowed = found.threshold(again ? level : suspicion) * found.error +
@@ -249,15 +255,16 @@ Measured agreement(const SceneUnderTest& test, const Render& a, const Render& b,
             const double ratio = std::abs(found.mean_a - found.mean_b) / std::max(allowed, 1e-300);
             if (ratio <= result.value && !result.note.empty()) continue;
             result.value = ratio;
-            result.note = text_of(found) + "; 1 is the most that chance makes of it";
+            result.note = text_of(found) + "; values up to 1 are chance";
         }
         if (result.value <= 1) break;
     }
     return result;
 }
 
-/// What rounding may move an image by in the mean: points move by 2^-24 of the scene's size, and with them edges and
-/// what is seen through thousands of paths. Measured on scenes of ordinary size it stays below a tenth of this.
+/// Bound on the effect of rounding on the mean of an image. Points move by 2^-24 of the scene's size, and edges and
+/// everything seen along thousands of paths move with them. For scenes of ordinary size the measured effect is below a
+/// tenth of this.
 constexpr double rounding_of_points = 1e-3;
 
 Measured translated(const SceneUnderTest& test) {
@@ -282,24 +289,25 @@ Measured resized(const SceneUnderTest& test) {
 }
 
 Measured reordered(const SceneUnderTest& test) {
-    if (test.scene.shapes.size() < 2) return Measured::skip("there is one shape");
+    if (test.scene.shapes.size() < 2) return Measured::skip("there is only one shape");
     SceneDescription other = test.scene;
     std::reverse(other.shapes.begin(), other.shapes.end());
     std::reverse(other.lights.begin(), other.lights.end());
     return agreement(test, {test.scene, {}, {}}, {other, {}, {}}, false, rounding_of_points);
 }
 
-/// What every estimator finds without rare events: diffuse words. Sharp ones are for scenes made for them.
+/// Compares estimators on diffuse words, which every estimator finds without rare events. Special scenes test specular
+/// words.
 Measured estimators(const SceneUnderTest& test, const std::string& other, std::vector<Parameter> parameters) {
-    if (has_biased_coats(test.scene)) return Measured::skip("coats without raylex:unbiased weigh samples as pbrt does");
+    if (has_biased_coats(test.scene)) return Measured::skip("coats without raylex:unbiased are biased, as in pbrt");
     return agreement(test, {test.scene, "path", {}}, {test.scene, other, std::move(parameters)}, false,
                      rounding_of_points, {"C<RD>{1,3}[LO]"});
 }
 Measured own_integrator(const SceneUnderTest& test) {
-    // The pair below that names it knows what it cannot find.
+    // The comparison with that integrator below accounts for paths that it cannot find.
     if (test.integrator() == "lighttracer" || test.integrator() == "pssmlt")
-        return Measured::skip("see that one's line");
-    if (test.integrator() == "path") return Measured::skip("its integrator is path");
+        return Measured::skip("see the line of this integrator");
+    if (test.integrator() == "path") return Measured::skip("the scene's integrator is path");
     return agreement(test, {test.scene, "path", {}}, {test.scene, {}, {}}, false, rounding_of_points,
                      {"C<RD>{1,3}[LO]"});
 }
@@ -319,8 +327,8 @@ Measured light_samples(const SceneUnderTest& test) {
     return estimators(test, "path", {transport::typed::text("strategy", "light")});
 }
 
-/// Whether no surface can send out more than it gets: no shading normals, no scaling of radiance at interfaces, albedos
-/// of at most 1.
+/// Returns whether no surface can emit more light than it receives: no shading normals, no scaling of radiance at
+/// interfaces, albedos of at most 1.
 bool conserves(const SceneDescription& scene) {
     for (const auto& material : scene.materials) {
         if (material.type == "dielectric" || material.type == "raylex:additive" ||
@@ -338,12 +346,12 @@ bool conserves(const SceneDescription& scene) {
     return true;
 }
 
-/// Radiance after k events is at most the brightest emission E, so that with n events at most the image's mean is at
-/// most (n + 1) E: it holds of the mean, which has an error.
+/// After k events radiance is at most the brightest emission E, so with at most n events the image's mean is at most (n
+/// + 1) E. The bound holds for the true mean, so the estimate may exceed it by its error.
 Measured energy(const SceneUnderTest& test) {
     const Brightest most = brightest(test.scene);
     if (!most.all || !test.scene.media.empty()) return Measured::skip("light without a largest radiance");
-    if (!conserves(test.scene)) return Measured::skip("a surface may send out more than it gets");
+    if (!conserves(test.scene)) return Measured::skip("a surface can emit more light than it receives");
     const auto depth = test.scene.integrator.parameters.integer_or("maxdepth", 5);
     const double bound = most.radiance * double((depth ? *depth : 5) + 1);
     const auto means = means_of(test, {test.scene, {}, {}}, {}, test.options.replicates, 77);
@@ -352,7 +360,7 @@ Measured energy(const SceneUnderTest& test) {
     const double error = std::sqrt(variance_of_mean(beauty));
     const Comparison quantile{0, 0, 0, 0, double(beauty.size() - 1)};
     return {true, mean_of(beauty) - quantile.threshold(level) * error, bound * (1 + 1e-5),
-            "mean of the image less its error; the brightest emission times events + 1"};
+            "mean of the image minus its error; the brightest emission times events + 1"};
 }
 
 }  // namespace
@@ -360,10 +368,10 @@ Measured energy(const SceneUnderTest& test) {
 const std::vector<Invariant>& invariants_of_means() {
     static const std::vector<Invariant> all{
         {{"energy", "no more light than the brightest emission times events + 1", true, true}, energy},
-        {{"translation", "far away by a transform it is the same image in the mean", true, true}, translated},
-        {{"rotation", "turned with its camera it is the same image in the mean", true, true}, rotated},
-        {{"scale", "in any unit of length it is the same image in the mean", true, true}, resized},
-        {{"order", "shapes and lights in another order: the same image in the mean", true, true}, reordered},
+        {{"translation", "a transform to a distant place does not change the mean image", true, true}, translated},
+        {{"rotation", "a rotation of scene and camera does not change the mean image", true, true}, rotated},
+        {{"scale", "the unit of length does not change the mean image", true, true}, resized},
+        {{"order", "the order of shapes and lights does not change the mean image", true, true}, reordered},
         {{"integrator", "the scene's own integrator and path agree on diffuse paths", true, true}, own_integrator},
         {{"bdpt", "path and bdpt agree on diffuse paths", true, true}, bidirectional},
         {{"lighttracer", "path and lighttracer agree on diffuse paths", true, true}, light_tracer},

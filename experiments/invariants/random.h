@@ -1,4 +1,4 @@
-// Numbers for random scenes: the same on every machine.
+// Random numbers for random scenes, the same on every machine.
 #pragma once
 
 #include <array>

@@ -20,7 +20,7 @@ display::ChannelDefinition layer(const std::string& name, const std::string& exp
     return channel;
 }
 
-/// Expressions of which every path of light has exactly one: some at hand, and a random one with what it leaves.
+/// Returns expressions that match every path of light exactly once: fixed ones, or a random one and its complement.
 std::vector<std::string> partition(std::uint64_t seed) {
     static const std::array<std::vector<std::string>, 3> ready{{
         {"C[LO]", "C.[LO]", "C..+[LO]"},
@@ -32,7 +32,7 @@ std::vector<std::string> partition(std::uint64_t seed) {
     return {taken, "C.*[LO]-(" + taken + ")"};
 }
 
-/// Rendered smaller where the film is large.
+/// Returns a smaller resolution if the film has too many pixels.
 std::optional<std::array<int, 2>> small_enough(const transport::BuiltScene& built, int most_pixels) {
     std::vector<Error> warnings;
     const auto film = transport::read_film(built.film, std::nullopt, warnings);
@@ -65,7 +65,7 @@ Result<SceneUnderTest> SceneUnderTest::make(const std::string& text, const std::
     for (const std::string& expression : partition(options.seed))
         test.settings.channels.push_back(layer("layer" + std::to_string(test.settings.channels.size()), expression));
     test.layers = test.settings.channels.size();
-    // Now and then what else a render can be asked for.
+    // Some seeds also use other features of a render.
     test.settings.splat = options.seed % 7 == 3;
     test.settings.picked_lobes = options.seed % 11 == 5;
     static constexpr std::array<const char*, 6> aovs{"Nn", "z", "Pw", "curvature", "albedo", "sampleCount"};

@@ -1,4 +1,4 @@
-// A scene, its renders and its variants, as invariants ask for them.
+// A scene with its render and its variants, as input of invariants.
 #pragma once
 
 #include <functional>
@@ -23,13 +23,13 @@ class SceneUnderTest {
     transport::SceneDescription scene;
     std::shared_ptr<const transport::BuiltScene> built;
     transport::RenderSettings settings;  ///< few pixels and samples, one thread, layers that split the light
-    std::size_t layers = 0;              ///< how many of the channels split the beauty, the first ones
-    std::shared_ptr<const transport::RenderOutput> output;  ///< by those settings
+    std::size_t layers = 0;              ///< number of channels that split the beauty; they come first
+    std::shared_ptr<const transport::RenderOutput> output;  ///< the render with these settings
 
     [[nodiscard]] std::string integrator() const { return output->integrator; }
-    /// Channels of light: the beauty and the layers that split it, ids 0 to this.
+    /// Number of channels of light: the beauty and the layers that split it, with ids below this number.
     [[nodiscard]] std::size_t light_channels() const { return layers + 1; }
-    /// Whether a pixel can be negative though all light is positive.
+    /// Whether a pixel can be negative although all light is positive.
     [[nodiscard]] bool filter_has_negative_lobes() const {
         return output->filter == "mitchell" || output->filter == "sinc";
     }
@@ -38,7 +38,7 @@ class SceneUnderTest {
     explicit SceneUnderTest(const InvariantOptions& check) : options(check) {}
 };
 
-/// How a check went: what it measured, or why there is nothing to measure.
+/// The result of a check: the measured value and its bound, or why the check does not apply.
 struct Measured {
     bool applies = true;
     double value = 0, bound = 0;
@@ -52,24 +52,25 @@ struct Invariant {
     InvariantInfo info;
     Check check;
 };
-/// Of bits: invariants_of_bits.cpp; of means: invariants_of_means.cpp.
+/// Return the invariants of invariants_of_bits.cpp and of invariants_of_means.cpp.
 const std::vector<Invariant>& invariants_of_bits();
 const std::vector<Invariant>& invariants_of_means();
 
-/// The largest difference between the images of any channel, relative to the channel's largest value; infinite where a
-/// channel or pixel is missing or one value is not finite alone.
+/// Returns the largest difference between two images over all channels, relative to the channel's largest value;
+/// infinite if a channel or pixel is missing, or if a value is finite in only one image.
 double difference(const transport::RenderOutput& a, const transport::RenderOutput& b);
 
-/// The scene in another place: everything, camera and lights too, goes through `change`.
+/// Returns the scene with everything, also camera and lights, transformed by `change`.
 transport::SceneDescription moved(transport::SceneDescription scene, const transport::Transform& change);
-/// The scene in another unit of length, 1/`factor` of the old one: lengths times `factor`, intensities and coefficients
-/// so that every pixel stays the same.
+/// Returns the scene in a unit of length that is shorter by `factor`: lengths are multiplied by `factor`; intensities
+/// and coefficients are adjusted so that pixels keep their values.
 transport::SceneDescription scaled(transport::SceneDescription scene, double factor);
-/// Whether brightened() can be made: not of uniform grids whose light goes by temperatures, or by a spectrum alone.
+/// Returns whether brightened() supports the scene. It does not support uniform grids whose light is given by
+/// temperatures or only by a spectrum.
 bool can_be_brightened(const transport::SceneDescription& scene);
-/// All emission times `factor`.
+/// Returns the scene with all emission multiplied by `factor`.
 transport::SceneDescription brightened(transport::SceneDescription scene, double factor);
-/// Constant colours of materials as textures of one colour.
+/// Returns the scene with constant material colours replaced by textures of one colour.
 transport::SceneDescription textured(transport::SceneDescription scene);
 
 }  // namespace raylex::experiments

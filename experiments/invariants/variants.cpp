@@ -1,4 +1,4 @@
-// Scenes made from a scene, whose images follow from its image.
+// Makes variants of a scene whose images have a known relation to its image.
 #include <algorithm>
 
 #include "experiments/invariants/scene_under_test.h"
@@ -13,7 +13,7 @@ using transport::Transform;
 
 namespace {
 
-/// Multiplies a number of the set, which is 1 when absent.
+/// Multiplies a number of the set; a missing number counts as 1.
 void multiply(ParameterSet& set, const std::string& name, double factor) {
     for (Parameter& parameter : set.parameters) {
         if (parameter.name != name || parameter.numbers.size() != 1) continue;
@@ -23,7 +23,7 @@ void multiply(ParameterSet& set, const std::string& name, double factor) {
     set.parameters.push_back(transport::typed::real(name, factor));
 }
 
-/// Every number of a parameter; false where it is not there.
+/// Multiplies every number of a parameter. Returns false if the parameter is missing.
 bool multiply_all(ParameterSet& set, const char* name, double factor) {
     for (Parameter& parameter : set.parameters) {
         if (parameter.name != name) continue;
@@ -33,16 +33,16 @@ bool multiply_all(ParameterSet& set, const char* name, double factor) {
     return false;
 }
 
-/// What a medium emits.
+/// Multiplies the emission of a medium.
 void brighten(transport::SceneMedium& medium, double factor) {
     ParameterSet& set = medium.parameters;
     if (multiply_all(set, "Lescale", factor) || multiply_all(set, "LeScale", factor)) return;
     if (medium.type != "uniformgrid") return multiply(set, "Lescale", factor);
-    // Its "Lescale" is a grid, which ends at the box: none is not one of 1.
+    // The "Lescale" of a uniform grid is a grid that ends at the box, so a missing one is not a grid of ones.
     multiply_all(set, "Le", factor);
 }
 
-/// x y z of one point after another.
+/// Transforms points, given as x y z of one point after another.
 void move_points(std::vector<double>& numbers, const Transform& change) {
     for (std::size_t i = 0; i + 3 <= numbers.size(); i += 3) {
         const auto p = change.point_in_double({numbers[i], numbers[i + 1], numbers[i + 2]});
@@ -63,7 +63,7 @@ SceneDescription moved(SceneDescription scene, const Transform& change) {
     for (transport::SceneLight& light : scene.lights) {
         light.to_world = change * light.to_world;
         for (Parameter& parameter : light.parameters.parameters)
-            if (parameter.name == "portal") move_points(parameter.numbers, change);  // they stand in the world
+            if (parameter.name == "portal") move_points(parameter.numbers, change);  // portals are in world space
     }
     for (transport::SceneTexture& texture : scene.textures) texture.to_world = change * texture.to_world;
     for (transport::SceneMedium& medium : scene.media) medium.to_world = change * medium.to_world;
@@ -75,14 +75,14 @@ SceneDescription scaled(SceneDescription scene, double factor) {
     for (transport::SceneLight& light : scene.lights)
         if (transport::is_light_at_point(light)) multiply(light.parameters, "scale", factor * factor);
     for (transport::SceneAreaLight& light : scene.area_lights) {
-        const auto power = light.parameters.real_or("power", -1);  // of a surface that is larger now
+        const auto power = light.parameters.real_or("power", -1);  // of a surface that is now larger
         if (power && *power > 0) multiply(light.parameters, "scale", factor * factor);
     }
     for (transport::SceneEntity& medium : scene.media) multiply(medium.parameters, "scale", 1 / factor);
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         ParameterSet& set = scene.materials[i].parameters;
         const auto has = [&](const char* name) { return set.find(name) != nullptr; };
-        // A factor on coefficients, or with a reflectance on mean free paths.
+        // Scales the coefficients, or the mean free path if there is a reflectance.
         if (scene.materials[i].type == "subsurface")
             multiply(set, "scale",
                      has("reflectance") && !has("name") && !has("sigma_a") && !has("sigma_s") ? factor : 1 / factor);
@@ -99,7 +99,7 @@ SceneDescription scaled(SceneDescription scene, double factor) {
         }
     }
     const auto factor_in_real = static_cast<transport::Real>(factor);
-    for (SceneShape& shape : scene.shapes) shape.edge_length *= factor_in_real;  // of displaced meshes, in the world
+    for (SceneShape& shape : scene.shapes) shape.edge_length *= factor_in_real;  // of displaced meshes, in world space
     return scene;
 }
 

@@ -39,7 +39,7 @@ void read_rule(TomlTable& table, std::string_view key, const std::string& channe
     else table.source().fail(request.error());
 }
 
-/// [channels.statistics] and [channels.rules]: by the names of channels, for those that have no table of their own.
+/// Reads [channels.statistics] and [channels.rules], by channel name, for channels without a table of their own.
 void read_channel_settings(TomlTable& channels, Job& job) {
     const auto each = [&](const char* key, void (*read)(TomlTable&, std::string_view, const std::string&, Job&)) {
         const toml::table* table = channels.take_table(key);
@@ -51,7 +51,7 @@ void read_channel_settings(TomlTable& channels, Job& job) {
     each("rules", read_rule);
 }
 
-/// [[layer]]: a channel's samples once more, by another rule.
+/// Reads [[layer]]: a further layer from a channel's samples, with another rule.
 void read_layers(TomlTable& root, Job& job) {
     for (const toml::table* table : root.take_tables("layer")) {
         TomlTable reader(root.source(), *table, "a [[layer]] table");
@@ -66,7 +66,7 @@ void read_layers(TomlTable& root, Job& job) {
     }
 }
 
-/// A [[channel]] with a type and no expression: plugins write to it.
+/// Reads a [[channel]] with a type and without an expression, which plugins write to.
 void read_declared(TomlTable& table, const std::string& name, const std::string& type, Job& job) {
     const SourceLocation where = table.location_of("type");
     const auto parsed = display::parse_channel_type(type, where);
@@ -76,9 +76,10 @@ void read_declared(TomlTable& table, const std::string& name, const std::string&
     channel.origin_line = where.line;
     channel.origin_column = where.column;
     if (std::string expression; table.read("lpe", expression))
-        table.source().fail(table.location_of("lpe"), "channel '" + name +
-                                                          "' has both 'lpe' and 'type'; expected an expression of "
-                                                          "light, or the type of what plugins write");
+        table.source().fail(
+            table.location_of("lpe"),
+            "channel '" + name +
+                "' has both 'lpe' and 'type'; expected an expression of light, or the type of a plugin's channel");
     read_statistics(table, "statistics", name, job);
     read_rule(table, "rule", name, job);
     table.close();
@@ -104,9 +105,9 @@ void read_channels(TomlTable& root, Job& job) {
         if (channels.read("cryptomatte_ranks", ranks, 2, geoaovs::Cryptomatte::most_ranks)) {
             job.settings.cryptomatte_ranks = static_cast<int>(ranks);
             if (ranks % 2 != 0)
-                root.source().fail(channels.location_of("cryptomatte_ranks"),
-                                   "'cryptomatte_ranks' in [channels] is odd; expected an even number, since a layer "
-                                   "holds two");
+                root.source().fail(
+                    channels.location_of("cryptomatte_ranks"),
+                    "'cryptomatte_ranks' in [channels] is odd; expected an even number, because a layer holds two");
         }
         read_channel_settings(channels, job);
         channels.read("shipped_partition", job.shipped_partition);
@@ -164,7 +165,7 @@ void read_partitions(TomlTable& root, Job& job) {
     }
 }
 
-/// [macros] name = "expression"
+/// Reads [macros]: name = "expression"
 void read_macros(TomlTable& root, Job& job) {
     const toml::table* table = root.take_table("macros");
     if (table == nullptr) return;
@@ -182,7 +183,7 @@ void read_macros(TomlTable& root, Job& job) {
     }
 }
 
-/// [lobe_slots] specular5 = "coat,clearcoat", or an array of names.
+/// Reads [lobe_slots]: specular5 = "coat,clearcoat", or an array of names.
 void read_lobe_slots(TomlTable& root, Job& job) {
     const toml::table* table = root.take_table("lobe_slots");
     if (table == nullptr) return;

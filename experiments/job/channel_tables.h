@@ -1,5 +1,5 @@
-// The tables of a TOML file that speak of channels: [channels], [[channel]], [[partition]], [macros], [lobe_slots]. A
-// job has them among others; a file of channels has nothing else.
+// Reads the TOML tables about channels: [channels], [[channel]], [[partition]], [macros], [lobe_slots]. A job has other
+// tables too; a channel file has only these.
 #pragma once
 
 #include "experiments/job/job.h"
@@ -7,10 +7,11 @@
 
 namespace raylex::experiments {
 
-/// Reads them into the job's fields of the same names. Errors go to the table's source.
+/// Reads the tables into the job's fields of the same names. Errors go to the table's source.
 void read_channel_tables(TomlTable& root, Job& job);
 
-/// A file of channels: these tables alone, or a whole job, of which only they count. Errors as parse_job's.
+/// Reads these tables from a channel file, or from a whole job, whose other tables are ignored. Errors as for
+/// parse_job().
 Result<Job> parse_channel_tables(const std::string& text, const std::string& path);
 
 }  // namespace raylex::experiments

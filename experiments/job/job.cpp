@@ -33,7 +33,7 @@ Result<std::array<int, 2>> parse_resolution(const std::string& text, const Sourc
     if (cross == std::string::npos || !read(std::string_view(text).substr(0, cross), size[0]) ||
         !read(std::string_view(text).substr(cross + 1), size[1]))
         return error_at(where, "'" + text +
-                                   "' is no resolution; expected WIDTHxHEIGHT in pixels, each from 1 to 65536, "
+                                   "' is not a resolution; expected WIDTHxHEIGHT in pixels, each from 1 to 65536, "
                                    "such as 640x480");
     return size;
 }
@@ -41,8 +41,8 @@ Result<std::array<int, 2>> parse_resolution(const std::string& text, const Sourc
 Result<transport::MissingFiles> parse_missing(const std::string& text, const SourceLocation& where) {
     if (text == "error") return transport::MissingFiles::refused;
     if (text == "placeholder") return transport::MissingFiles::placeholders;
-    return error_at(where, "missing files are '" + text + "'; expected error or placeholder",
-                    "placeholder renders with magenta in place of what is missing");
+    return error_at(where, "'" + text + "' is not a treatment of missing files; expected error or placeholder",
+                    "placeholder renders magenta in place of missing files");
 }
 
 Result<display::PixelRegion> parse_crop(const std::string& text, const SourceLocation& where) {
@@ -60,7 +60,7 @@ Result<display::PixelRegion> parse_crop(const std::string& text, const SourceLoc
         return display::PixelRegion{corners[0], corners[1], corners[2], corners[3]};
     return error_at(where,
                     "'" + text +
-                        "' is no part of an image; expected X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1, such as "
+                        "' is not a part of an image; expected X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1, such as "
                         "0,0,320,240");
 }
 
@@ -69,7 +69,7 @@ Status add_cryptomatte(const std::string& name, const SourceLocation& where, tra
     if (!kind) return error_at(where, kind.error().message, kind.error().hint);
     for (const geoaovs::MatteKind known : settings.cryptomatte)
         if (known == *kind)
-            return error_at(where, "the cryptomatte '" + name + "' is asked for twice; expected each kind once");
+            return error_at(where, "the cryptomatte '" + name + "' is requested twice; expected each kind once");
     settings.cryptomatte.push_back(*kind);
     return success();
 }
@@ -95,12 +95,12 @@ Status check_layer_name(const std::string& name, const SourceLocation& where) {
                                    "a letter or _, and no dot at the end");
     for (const char* taken : {"CryptoObject", "CryptoMaterial", "CryptoAsset"})
         if (name.starts_with(taken))
-            return error_at(where, "the channel name '" + name + "' begins like the layers of a cryptomatte, '" +
-                                       taken + "'; expected another name");
+            return error_at(where, "the channel name '" + name + "' begins like layers of the cryptomatte '" + taken +
+                                       "'; expected another name");
     for (const char* taken : {"beauty", "rgba", "R", "G", "B", "A", "Y"})
         if (name == taken)
             return error_at(where,
-                            "the channel name '" + name + "' is taken by the beauty image; expected another name");
+                            "the channel name '" + name + "' is reserved for the beauty image; expected another name");
     return success();
 }
 
@@ -113,12 +113,12 @@ Result<TechniqueRequest> parse_techniques(const std::string& text, const SourceL
     }
     if (!text.starts_with(pyramid + ":"))
         return error_at(where, "'" + text +
-                                   "' is no way to show techniques; expected pyramid, or pyramid: and names of "
-                                   "channels between commas");
+                                   "' is not a set of technique layers; expected pyramid, or pyramid: and names of "
+                                   "channels separated by commas");
     for (std::size_t begin = pyramid.size() + 1; begin <= text.size();) {
         const std::size_t end = std::min(text.find(',', begin), text.size());
         if (end == begin)
-            return error_at(where, "'" + text + "' names a channel of no letters; expected names between commas");
+            return error_at(where, "'" + text + "' has an empty channel name; expected names separated by commas");
         request.channels.push_back(text.substr(begin, end - begin));
         begin = end + 1;
     }

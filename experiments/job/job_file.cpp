@@ -44,7 +44,7 @@ void read_files(TomlTable& root, const std::string& job_path, Job& job) {
     }
 }
 
-/// crop = [x0, y0, x1, y1]
+/// Reads crop = [x0, y0, x1, y1]
 void read_crop(TomlTable& render, Job& job) {
     const toml::node* node = render.take("crop");
     if (node == nullptr) return;
@@ -57,7 +57,7 @@ void read_crop(TomlTable& render, Job& job) {
     else
         render.source().fail(
             render.location_of("crop"),
-            "'crop' in [render] is no part of an image; expected [x0, y0, x1, y1] in pixels with x0 < x1 "
+            "'crop' in [render] is not a part of an image; expected [x0, y0, x1, y1] in pixels with x0 < x1 "
             "and y0 < y1");
 }
 
@@ -83,7 +83,7 @@ void read_render(TomlTable& root, Job& job) {
     render.close();
 }
 
-/// [[display_filter]], in their order.
+/// Reads [[display_filter]] tables in their order.
 void read_display_filters(TomlTable& root, Job& job) {
     for (const toml::table* table : root.take_tables("display_filter")) {
         TomlTable reader(root.source(), *table, "a [[display_filter]] table");

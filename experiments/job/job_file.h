@@ -1,4 +1,4 @@
-// Reads a TOML job: all that the flags of `raylex render` can say, and labels and light groups for an unmodified scene.
+// Reads a TOML job: all settings of the flags of `raylex render`, and labels and light groups for an unmodified scene.
 // experiments/README.md lists every key.
 #pragma once
 
@@ -9,12 +9,12 @@
 
 namespace raylex::experiments {
 
-/// Paths in the file are taken relative to it. An unknown key, a wrong type or a value out of range is an Error with
-/// line and column. The job's plugins are loaded, so that what they bring can be named. Names that only a scene can
-/// judge (labels, materials) are not looked at here.
+/// Reads a job file. Paths in it are relative to the file. An unknown key, a wrong type or a value out of range is an
+/// Error with line and column. Loads the job's plugins, so that the job can use their types. Does not check names that
+/// depend on the scene (labels, materials).
 Result<Job> read_job(const std::string& path);
 
-/// The same for text in memory; `path` serves for messages and as the base of relative paths.
+/// Parses a job from memory. `path` appears in messages and is the base of relative paths.
 Result<Job> parse_job(const std::string& text, const std::string& path);
 
 }  // namespace raylex::experiments

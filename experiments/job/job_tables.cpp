@@ -18,7 +18,8 @@ struct SelectorKey {
     Selector selector;
 };
 
-/// [[label]] may say holdout = true, beside a label or alone; light groups may not.
+/// Reads [[label]] or [[light_group]] tables. [[label]] may have holdout = true, with or without a label; light groups
+/// may not.
 void read_rules(TomlTable& root, const char* kind, const char* target, std::initializer_list<SelectorKey> selectors,
                 bool of_objects, Job& job) {
     for (const toml::table* table : root.take_tables(kind)) {
@@ -69,8 +70,8 @@ std::string shipped_plugin(const std::string& name) {
     const std::string file = "lib" + name + ".so";
     const fs::path program = fs::read_symlink("/proc/self/exe", failed).parent_path();
     const fs::path installed = program.parent_path() / RAYLEX_PLUGIN_FOLDER / file;
-    // This code may stand in a library instead of the program: Python's module,
-    // PREFIX/lib/pythonX.Y/dist-packages/raylex when it is installed, python/raylex in the build, or with its plugins
+    // This code may be in a library instead of the program: Python's module. It is in
+    // PREFIX/lib/pythonX.Y/dist-packages/raylex when installed, in python/raylex in a build folder, or has its plugins
     // beside it.
     Dl_info own{};
     fs::path library = program;
@@ -97,7 +98,7 @@ void read_color_table(TomlTable& root, const std::string& job_path, Job& job) {
         if (stops && std::abs(*stops) <= largest_exposure) job.exposure = *stops;
         else
             root.source().fail(color.location_of("exposure"),
-                               "'exposure' in [color] is no number of stops; expected -60 to 60");
+                               "'exposure' in [color] is not a number of stops; expected -60 to 60");
     }
     color.read("texture_rules", job.texture_rules);
     color.close();
@@ -119,8 +120,9 @@ void read_resolution(TomlTable& render, Job& job) {
                       number(1) <= 65536;
     if (fits) job.settings.resolution = {{static_cast<int>(number(0)), static_cast<int>(number(1))}};
     else
-        render.source().fail(where, "'resolution' in " + render.description() +
-                                        " is no pair of pixel counts; expected [width, height], each from 1 to 65536");
+        render.source().fail(where,
+                             "'resolution' in " + render.description() +
+                                 " is not a pair of pixel counts; expected [width, height], each from 1 to 65536");
 }
 
 void read_method_settings(TomlTable& table, transport::RenderSettings& settings) {

@@ -1,4 +1,4 @@
-// The tables of a job that other files have too: an experiment's scenes and methods are read by these.
+// Tables of a job that other files use too: the scenes and methods of an experiment.
 #pragma once
 
 #include <optional>
@@ -9,25 +9,25 @@
 
 namespace raylex::experiments {
 
-/// plugins = ["a.so", "planted_error"]; paths count from the folder of `job_path`.
+/// Reads plugins = ["a.so", "planted_error"]. Paths are relative to the folder of `job_path`.
 void read_plugins(TomlTable& root, const std::string& job_path, Job& job);
-/// A plugin by its name alone, neither a path nor lib*.so: one that comes with the program.
+/// Returns whether the name means a plugin of raylex: a plain name, neither a path nor lib*.so.
 bool is_shipped_plugin(const std::string& name);
-/// Its file: in plugins/ beside the program, or where the installed program has it.
+/// Returns the file of a plugin of raylex, in plugins/ beside the program or as installed.
 std::string shipped_plugin(const std::string& name);
-/// [color].
+/// Reads [color].
 void read_color_table(TomlTable& root, const std::string& job_path, Job& job);
-/// resolution = [width, height] or "WxH".
+/// Reads resolution = [width, height] or "WxH".
 void read_resolution(TomlTable& table, Job& job);
-/// max_depth, filter_mode, lobes: what changes how light is found, beside the objects below.
+/// Reads max_depth, filter_mode and lobes, the settings of light transport that are not objects.
 void read_method_settings(TomlTable& table, transport::RenderSettings& settings);
-/// effects = { NAME = false, ... }: which are forced on or off.
+/// Reads effects = { NAME = false, ... }: effects that are forced on or off.
 void read_effects(TomlTable& table, transport::EffectChoices& effects);
-/// KEY = "type", or a table [KEY] with a type and parameters that the object itself judges.
+/// Reads KEY = "type", or a table [KEY] with a type and parameters. The object itself checks the parameters.
 void read_entity(TomlTable& root, const char* key, std::optional<transport::SceneEntity>& entity);
-/// [[sample_filter]], in their order.
+/// Reads [[sample_filter]] tables in their order.
 void read_sample_filters(TomlTable& root, transport::RenderSettings& settings);
-/// [[label]] and [[light_group]].
+/// Reads [[label]] and [[light_group]].
 void read_label_tables(TomlTable& root, Job& job);
 
 }  // namespace raylex::experiments

@@ -25,7 +25,7 @@ void read_storage(TomlTable& root, OutputRequests& outputs) {
     const toml::table* table = root.take_table("exr");
     if (table == nullptr) return;
     TomlTable exr(root.source(), *table, "[exr]");
-    // "all" first, so that the other keys override it wherever it stands.
+    // "all" comes first, so that the other keys override it in any order.
     for (const char* kind : {"all", "light", "color", "normal", "position", "value", "id"}) {
         std::string text;
         if (!exr.read(kind, text)) continue;
@@ -55,7 +55,7 @@ void read_deep(TomlTable& root, const std::string& job_path, DeepRequest& deep) 
         if (tolerance >= 0x1p-23 && tolerance <= 1) deep.options.tolerance = tolerance;
         else
             root.source().fail(reader.location_of("tolerance"),
-                               "'tolerance' in [deep] is no relative difference of depths; expected 1.2e-7 to 1");
+                               "'tolerance' in [deep] is not a relative difference of depths; expected 1.2e-7 to 1");
     }
     std::string storage;
     if (reader.read("storage", storage)) {
@@ -76,7 +76,7 @@ void read_atlas(TomlTable& root, const std::string& job_path, AtlasRequest& atla
     if (reader.read("by", text))
         if (Status set = set_atlas_rules(text, reader.content_location_of("by"), atlas); !set)
             root.source().fail(set.error());
-    std::int64_t length = 0;  // as it stays, as long as the render's paths get (AtlasOutput::prepare)
+    std::int64_t length = 0;  // 0: the maximum depth of the render's paths (AtlasOutput::prepare)
     static_cast<void>(reader.read("length", length, 1, display::WordRules::most_length));
     atlas.rules.length = static_cast<int>(length);
     if (reader.read("budget", text)) {
@@ -108,8 +108,8 @@ Status set_exr_parts(OutputRequests& outputs, const std::string& word, const Sou
     if (word == "single" || word == "multi") return success();
     return error_at(where,
                     "'" + word +
-                        "' says neither how many parts the file has nor how a kind of channel is stored; expected "
-                        "single, multi, or such as light='half piz'",
+                        "' is neither a number of parts nor a storage format; expected single, multi, or KIND='TYPE "
+                        "COMPRESSION', such as light='half piz'",
                     near_miss(word, {"single", "multi"}));
 }
 
@@ -124,10 +124,9 @@ Status set_atlas_rules(const std::string& text, const SourceLocation& where, Atl
 Status check_exr_requests(const OutputRequests& outputs) {
     for (const display::ExrStorage& each : outputs.storage)
         if (outputs.single_part && is_lossy(each.compression))
-            return error_at(
-                {}, "a single part has one compression for all its channels, and '" + storage_text(each) +
-                        "' would take bits of depths, ids and mattes too; expected none, rle, zips, zip or piz in a "
-                        "single part, or a part for each channel");
+            return error_at({}, "a single part has one compression for all channels, and '" + storage_text(each) +
+                                    "' would also lose bits of depths, ids and mattes; expected none, rle, zips, zip "
+                                    "or piz, or one part for each channel");
     return success();
 }
 
@@ -156,7 +155,7 @@ display::DriverRequest preview_request(const std::string& text, const SourceLoca
     display::DriverRequest request{"png", {}};
     request.parameters.location = where;
     const std::size_t equals = text.find('=');
-    // A path may hold '=' too: what stands before it must look like a layer.
+    // A path can contain '=' too, so the text before '=' must look like a layer name.
     const bool layer = equals != std::string::npos && equals > 0 && text.find('/') > equals;
     request.parameters.parameters.push_back(text_parameter("file", layer ? text.substr(equals + 1) : text, where));
     if (layer) request.parameters.parameters.push_back(text_parameter("layer", text.substr(0, equals), where));

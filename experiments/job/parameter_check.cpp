@@ -26,7 +26,8 @@ Status check_entity(const std::optional<transport::SceneEntity>& entity, const R
     return success();
 }
 
-/// A sampler of pbrt's that another stands in for. A scene file may say so; whoever chooses one gets what is chosen.
+/// Rejects a sampler of pbrt's that raylex replaces by another. In a scene file such a name is allowed; a job gets the
+/// named sampler or an error.
 Status check_own_sequence(const std::optional<transport::SceneEntity>& sampler) {
     if (!sampler) return success();
     const auto stands_in = [](const transport::SceneEntity& entity) {
@@ -42,8 +43,8 @@ Status check_own_sequence(const std::optional<transport::SceneEntity>& sampler) 
         if (stands_in(plain).empty()) own += (own.empty() ? "" : ", ") + name;
     }
     return error_at(sampler->location,
-                    "there is no sampler '" + sampler->type + "': where a scene file names it, '" + instead +
-                        "' renders in its place; expected one of: " + own,
+                    "there is no sampler '" + sampler->type + "'; in scene files '" + instead +
+                        "' replaces it; expected one of: " + own,
                     "did you mean '" + instead + "'?");
 }
 

@@ -1,4 +1,4 @@
-// A job's types and parameters against what the integrator, sampler and filter it names declare.
+// Checks the types and parameters in a job against the declarations of its integrator, sampler and filter.
 #pragma once
 
 #include "experiments/job/job.h"
@@ -6,10 +6,10 @@
 
 namespace raylex::experiments {
 
-/// The types that the job names by file or flag, and their parameters: the first that is not there is an Error at its
-/// place that lists what there is, with the near miss. Names of pbrt that raylex lacks are no exception: who asks for
-/// one by name gets it or an error. A scene file's are judged by the import and the render, which know what pbrt reads
-/// there and what may take its place, with a warning.
+/// Checks the types that the job names by file or flag, and their parameters. The first unknown one is an Error at its
+/// place that lists the known ones, with the closest match. This includes names of pbrt that raylex lacks: a job gets
+/// the named object or an error. Names in a scene file are checked by the import and the render, which may replace
+/// pbrt's types with a warning.
 Status check_parameters(const Job& job);
 
 }  // namespace raylex::experiments

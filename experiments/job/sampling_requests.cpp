@@ -13,7 +13,7 @@
 namespace raylex::experiments {
 namespace {
 
-/// The number that `text` begins with, and what follows it.
+/// Returns the number at the beginning of `text` and sets `rest` to the text after it.
 std::optional<double> leading_number(std::string_view text, std::string_view& rest) {
     double number = 0;
     const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -22,7 +22,7 @@ std::optional<double> leading_number(std::string_view text, std::string_view& re
     return number;
 }
 
-/// A number above 0 under `key`, integers too.
+/// Reads a number under `key`, above 0 or from 0 on. Integers are allowed.
 void read_number(TomlTable& table, const char* key, double least, double& value) {
     const toml::node* node = table.take(key);
     if (node == nullptr) return;
@@ -30,10 +30,10 @@ void read_number(TomlTable& table, const char* key, double least, double& value)
     if (number && std::isfinite(*number) && *number >= least) value = *number;
     else
         table.source().fail(table.location_of(key), "'" + std::string(key) + "' in " + table.description() +
-                                                        " is no number " + (least > 0 ? "above 0" : "from 0 on"));
+                                                        " is not a number " + (least > 0 ? "above 0" : "from 0 on"));
 }
 
-/// "name" or {name = "...", weight = 2}.
+/// Reads "name" or {name = "...", weight = 2}.
 void read_metric_channel(TomlSource& source, const toml::node& node, display::AdaptiveSettings& adaptive) {
     display::AdaptiveChannel channel;
     channel.location = source.location(node);
@@ -47,7 +47,7 @@ void read_metric_channel(TomlSource& source, const toml::node& node, display::Ad
         reader.close();
     } else {
         source.fail(channel.location,
-                    "a channel of [adaptive] is neither a name nor a table; expected such as \"beauty\" or "
+                    "a channel of [adaptive] is neither a name nor a table; expected for example \"beauty\" or "
                     "{name = \"beauty\", weight = 2}");
         return;
     }
@@ -65,8 +65,8 @@ Result<double> parse_interval(const std::string& text, const SourceLocation& whe
     else if (unit == "m" || unit == "min") scale = 60;
     else if (unit == "h") scale = 3600;
     if (!number || scale == 0 || *number * scale < 0.01 || *number * scale > longest)
-        return error_at(where, "'" + text + "' is no " + what +
-                                   "; expected such as 60s, 5m or 1h, at least "
+        return error_at(where, "'" + text + "' is not a " + what +
+                                   "; expected for example 60s, 5m or 1h, at least "
                                    "0.01s and at most 30 days");
     return *number * scale;
 }
@@ -75,9 +75,9 @@ Result<double> parse_tolerance(const std::string& text, const SourceLocation& wh
     std::string_view unit;
     const std::optional<double> number = leading_number(text, unit);
     if (!number || !(*number > 0) || (!unit.empty() && unit != "%" && unit != " %"))
-        return error_at(where, "'" + text + "' is no relative error; expected a number above 0 such as 1% or 0.01");
+        return error_at(where, "'" + text + "' is not a relative error; expected a number above 0 such as 1% or 0.01");
     if (unit.empty() && *number >= 1)
-        return error_at(where, "'" + text + "' is no relative error below 1; expected a number such as 1% or 0.01",
+        return error_at(where, "'" + text + "' is not a relative error below 1; expected a number such as 1% or 0.01",
                         "did you mean '" + text + "%'?");
     return unit.empty() ? *number : *number / 100;
 }
@@ -107,7 +107,7 @@ void read_adaptive(TomlTable& root, Job& job) {
             for (const toml::node& each : *list) read_metric_channel(root.source(), each, adaptive);
         } else {
             root.source().fail(reader.location_of("channels"),
-                               "'channels' in [adaptive] is no list of channels; expected such as [\"beauty\"]");
+                               "'channels' in [adaptive] is not a list of channels; expected for example [\"beauty\"]");
         }
     }
     constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
@@ -153,7 +153,7 @@ void apply_time_limit(double seconds, Job& job) {
 void read_time(TomlTable& render, Job& job) {
     std::string text;
     if (!render.read("time", text)) return;
-    auto seconds = parse_interval(text, render.content_location_of("time"), "time to render for");
+    auto seconds = parse_interval(text, render.content_location_of("time"), "render time");
     if (seconds) apply_time_limit(*seconds, job);
     else render.source().fail(seconds.error());
 }
@@ -178,18 +178,17 @@ Status check_recovery(const Job& job) {
     const std::string file = checkpoint_file(job);
     std::error_code failed;
     const bool exists = std::filesystem::exists(file, failed);
-    if (job.shard) return success();  // it goes on from what is there
-    // A folder of buckets that has none, as after a full disk, keeps nothing that could be lost.
+    if (job.shard) return success();  // a shard continues from its checkpoint
+    // A bucket folder without finished buckets, as after a full disk, has nothing to lose.
     const bool holds_samples =
         exists && !(std::filesystem::is_directory(file, failed) && std::filesystem::is_empty(file, failed));
     if (holds_samples && !job.resume)
         return error_at({file, 0, 0},
-                        "this is the checkpoint of a render that was not finished; a new render would "
-                        "replace it",
-                        "--resume goes on with it; to begin again, remove this file");
+                        "this is the checkpoint of an unfinished render, which a new render would overwrite",
+                        "--resume continues it; to start again, remove this file");
     if (!exists && job.resume)
         return error_at({file, 0, 0}, "there is no checkpoint to resume from; expected this file",
-                        "leave out --resume to begin");
+                        "omit --resume to start a new render");
     return success();
 }
 

@@ -1,6 +1,6 @@
-// A path tracer with one mistake in it, for experiments/studies/planted-error.toml: what a study must find. Light
-// sampling at every surface, one ray at a time, written for reading. Also what to start from for an integrator of one's
-// own: take the mistake out, put an idea in, and let the same experiment judge it.
+// A path tracer with one deliberate mistake, which the study experiments/studies/planted-error.toml must find. It
+// samples lights at every surface and traces one ray at a time, so that the code is easy to read. Start your own
+// integrator from this file: remove the mistake, add your idea, and judge it with the same experiment.
 #include <array>
 
 #include "transport/plugins/plugin.h"
@@ -9,7 +9,7 @@ namespace {
 
 using namespace raylex;
 using namespace raylex::transport;
-using raylex::transport::Rgb;  // in double it is not display's
+using raylex::transport::Rgb;  // in the double build, this type differs from display's
 
 class PlantedError final : public Integrator {
   public:
@@ -20,7 +20,7 @@ class PlantedError final : public Integrator {
     [[nodiscard]] IntegratorTraits traits() const override {
         IntegratorTraits traits;
         traits.max_depth = max_depth_;
-        traits.saved_state = SavedState::none;  // a sample is a function of its number
+        traits.saved_state = SavedState::none;  // a sample depends only on its number
         return traits;
     }
 
@@ -31,7 +31,7 @@ class PlantedError final : public Integrator {
     }
 
   private:
-    static constexpr std::uint32_t dimensions = 8;  // random numbers of a vertex
+    static constexpr std::uint32_t dimensions = 8;  // random numbers per vertex
     static constexpr float survival = 0.75f;
 
     void trace(Ray ray, const PixelSampler& sampler, int row, IntegratorCounters& counters,
@@ -39,7 +39,7 @@ class PlantedError final : public Integrator {
         const SceneView& scene = context_.scene;
         display::Tracker path = services.lpe.begin(row);
         Rgb throughput(1);
-        bool specular_bounce = true;  // light sampling cannot find what this ray finds
+        bool specular_bounce = true;  // light sampling cannot find the light that this ray finds
         for (std::uint32_t depth = 0;; ++depth) {
             const std::uint32_t first = first_free_dimension + dimensions * depth;
             Hit hit[1];
@@ -70,8 +70,9 @@ class PlantedError final : public Integrator {
             scene.materials->shade(*scene.textures, point, bsdf);
             sample_light(*point, *source, *bsdf, ray.time, throughput, path, sampler, first, counters, services);
 
-            // Russian roulette from the second scattering on. What survives must count for what does not: without the
-            // division, every path of three scatterings and more is too dark. That is the mistake.
+            // Russian roulette from the second scattering event on. The mistake: a surviving path must be divided by
+            // the survival probability. Without the division, every path with three or more scattering events is too
+            // dark.
             if (depth >= 1) {
                 if (sampler.get_random(first + 1) >= survival) return;
                 if (!mistake_) throughput *= 1 / survival;
@@ -112,7 +113,7 @@ class PlantedError final : public Integrator {
         add(throughput * f.value * sample.radiance * (1 / sample.pdf), sample.light, path, services);
     }
 
-    /// One step along the path: each lobe's event with its part of the value (Law 5).
+    /// Moves one step along the path: each lobe's event with its part of the value (Law 5).
     void move(display::Tracker& path, const SurfaceSource& source, const LobeList& lobes,
               ThreadServices& services) const {
         std::array<display::LobePart, max_lobes> parts;
@@ -146,7 +147,7 @@ Result<std::unique_ptr<Integrator>> make_planted_error(const SceneEntity& entity
 RAYLEX_PLUGIN(host) {
     host.add_integrator({"plantederror",
                          "a path tracer by light sampling that forgets to divide by the survival probability",
-                         {{"mistake", ParameterType::boolean, "true", "false: the same without the mistake"},
-                          {"maxdepth", ParameterType::integer, "5", "scattering events of a path at most"}},
+                         {{"mistake", ParameterType::boolean, "true", "false: the integrator without the mistake"},
+                          {"maxdepth", ParameterType::integer, "5", "maximum number of scattering events of a path"}},
                          make_planted_error});
 }

@@ -1,4 +1,4 @@
-// Tables for people, in columns.
+// Formats tables for people in columns.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace raylex::experiments {
 
-/// With spaces behind it up to `width`; texts that are wider stay as they are.
+/// Pads `text` with blanks up to `width` characters. A longer text stays unchanged.
 inline std::string padded(std::string text, std::size_t width) {
     text.resize(std::max(text.size(), width), ' ');
     return text;

@@ -27,7 +27,8 @@ bool is_colored(int descriptor) {
            std::string_view(terminal) != "dumb";
 }
 
-/// Names come from files: a zero byte would cut the message, and others could steer the terminal.
+/// Replaces control characters. Names come from files: a zero byte would cut the message, others could control the
+/// terminal.
 std::string printable(std::string text) {
     for (char& c : text) {
         const auto byte = static_cast<unsigned char>(c);

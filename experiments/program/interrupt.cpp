@@ -43,8 +43,8 @@ void install_worker_interrupt_handler() {
 }
 
 void install_interrupt_handler() {
-    // SIGINT even when a shell started us with it ignored, as it does for background jobs: nothing is lost by an
-    // interrupt.
+    // Handles SIGINT even if the shell started this process with SIGINT ignored, as it does for background jobs,
+    // because an interrupt loses nothing.
     struct sigaction action = {};
     action.sa_handler = on_interrupt;
     sigemptyset(&action.sa_mask);
@@ -70,7 +70,7 @@ InterruptsWait::~InterruptsWait() {
 
 InterruptsAtOnce::InterruptsAtOnce(const char* last_words) {
     words_at_once.store(last_words);
-    if (interrupted.load()) end_at_once(last_words);  // it came a moment ago and nobody has looked yet
+    if (interrupted.load()) end_at_once(last_words);  // an interrupt may have arrived before, unnoticed
 }
 InterruptsAtOnce::~InterruptsAtOnce() {
     words_at_once.store(nullptr);

@@ -1,25 +1,25 @@
-// Signals that end the program: at once where nothing would be lost, else as a flag, so that the render stops at a
-// clean point and writes what there is. A second signal ends the program at once in any case. See
-// experiments/docs/stopping.md.
+// Handles signals that end the program. If nothing would be lost, the program ends at once; otherwise a flag is set, so
+// that the render stops at a clean point and writes its partial image. A second signal always ends the program at once.
+// See experiments/docs/stopping.md.
 #pragma once
 
 #include <atomic>
 
 namespace raylex::experiments {
 
-/// From now on SIGINT, SIGTERM and SIGHUP end the program with exit code 130, or set the flag while an InterruptsWait
-/// lives. A SIGHUP that was ignored (nohup) stays ignored. Also ignores SIGXFSZ and SIGPIPE, so that a file-size limit
-/// or a closed pipe becomes an error of the call that met it and never the end of the process.
+/// Makes SIGINT, SIGTERM and SIGHUP end the program with exit code 130, or set the flag while an InterruptsWait exists.
+/// A SIGHUP that was ignored (nohup) stays ignored. Also ignores SIGXFSZ and SIGPIPE, so that a file-size limit or a
+/// closed pipe is an error of the system call instead of the end of the process.
 void install_interrupt_handler();
 
-/// In a process that works for another one: these signals set the flag, however often they come. The one that asks for
-/// the work ends it when it must.
+/// Makes these signals only set the flag, any number of times. For a process that works for another one, which ends it
+/// if necessary.
 void install_worker_interrupt_handler();
 
-/// Set once an interrupt has arrived; what transport::render watches.
+/// The flag that an interrupt sets. transport::render checks it.
 const std::atomic<bool>& interrupt_flag();
 
-/// While one lives there is something to lose: an interrupt waits for whoever watches the flag.
+/// While one exists, an interrupt only sets the flag, so that work in progress can be saved.
 class InterruptsWait {
   public:
     InterruptsWait();
@@ -28,11 +28,11 @@ class InterruptsWait {
     InterruptsWait& operator=(const InterruptsWait&) = delete;
 };
 
-/// While one lives, however many InterruptsWait there are, an interrupt ends the program at once: for work that may
-/// take long, watches nothing, and that somebody who starts again loses nothing by. One at a time.
+/// While one exists, an interrupt ends the program at once, whatever InterruptsWait objects exist. For long work that
+/// does not check the flag and is lost without harm. Only one may exist at a time.
 class InterruptsAtOnce {
   public:
-    /// What is printed then; a string that stays.
+    /// `last_words` is printed on an interrupt. The string must outlive this object.
     explicit InterruptsAtOnce(const char* last_words);
     ~InterruptsAtOnce();
     InterruptsAtOnce(const InterruptsAtOnce&) = delete;

@@ -1,20 +1,20 @@
-// Coloured words in a terminal.
+// Coloured words in the terminal.
 #pragma once
 
 #include <string>
 
 namespace raylex::experiments {
 
-/// When words are coloured: automatic is where a terminal shows them, unless $NO_COLOR says no or the terminal is
-/// "dumb".
+/// When words are coloured. automatic: on a terminal, unless $NO_COLOR is set or the terminal is "dumb".
 enum class ColorChoice { automatic, always, never };
 void choose_color(ColorChoice choice);
 
 enum class Tint { error, warning, good, bad };
-/// The text in that colour, when what is written to standard error (or else standard output) is to be coloured.
+/// Returns the text, with colour codes if the output is coloured: standard error if `error_stream`, else standard
+/// output.
 [[nodiscard]] std::string tinted(const std::string& text, Tint tint, bool error_stream);
 
-/// As print_line() does, green where a check holds and red where it does not.
+/// Prints a line like print_line(): green if a check holds, red if it does not.
 void print_verdict(const std::string& text, bool holds);
 
 }  // namespace raylex::experiments

@@ -15,7 +15,8 @@
 namespace raylex::experiments {
 namespace {
 
-/// A lock of the open file, which goes with its last descriptor: flock() with a way to look without taking.
+/// Describes a lock on a whole file. Such a lock belongs to the open file and ends with its last descriptor. Unlike
+/// with flock(), it can be tested without being taken.
 struct flock whole_file() {
     struct flock range {};
     range.l_type = F_WRLCK;
@@ -23,7 +24,7 @@ struct flock whole_file() {
     return range;
 }
 
-/// Whether `path` still leads to the open file: whoever held the lock before removes the file with it.
+/// Returns whether `path` still names the open file. A process that releases the lock removes the file too.
 bool is_still_there(int descriptor, const std::string& path) {
     struct stat open_file {
     }, named{};
@@ -39,17 +40,17 @@ bool lock_file(int descriptor) {
 }
 
 Result<WorkLock> WorkLock::take(const std::string& file, const std::string& what) {
-    constexpr int most_tries = 100;  // where a file system numbers files anew, nobody would get the lock
+    constexpr int most_tries = 100;  // bounds the loop on file systems whose file numbers are not stable
     for (int tries = 0;; ++tries) {
         const int descriptor = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
         if (descriptor < 0) return WorkLock(file, -1);
         if (!lock_file(descriptor)) {
             close(descriptor);
             return error_at({file, 0, 0}, "another process " + what,
-                            "wait for it; what it has done is not lost if it is ended");
+                            "wait for it, or end it; finished work is not lost");
         }
         if (tries == most_tries || is_still_there(descriptor, file)) return WorkLock(file, descriptor);
-        close(descriptor);  // removed between open and lock: another process may hold the file that is there now
+        close(descriptor);  // removed between open and lock: another process may hold the new file
     }
 }
 
@@ -84,10 +85,10 @@ Status wait_for_files(const std::vector<std::string>& files,
             last = Clock::now();
         if (std::chrono::duration<double>(Clock::now() - last).count() > seconds)
             return error_at({missing.front(), 0, 0},
-                            "this is not there, and no process of this machine is at it (" +
+                            "this file does not exist, and no process on this machine is making it (" +
                                 std::to_string(missing.size()) + " of " + std::to_string(files.size()) +
                                 " shards are missing)",
-                            "run the shards that are missing; those that are done are not rendered again");
+                            "run the missing shards; finished shards are not rendered again");
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
 }

@@ -1,4 +1,4 @@
-// Who does a piece of work just now: a shard of a render, a reference.
+// Locks that show which process does a piece of work, such as a shard of a render or a reference.
 #pragma once
 
 #include <functional>
@@ -10,17 +10,19 @@
 
 namespace raylex::experiments {
 
-/// Takes the lock of an open file, which ends with its last descriptor; false when somebody else has it. True, without
-/// a lock, where the file system knows none.
+/// Locks an open file; the lock ends with its last descriptor. Returns false if another process holds the lock. On file
+/// systems without locks, returns true without a lock.
 [[nodiscard]] bool lock_file(int descriptor);
 
-/// Held while a process does a piece of work, so that no second one does the same. The system lets go of it when the
-/// process ends, however it does; where a file system knows no locks, nobody has any.
+/// A lock that a process holds during a piece of work, so that no other process does the same work. The system releases
+/// it when the process ends for any reason. On file systems without locks, nothing is locked.
 class WorkLock {
   public:
-    /// `file` is made, and removed with the lock. An Error when another process has it; `what` it is doing then.
+    /// Creates `file` and locks it; the file is removed with the lock. Returns an Error if another process holds the
+    /// lock; `what` describes its work.
     static Result<WorkLock> take(const std::string& file, const std::string& what);
-    /// Whether a process has the lock on that file; takes nothing, so that nobody who begins then is turned away.
+    /// Returns whether a process holds the lock of that file. It does not take the lock, so it never disturbs another
+    /// process.
     static bool is_held(const std::string& file);
 
     WorkLock(WorkLock&& other) noexcept;
@@ -34,8 +36,8 @@ class WorkLock {
     int file_ = -1;
 };
 
-/// Waits for files that are not there yet, as long as processes of this machine hold the locks of some, and `seconds`
-/// more. An Error names what is still missing then.
+/// Waits for missing files as long as processes on this machine hold locks of some of them, and `seconds` longer. The
+/// Error names a file that is still missing.
 Status wait_for_files(const std::vector<std::string>& files,
                       const std::function<std::string(const std::string& file)>& lock_of, double seconds);
 

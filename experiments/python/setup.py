@@ -1,5 +1,5 @@
-"""Builds the module by CMake, as everything else of raylex, and packs it. RAYLEX_BUILD names a folder to build in, so
-that what is there already is taken; by default setuptools' own."""
+"""Builds the module by CMake, like the rest of raylex, and packs it. RAYLEX_BUILD names a build folder, so that an
+existing build is used; by default setuptools' own folder."""
 
 import os
 import pathlib
@@ -23,7 +23,7 @@ class CMakeBuild(build_ext):
         configure = ["cmake", "-S", ROOT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DRAYLEX_PYTHON=ON",
                      f"-DPython3_EXECUTABLE={sys.executable}", "-DRAYLEX_UNITY_BATCH=40", "-DRAYLEX_TESTS=OFF"]
         if (build / "CMakeCache.txt").exists():
-            configure = ["cmake", build]  # somebody's own: its settings stay
+            configure = ["cmake", build]  # the user's folder: its settings stay
         elif shutil.which("ninja"):
             configure += ["-G", "Ninja"]
         subprocess.run(configure, check=True)
@@ -31,7 +31,7 @@ class CMakeBuild(build_ext):
                         str(os.cpu_count() or 1)], check=True)
         made = list((build / "python" / "raylex").glob("_raylex.*.so"))
         if len(made) != 1:
-            raise SystemExit("CMake left the module out; expected python3-dev and pybind11-dev to be installed")
+            raise SystemExit("CMake did not build the module; expected python3-dev and pybind11-dev to be installed")
         target = pathlib.Path(self.get_ext_fullpath(extension.name))
         (target.parent / "plugins").mkdir(parents=True, exist_ok=True)
         shutil.copy2(made[0], target)

@@ -17,7 +17,7 @@ Error at_file(Error error, const std::string& path) {
     return error;
 }
 
-/// One record: all of it but sums, which are read when they are added up.
+/// An open record without its sums, which are read during the merge.
 struct OpenRecord {
     std::string path;
     display::BandedRecord sums;
@@ -28,8 +28,8 @@ struct OpenRecord {
 Result<OpenRecord> open_shard_record(const std::string& path) {
     auto file = display::RecordFileReader::open(path);
     if (!file) return file.error();
-    const char* const expected = "expected what 'raylex render --shard' writes";
-    if (!file->has("image")) return error_at({path, 0, 0}, "this record is not of a shard of a render", expected);
+    const char* const expected = "expected a record of 'raylex render --shard'";
+    if (!file->has("image")) return error_at({path, 0, 0}, "this is not a record of a shard", expected);
     auto image = file->read("image");
     if (!image) return image.error();
     RecordedImage recorded;
@@ -39,22 +39,21 @@ Result<OpenRecord> open_shard_record(const std::string& path) {
         recorded = image_of(json);
         facts = shard_facts(json);
     } catch (const std::exception& error) {
-        return error_at(
-            {path, 0, 0},
-            std::string("this record is not of a shard of a render, or its image is damaged: ") + error.what(),
-            expected);
+        return error_at({path, 0, 0},
+                        std::string("this is not a record of a shard, or its image is damaged: ") + error.what(),
+                        expected);
     }
     auto sums = display::BandedRecord::open(*std::move(file));
     if (!sums) return sums.error();
     return OpenRecord{path, *std::move(sums), std::move(recorded), facts};
 }
 
-/// Adds the coverage that a record has to the sets of mattes; makes them when there are none yet.
+/// Adds the coverage in a record to the cryptomattes. Makes the cryptomattes for the first record.
 Status add_mattes(const OpenRecord& shard, std::vector<geoaovs::Cryptomatte>& mattes) {
     const display::FrameBufferLayout& layout = shard.sums.layout();
     const bool first = mattes.empty();
     if (!first && mattes.size() != shard.image.mattes.size())
-        return error_at({shard.path, 0, 0}, "this shard has other cryptomattes");
+        return error_at({shard.path, 0, 0}, "this shard has different cryptomattes");
     for (std::size_t i = 0; i < shard.image.mattes.size(); ++i) {
         const RecordedMatte& each = shard.image.mattes[i];
         geoaovs::Cryptomatte matte(each.kind, each.ranks, layout.width, layout.height,
@@ -68,7 +67,7 @@ Status add_mattes(const OpenRecord& shard, std::vector<geoaovs::Cryptomatte>& ma
     return success();
 }
 
-/// Ranges of samples seen so far, by their first one.
+/// Ranges of samples read so far, by first sample.
 class Ranges {
   public:
     Status add(const ShardRange& range, const std::string& path) {
@@ -79,11 +78,11 @@ class Ranges {
             return error_at({path, 0, 0},
                             "this shard has " + text(range.first, range.end) + ", and '" + clash->second.path +
                                 "' has " + text(clash->second.range.first, clash->second.range.end) + ": they overlap",
-                            "merge takes every sample once: leave out one of the two");
+                            "every sample may occur once; leave out one of the two");
         known_[range.first] = {range, path};
         return success();
     }
-    /// Whether they are all samples of the render.
+    /// Returns success if the ranges are all samples of the render.
     [[nodiscard]] Status whole(std::uint64_t total) const {
         std::uint64_t reached = 0;
         for (const auto& [first, each] : known_) {
@@ -102,13 +101,13 @@ class Ranges {
         return "samples " + std::to_string(first) + " to " + std::to_string(end - 1);
     }
     static Error missing(std::uint64_t first, std::uint64_t end, std::uint64_t total) {
-        return error_at({}, text(first, end) + " of " + std::to_string(total) + " are in none of the records",
-                        "run the shard that has them, and name its record too");
+        return error_at({}, text(first, end) + " of " + std::to_string(total) + " are in no record",
+                        "run the shard with these samples, and add its record");
     }
     std::map<std::uint64_t, Known> known_;
 };
 
-/// What kind of thing differs, of those that people mix up.
+/// Returns the kind of a difference in words, for the differences that people cause most often.
 std::string kind_of_difference(const std::string& difference) {
     for (const auto& [field, kind] : {std::pair<const char*, const char*>{"raylex: ", "build of raylex"},
                                       {"scene: ", "scene"},
@@ -129,9 +128,10 @@ Status same_render(const OpenRecord& first, const OpenRecord& other) {
     }
     std::string what;
     for (const std::string& kind : kinds) what += (what.empty() ? "" : ", ") + kind;
-    std::string message = "this shard is of another render than '" + first.path + "' (here), of another " + what + ":";
+    std::string message =
+        "this shard and '" + first.path + "' (here) belong to different renders: different " + what + ":";
     for (const std::string& each : differences) message += "\n  " + each;
-    return error_at({other.path, 0, 0}, message, "merge takes the shards of one render, by one build of raylex");
+    return error_at({other.path, 0, 0}, message, "expected shards of one render and one build of raylex");
 }
 
 void add_hosts(const std::map<std::string, std::string>& attributes, std::string& hosts) {
@@ -148,7 +148,7 @@ void add_facts(ShardFacts& sum, const ShardFacts& shard) {
     sum.cpu_seconds += shard.cpu_seconds;
 }
 
-/// What the header says of the whole.
+/// Sets the header attributes of the merged image.
 void describe(MergedRender& merged, const std::string& hosts, std::uint64_t light_paths) {
     std::map<std::string, std::string>& attributes = merged.image.description.attributes;
     attributes["raylex/samples_per_pixel"] = std::to_string(merged.facts.range.total);

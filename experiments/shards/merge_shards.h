@@ -1,4 +1,4 @@
-// The render that shards add up to.
+// Merges the shards of a render.
 #pragma once
 
 #include <memory>
@@ -14,22 +14,23 @@
 namespace raylex::experiments {
 
 struct MergedRender {
-    /// Added up when asked for, a band of rows at a time: whatever the number of records, two bands are in memory.
+    /// The merged pixels. They are summed on demand, one band of rows at a time, so only two bands are in memory for
+    /// any number of records.
     std::unique_ptr<const display::BandedImage> pixels;
     std::vector<geoaovs::Cryptomatte> mattes;
-    RecordedImage image;  ///< its attributes are those of the first samples' shard, counts being sums
-    ShardFacts facts;     ///< sums; the range is the whole
+    RecordedImage image;  ///< attributes of the shard with the first samples; counts are sums
+    ShardFacts facts;     ///< sums over the shards; the range is all samples
     std::size_t shards = 0;
-    std::vector<std::pair<unsigned, unsigned>> parts;  ///< which of how many each record was, in their order
-    bool has_atlas = false;                            ///< some came with an atlas
+    std::vector<std::pair<unsigned, unsigned>> parts;  ///< part and number of parts of each record
+    bool has_atlas = false;                            ///< some shards have an atlas
 };
 
-/// The sum of the records, in any order the same bits. Errors name the file: no record, one that is cut or damaged, one
-/// of another build, scene, seed, instruction set or setting (each difference is listed), samples that two have or that
-/// none has. Damage to sums is found, and named, when they are asked for.
+/// Merges the records; their order does not change the bits. Errors name the file: not a record; a truncated or damaged
+/// record; a record of another build, scene, seed, instruction set or setting, with all differences; duplicate or
+/// missing samples. Damage to the sums is found, and reported, when they are read.
 Result<MergedRender> merge_shards(const std::vector<std::string>& records);
 
-/// As one render of all samples writes it: through its display filters, with its mattes.
+/// Writes the file that a single render of all samples would write, with display filters and cryptomattes.
 Status write_merged_image(const std::string& path, const MergedRender& merged);
 
 }  // namespace raylex::experiments

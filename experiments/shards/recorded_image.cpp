@@ -16,7 +16,7 @@ Json storage_json(const display::ExrStorageTable& table) {
     return json;
 }
 
-/// Throws where a row of the table is no storage.
+/// Parses a storage table. Throws if a row is invalid.
 display::ExrStorageTable storage_of(const Json& json) {
     display::ExrStorageTable table = display::default_exr_storage();
     for (const auto& [kind, text] : json.items())
@@ -69,7 +69,7 @@ std::vector<ObjectRequest> filters_of(const Json& json) {
 Json mattes_json(const std::vector<RecordedMatte>& mattes) {
     Json json = Json::array();
     for (const RecordedMatte& each : mattes) {
-        // Names are bytes and need not be UTF-8, which text in JSON must be: so they are numbers.
+        // JSON text must be UTF-8, but names can be any bytes, so they are stored as numbers.
         Json names = Json::array();
         for (const std::string& name : each.names) names.push_back(std::vector<std::uint8_t>(name.begin(), name.end()));
         json.push_back({{"kind", static_cast<int>(each.kind)}, {"ranks", each.ranks}, {"names", names}});
@@ -131,7 +131,7 @@ RecordedImage image_of(const Json& json) {
     c = {colors[0], colors[1], colors[2], colors[3]};
     json.at("world_to_camera").get_to(description.world_to_camera);
     json.at("world_to_screen").get_to(description.world_to_screen);
-    // Parts of cells of earlier versions have none of these.
+    // Records of earlier versions lack these members.
     if (json.contains("storage")) description.storage = storage_of(json["storage"]);
     description.single_part = json.value("single_part", false);
     if (json.contains("data_window")) {

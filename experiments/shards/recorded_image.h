@@ -1,5 +1,5 @@
-// What the image of a record says of itself: all that a file is written from beside the sums, so that whoever adds
-// records up writes the very file that one render of all samples would have written.
+// The description of an image in a record. It has everything except the sums that the image file is written from, so
+// the merged file equals that of a single render.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace raylex::experiments {
 
-/// A set of mattes without its coverage, which is a section of the record by the set's name.
+/// A cryptomatte without its coverage, which is the record's section of the same name.
 struct RecordedMatte {
     geoaovs::MatteKind kind = geoaovs::MatteKind::object;
     int ranks = geoaovs::Cryptomatte::default_ranks;
@@ -23,13 +23,13 @@ struct RecordedImage {
     display::ImageDescription description;  ///< without its data parts
     display::ChannelId beauty = display::invalid_channel;
     std::vector<RecordedMatte> mattes;
-    std::vector<ObjectRequest> filters;  ///< display filters, in the order in which they see the image
+    std::vector<ObjectRequest> filters;  ///< display filters, in order of application
 };
 
-/// As JSON; cells and renders may add members of their own.
+/// Returns the image as JSON. Cells and renders may add their own members.
 Json image_json(const RecordedImage& image);
 
-/// What image_json() was made from. Throws std::exception where the JSON is something else.
+/// Parses the JSON of image_json(). Throws std::exception for any other JSON.
 RecordedImage image_of(const Json& json);
 
 }  // namespace raylex::experiments

@@ -15,7 +15,7 @@ namespace {
 
 constexpr auto shard_block = static_cast<std::uint64_t>(transport::TileGrid::block_size);
 
-constexpr const char* one_process = "leave out --shard and --shards, which render in one process";
+constexpr const char* one_process = "render in one process, without --shard and --shards";
 
 Result<transport::ChosenIntegrator> integrator_of(const Job& job, const transport::SceneDescription& scene) {
     return transport::choose_integrator(job.settings.integrator ? *job.settings.integrator : scene.integrator,
@@ -44,7 +44,7 @@ Result<ShardRange> shard_range(unsigned part, unsigned parts, std::uint64_t tota
     if (parts > blocks)
         return error_at({"--shard", 0, 0}, std::to_string(parts) + " shards of " + std::to_string(total) +
                                                " samples per pixel; expected at most " + std::to_string(blocks) +
-                                               ", since a shard has at least " + std::to_string(shard_block) +
+                                               ", because a shard needs at least " + std::to_string(shard_block) +
                                                " of them");
     return ShardRange{blocks * (part - 1) / parts * shard_block, std::min(total, blocks * part / parts * shard_block),
                       total};
@@ -71,27 +71,26 @@ Result<std::uint64_t> samples_of_job(const Job& job, const transport::SceneDescr
 Status check_shardable(const Job& job, const transport::SceneDescription& scene) {
     if (job.settings.adaptive)
         return error_at(job.settings.adaptive->location,
-                        "adaptive sampling in shards: which samples a pixel gets is found from all of them",
+                        "adaptive sampling in shards: the number of samples of a pixel depends on all its samples",
                         "leave out --until-error and [adaptive], or --shard and --shards");
     if (job.settings.limit)
         return error_at({"--time", 0, 0},
-                        "a render that ends by time, in shards: how many samples there are is found while rendering",
-                        "expected --spp in place of --time");
-    if (job.settings.only) return error_at({"--replay", 0, 0}, "one sample alone, in shards", one_process);
+                        "a render with a time limit in shards: its number of samples is not known in advance",
+                        "expected --spp instead of --time");
+    if (job.settings.only) return error_at({"--replay", 0, 0}, "a single sample in shards", one_process);
     if (!job.outputs.deep.file.empty())
-        return error_at(job.outputs.deep.location,
-                        "a deep image in shards: deep samples are merged as they come and are no sums",
+        return error_at(job.outputs.deep.location, "a deep image in shards: merged deep samples are not sums",
                         "leave out the deep image, or --shard and --shards");
     auto chosen = integrator_of(job, scene);
     if (!chosen) return chosen.error();
     if (chosen->integrator->starts_up())
-        return error_at({"--shard", 0, 0},
-                        "the Markov chains of integrator '" + chosen->name + "' would begin alike in every shard",
-                        "leave out --shard and --shards, or choose another integrator, such as path");
+        return error_at(
+            {"--shard", 0, 0},
+            "the Markov chains of integrator '" + chosen->name + "' would start in the same state in every shard",
+            "leave out --shard and --shards, or choose another integrator, such as path");
     if (chosen->integrator->traits().saved_state == transport::SavedState::saved)
         return error_at({"--shard", 0, 0},
-                        "integrator '" + chosen->name +
-                            "' goes by what it learned from earlier samples, which a shard does not have",
+                        "integrator '" + chosen->name + "' learns from earlier samples, which a shard does not have",
                         "leave out --shard and --shards, or choose another integrator, such as path");
     return success();
 }
@@ -140,11 +139,11 @@ Result<bool> ShardRender::is_done(const transport::RenderPlan& plan, std::string
         return false;
     }
     if (differences.empty()) return true;
-    std::string message = "this is the record of another render";
+    std::string message = "this record belongs to another render";
     for (const std::string& each : differences) message += "\n  " + each;
-    return error_at(
-        {request_.record, 0, 0}, message,
-        "render as it was begun, choose another file with -o, or remove this one to render the shard again");
+    return error_at({request_.record, 0, 0}, message,
+                    "use the settings of that render, choose another file with -o, or remove this record to render the "
+                    "shard again");
 }
 
 Status ShardRender::write(const std::string& path, const transport::RenderOutput& output,

@@ -19,14 +19,14 @@ class ProbeInput {
   public:
     ProbeInput(const Setting& setting, SourceLocation where) : setting_(setting), where_(std::move(where)) {}
 
-    /// Of a number that must be there; an Error names it. Numbers that are absent are 0 until status() is asked.
+    /// Returns a required number. A missing number is 0, and status() then returns an Error that names it.
     [[nodiscard]] double number(const std::string& name) const;
     [[nodiscard]] double number(const std::string& name, double fallback) const;
     [[nodiscard]] std::string word(const std::string& name) const;
     [[nodiscard]] std::string word(const std::string& name, const std::string& fallback) const;
-    /// The first parameter that was asked for and was not there.
+    /// Returns an Error for the first missing parameter, or success.
     [[nodiscard]] Status status() const;
-    /// For errors about a parameter's value.
+    /// The location for errors about a parameter's value.
     [[nodiscard]] const SourceLocation& where() const { return where_; }
 
   private:
@@ -39,17 +39,17 @@ struct ProbeResult {
     double measured = 0;
     std::optional<double> expected{};  ///< by the probe's own reference: double precision, or a closed form
     double standard_error = 0;         ///< 0: no sampling noise
-    double degrees = 0;                ///< of freedom of the standard error; 0: many
-    double ulp = 0;                    ///< the unit of tolerances in ulp; 0: float's at |expected|
-    std::string note{};                ///< what is worth saying beside the number
+    double degrees = 0;                ///< degrees of freedom of the standard error; 0: many
+    double ulp = 0;                    ///< unit of tolerances in ulp; 0: that of a float at |expected|
+    std::string note{};                ///< further information about the measurement
 };
 
 using Probe = Result<ProbeResult> (*)(const ProbeInput&);
 
-/// One row of a file's table.
+/// One row of a file's table of probes.
 struct NamedProbe {
     const char* name;
-    const char* help;  ///< one line: what it measures, its parameters with units
+    const char* help;  ///< one line: the measured quantity, and the parameters with units
     Probe probe;
 };
 

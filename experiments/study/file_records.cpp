@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Mapped, not read: the pages are in memory when a file has just been written, and need no copy.
+/// Maps the file instead of reading it: the pages of a newly written file are in memory, and need no copy.
 Result<FileRecord> record_of(const std::string& path) {
     const auto fails = [&] {
         return error_at({path, 0, 0}, "cannot read this file: " + std::string(std::strerror(errno)));
@@ -68,7 +68,7 @@ std::string damage_of(const std::string& directory, const std::vector<FileRecord
     for (const FileRecord& wanted : files) {
         const std::string path = directory + "/" + wanted.name;
         std::error_code failed;
-        if (!fs::exists(path, failed)) return path + ": this file is gone";
+        if (!fs::exists(path, failed)) return path + ": this file is missing";
         const std::uintmax_t size = fs::file_size(path, failed);
         if (!failed && size != wanted.bytes)
             return path + ": this file has " + std::to_string(size) + " bytes; it was written with " +
@@ -76,8 +76,7 @@ std::string damage_of(const std::string& directory, const std::vector<FileRecord
         auto found = record_of(path);
         if (!found) return found.error().to_string();
         if (found->hash != wanted.hash)
-            return path + ": this file's content is not what was written: hash " + found->hash + ", expected " +
-                   wanted.hash;
+            return path + ": this file has changed: hash " + found->hash + ", expected " + wanted.hash;
     }
     return {};
 }
@@ -88,7 +87,7 @@ std::string damage_of(const Cell& cell) {
 
 std::string damage_of_reference(const std::string& directory) {
     const std::string path = directory + "/reference.json";
-    if (std::error_code failed; !fs::exists(path, failed)) return path + ": this file is gone";
+    if (std::error_code failed; !fs::exists(path, failed)) return path + ": this file is missing";
     const Result<Json> json = read_json_file(path, "a reference.json");
     if (!json) return json.error().to_string();
     try {

@@ -1,4 +1,4 @@
-// The files of a cell or a reference as its JSON lists them: what is damaged or gone is told from what was written.
+// Records of the files of a cell or reference in its JSON, which show missing and damaged files.
 #pragma once
 
 #include <string>
@@ -9,15 +9,17 @@
 
 namespace raylex::experiments {
 
-/// Every file in the directory, by name, but for the JSON that will list them and checkpoints. XXH64 of the contents.
+/// Returns a record of every file in the directory, by name, except checkpoints and the JSON that will contain the
+/// records. Hashes are XXH64.
 Result<std::vector<FileRecord>> file_records(const std::string& directory);
 
-/// Which of the files is gone, of another size or of other content, as "FILE: what"; empty: none. All of it is read.
+/// Returns the first file that is missing or has another size or content, as "FILE: what"; empty if there is none.
+/// Reads all files.
 std::string damage_of(const std::string& directory, const std::vector<FileRecord>& files);
 
-/// The same of a finished cell; of one that failed there is nothing to be damaged.
+/// Returns the damage of a finished cell. A failed cell has no files.
 std::string damage_of(const Cell& cell);
-/// Of a scene's reference, by its reference.json.
+/// Returns the damage of a scene's reference, from its reference.json.
 std::string damage_of_reference(const std::string& directory);
 
 }  // namespace raylex::experiments

@@ -28,7 +28,7 @@ Result<std::vector<std::uint32_t>> region_pixels(const Region& region, int width
     if (crop[0] < 0 || crop[1] < 0 || crop[2] > width || crop[3] > height || crop[0] >= crop[2] || crop[1] >= crop[3])
         return region_error(region, "the crop [" + std::to_string(crop[0]) + ", " + std::to_string(crop[1]) + ", " +
                                         std::to_string(crop[2]) + ", " + std::to_string(crop[3]) +
-                                        "] is no part of an image of " + size_of(width, height) +
+                                        "] is not a part of an image of " + size_of(width, height) +
                                         " pixels; expected x0 < x1 and y0 < y1 inside it");
     std::vector<float> mask;
     if (!region.mask_file.empty()) {
@@ -51,7 +51,7 @@ Result<std::vector<std::uint32_t>> region_pixels(const Region& region, int width
                                static_cast<std::uint32_t>(x);  // up to 2^32 - 1
             if (mask.empty() || mask[pixel] > 0) pixels.push_back(pixel);
         }
-    if (pixels.empty()) return region_error(region, "no pixel of the mask is different from 0 inside the crop");
+    if (pixels.empty()) return region_error(region, "all pixels of the mask inside the crop are 0");
     return pixels;
 }
 

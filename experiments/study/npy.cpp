@@ -1,4 +1,4 @@
-// .npy, version 1.0 and 2.0: NumPy's own format for one array.
+// Reads and writes .npy, version 1.0 and 2.0, NumPy's format for one array.
 // Source: numpy.lib.format, https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
 #include <algorithm>
 #include <bit>
@@ -14,15 +14,15 @@
 namespace raylex::experiments {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "arrays are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "arrays are written in memory order");
 
 constexpr std::string_view magic = "\x93NUMPY";
 
 Error npy_error(const std::string& path, const std::string& found) {
-    return error_at({path, 0, 0}, "this is no .npy file that raylex reads: " + found);
+    return error_at({path, 0, 0}, "this is not a .npy file that raylex can read: " + found);
 }
 
-/// The dictionary literal, padded so that the data begin at a multiple of 64 bytes.
+/// Returns the header dictionary, padded so that the data begin at a multiple of 64 bytes.
 std::string npy_header(const char* type, const std::vector<std::size_t>& shape) {
     std::string sizes;
     for (const std::size_t each : shape) sizes += (sizes.empty() ? "" : ", ") + std::to_string(each);
@@ -41,7 +41,7 @@ Status write_array(const std::string& path, const std::string& header, const voi
     auto file = display::AtomicFile::create(path, sync);
     if (!file) return file.error();
     const char* from = static_cast<const char*>(values);
-    // Nothing but zeros, as in a channel that no path of the scene reaches: a hole of the file, which costs nothing.
+    // An array of zeros, as for a channel without light, becomes a hole in the file, which takes no space.
     std::size_t skipped = 0;
     if (bytes > 1 && *from == 0 && std::memcmp(from, from + 1, bytes - 1) == 0) skipped = bytes - 1;
     if (!file->write(header.data(), header.size()) || !file->seek(header.size() + skipped) ||
@@ -50,7 +50,7 @@ Status write_array(const std::string& path, const std::string& header, const voi
     return file->commit();
 }
 
-/// What follows 'KEY': in the dictionary.
+/// Returns the text after 'KEY': in the dictionary.
 std::string_view entry(std::string_view dictionary, std::string_view key) {
     const std::size_t at = dictionary.find("'" + std::string(key) + "':");
     if (at == std::string_view::npos) return {};
@@ -59,7 +59,7 @@ std::string_view entry(std::string_view dictionary, std::string_view key) {
     return rest;
 }
 
-/// "(480, 640, 3), ..." as numbers; nothing when it is no tuple of sizes.
+/// Parses "(480, 640, 3), ..."; returns nothing if it is not a tuple of sizes.
 std::optional<std::vector<std::size_t>> shape_of(std::string_view text) {
     if (text.empty() || text.front() != '(') return std::nullopt;
     std::vector<std::size_t> shape;
@@ -92,7 +92,7 @@ void convert(const char* bytes, std::vector<double>& values) {
 }
 
 struct NumberType {
-    const char* name;  ///< without the mark of the byte order
+    const char* name;  ///< without the byte-order mark
     std::size_t size;
     void (*convert)(const char*, std::vector<double>&);
 };
@@ -118,7 +118,7 @@ Result<PixelArray> read_npy(const std::string& path) {
     const std::string& bytes = *content;
     const auto byte = [&](std::size_t at) { return static_cast<std::size_t>(static_cast<unsigned char>(bytes[at])); };
     if (bytes.size() < magic.size() + 6 || !bytes.starts_with(magic))
-        return npy_error(path, "it does not begin as one");
+        return npy_error(path, "it has the wrong beginning");
     const std::size_t version = byte(6);
     if (version < 1 || version > 3) return npy_error(path, "version " + std::to_string(version) + "; expected 1 to 3");
     std::size_t start = 10, length = byte(8) | byte(9) << 8;
@@ -126,7 +126,7 @@ Result<PixelArray> read_npy(const std::string& path) {
         start = 12;
         length |= byte(10) << 16 | byte(11) << 24;
     }
-    if (start + length > bytes.size()) return npy_error(path, "it ends within its header");
+    if (start + length > bytes.size()) return npy_error(path, "it ends inside its header");
     const std::string_view dictionary(bytes.data() + start, length);
     const NumberType* type = number_type(entry(dictionary, "descr"));
     if (type == nullptr)
@@ -179,9 +179,8 @@ Result<PixelArray> read_mean(const std::string& directory, const std::string& ch
 }
 
 Result<PixelArray> read_m2(const std::string& directory, const std::string& channel) {
-    return read_plane(
-        directory, channel + ".m2.npy",
-        "methods that splat, external renderers and images from elsewhere leave no statistics of their pixels");
+    return read_plane(directory, channel + ".m2.npy",
+                      "methods that splat, external renderers and imported images have no statistics of pixels");
 }
 
 Result<PixelArray> read_samples(const std::string& directory) {

@@ -35,7 +35,7 @@ NamedValues values_of(const Json& json) {
     return values;
 }
 
-/// JSON has no infinity: it comes as null.
+/// Reads a number. JSON has no infinity, which is stored as null.
 double number_of(const Json& json) {
     return json.is_null() ? HUGE_VAL : json.get<double>();
 }
@@ -176,7 +176,7 @@ SceneInfo scene_of(const Json& json, const std::string& directory) {
     return scene;
 }
 
-/// A reference within the results moves with them.
+/// Makes the path of a reference inside the results relative to their current directory.
 SceneInfo within(SceneInfo scene, const std::string& directory) {
     if (scene.reference.empty()) return scene;
     const fs::path relative = fs::path(scene.reference).lexically_relative(directory);
@@ -248,11 +248,11 @@ Experiment experiment_of(const Json& json, const std::string& directory) {
 }
 
 std::string text_of(const Json& json) {
-    // Paths and messages may hold bytes that are no UTF-8: replaced, not thrown over.
+    // Paths and messages may contain bytes that are not UTF-8. They are replaced; nothing is thrown.
     return json_text(json, 2) + "\n";
 }
 
-/// `read` may throw: whatever is wrong with the content.
+/// Reads a JSON file. `read` may throw for any invalid content.
 template <class Read>
 auto read_json(const std::string& path, const char* what, Read read) -> Result<decltype(read(Json()))> {
     const Result<Json> json = read_json_file(path, what);
@@ -269,11 +269,11 @@ std::string file_text(const std::string& path) {
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// The parts of planned cells, in the order of their names.
+/// Reads the parts of planned cells, ordered by name.
 Status read_parts(Experiment& experiment) {
     std::set<std::string> planned;
     for (const Cell& each : experiment.planned) planned.insert(each.id);
-    std::map<std::string, std::string> files;  // by name: done rather than failed
+    std::map<std::string, std::string> files;  // by name; finished rather than failed
     std::error_code failed;
     for (const char* folder : {"/failed", "/cells"})
         for (const fs::directory_entry& entry : fs::directory_iterator(experiment.directory + folder, failed)) {
@@ -288,7 +288,7 @@ Status read_parts(Experiment& experiment) {
         auto part = read_cell_file(file);
         if (!part) return part.error();
         if (part->id != name || part->part_of != cell_of_part(name) || part->first_sample >= part->end_sample)
-            return error_at({file, 0, 0}, "this is no part '" + name + "' of a cell");
+            return error_at({file, 0, 0}, "this is not part '" + name + "' of a cell");
         if (!part->failed) part->directory = cell_directory(experiment.directory, name);
         experiment.parts.push_back(std::move(*part));
     }
@@ -298,7 +298,7 @@ Status read_parts(Experiment& experiment) {
 }  // namespace
 
 std::string Experiment::load_warning() const {
-    constexpr double idle = 0.05;       // the services of an idle system use one or two per cent
+    constexpr double idle = 0.05;       // background services of an idle system use one or two per cent
     double load = 0, seconds = 1e-300;  // weighted by wall time
     for (const Cell& cell : cells) {
         if (cell.failed || cell.other_load < 0) continue;
@@ -308,10 +308,10 @@ std::string Experiment::load_warning() const {
     if (load / seconds <= idle) return {};
     return "the machine was not idle: other processes used " + std::to_string(std::lround(100 * load / seconds)) +
            " % of its processors while cells were rendered; " +
-           (cpu_clock ? "methods are compared by CPU time, which other processes still lengthen through shared caches "
-                        "and lower clock rates"
-                      : "methods are compared by wall time, which other processes lengthen by different amounts; "
-                        "clock = \"cpu\" compares by CPU time");
+           (cpu_clock ? "methods are compared by CPU time, which other processes increase through shared caches and "
+                        "lower clock rates"
+                      : "methods are compared by wall time, which other processes increase by different amounts; clock "
+                        "= \"cpu\" compares by CPU time");
 }
 
 std::string budget_kind_name(BudgetKind kind) {
@@ -372,7 +372,8 @@ Result<Experiment> read_experiment(const std::string& directory) {
     const std::string path = experiment_file(directory);
     std::error_code failed;
     if (!fs::exists(path, failed))
-        return error_at({directory, 0, 0}, "this is no results directory of an experiment: it has no experiment.json");
+        return error_at({directory, 0, 0},
+                        "this is not a results directory of an experiment: it has no experiment.json");
     auto format =
         read_json(path, "an experiment.json", [](const Json& json) { return json.at("format").get<std::string>(); });
     if (!format) return format.error();

@@ -1,5 +1,5 @@
-// @NAME@: a display driver, the beauty or one layer as a Portable Float Map (P. Debevec), 32-bit floats, bottom row
-// first.
+// @NAME@: a display driver that writes the beauty or one layer as a Portable Float Map (P. Debevec): 32-bit floats,
+// bottom row first.
 #include <fstream>
 
 #include "transport/plugins/plugin.h"
@@ -25,7 +25,7 @@ class PfmDriver final : public DisplayDriver {
             return success();
         }
         const std::string near = nearest_name(layer_, known);
-        return error_at(where_, "display driver '@NAME@': no layer '" + layer_ + "' with three numbers a pixel",
+        return error_at(where_, "display driver '@NAME@': no layer '" + layer_ + "' with three numbers per pixel",
                         near.empty() ? std::string() : "did you mean '" + near + "'?");
     }
 
@@ -64,9 +64,10 @@ Result<std::unique_ptr<DisplayDriver>> make(const ParameterSet& parameters, cons
 }  // namespace
 
 RAYLEX_PLUGIN(host) {
-    host.add_display_driver({"@NAME@",
-                             "writes a Portable Float Map",
-                             {{"file", ParameterType::string, "", "to write"},
-                              {"layer", ParameterType::string, "", "of three numbers a pixel; default: the beauty"}},
-                             make});
+    host.add_display_driver(
+        {"@NAME@",
+         "writes a Portable Float Map",
+         {{"file", ParameterType::string, "", "file to write"},
+          {"layer", ParameterType::string, "", "layer with three numbers per pixel; default: the beauty"}},
+         make});
 }

@@ -1,5 +1,6 @@
-// @NAME@: a sample filter, camera exposure in stops on raw samples. One factor for beauty and every light path
-// expression, so splits still sum to beauty. It writes the factor to a channel of its own.
+// @NAME@: a sample filter that applies a camera exposure in stops to samples. The beauty and every light path
+// expression get the same factor, so splits still sum to the beauty. The filter also writes the factor to its own
+// channel.
 #include <cmath>
 
 #include "transport/plugins/plugin.h"
@@ -13,8 +14,8 @@ class Exposure final : public SampleFilter {
   public:
     Exposure(double factor, std::vector<ChannelId> light, ChannelId used)
         : factor_(factor), light_(std::move(light)), used_(used) {}
-    /// Called once a batch, after the integrator, with the samples of all channels. edit() returns the numbers of a
-    /// row; they count as sent.
+    /// Called once per batch, after the integrator, with the samples of all channels. edit() returns the numbers of a
+    /// row, which then count as sent.
     void apply(SampleTable& table) const override {
         for (int row = 0; row < table.row_count(); ++row) {
             for (const ChannelId id : light_)
@@ -47,7 +48,7 @@ Result<std::unique_ptr<SampleFilter>> make(const ParameterSet& parameters, const
 
 RAYLEX_PLUGIN(host) {
     host.add_sample_filter({"@NAME@",
-                            "makes all light brighter or darker, before the adaptive sampler sees it",
-                            {{"stops", ParameterType::real, "0", "each doubles the light; -20 to 20"}},
+                            "makes all light brighter or darker, before the adaptive sampler measures it",
+                            {{"stops", ParameterType::real, "0", "exposure; each stop doubles the light; -20 to 20"}},
                             make});
 }

@@ -1,7 +1,7 @@
-// @NAME@: a path tracer with light sampling, and every call of the display services beside it. Start from here.
+// @NAME@: a path tracer with light sampling that uses every call of the display services. Start from here.
 //
-// One ray at a time, written for reading. Light path expressions, deep images, cryptomattes and AOVs work without
-// further code: the integrator reports what it finds and never learns which layers were requested.
+// It traces one ray at a time, so that the code is easy to read. Light path expressions, deep images, cryptomattes and
+// AOVs need no further code: the integrator reports its light and does not depend on the requested layers.
 #include <array>
 
 #include "transport/plugins/plugin.h"
@@ -19,15 +19,16 @@ class PathTracer final : public Integrator {
     [[nodiscard]] IntegratorTraits traits() const override {
         IntegratorTraits traits;
         traits.max_depth = max_depth_;
-        traits.saved_state = SavedState::none;  // a sample is a function of its number: renders can be resumed
-        // first_hits stays false: the renderer writes geometric AOVs. cutouts stays false: they are opaque here.
+        traits.saved_state = SavedState::none;  // a sample depends only on its number, so renders can be resumed
+        // first_hits stays false: the renderer writes geometric AOVs. cutouts stays false: this integrator treats them
+        // as opaque.
         return traits;
     }
     Status prepare(const IntegratorContext& context) override { return context_ = context, success(); }
 
     void integrate(const CameraBatch& camera, IntegratorThread& thread, ThreadServices& services) const override {
-        // GetDisplayChannels: the channels of this render. A channel that nobody requested has the id invalid_channel,
-        // to which every call may write: nothing happens.
+        // GetDisplayChannels: the channels of this render. A channel that was not requested has the id invalid_channel;
+        // calls may write to it without effect.
         const auto channels = services.display.get_display_channels();
         const display::ChannelId bounces = display::find_channel(channels, "@NAME@_bounces"),
                                  glow = display::find_channel(channels, "@NAME@_glow"),
@@ -35,13 +36,13 @@ class PathTracer final : public Integrator {
         for (std::size_t i = 0; i < camera.rays.size(); ++i) {
             const int row = static_cast<int>(i);
             const Seen seen = trace(camera.rays[i], camera.samplers[i], row, thread.counters, services);
-            services.display.write(bounces, row, seen.bounces);  // Write: replaces what the row holds
-            services.display.splat(glow, row, seen.glow);        // Splat: adds to it
+            services.display.write(bounces, row, seen.bounces);  // Write: replaces the value of the row
+            services.display.splat(glow, row, seen.glow);        // Splat: adds to the row
             const std::array both{glow, glow_again};
             services.display.splat_multi(both, row, seen.glow);  // SplatMulti: adds to several channels
         }
         thread.counters.camera_rays += camera.rays.size();
-        // DiscardIteration: drops all that this call sent, such as the samples of a warm-up.
+        // DiscardIteration: drops everything that this call sent, such as the samples of a warm-up.
         if (camera.startup) services.display.discard_iteration();
     }
 
@@ -50,8 +51,8 @@ class PathTracer final : public Integrator {
         float bounces = 0;
         raylex::Rgb glow;  ///< light of emitters that the camera sees directly
     };
-    static constexpr std::uint32_t dimensions = 8;  // random numbers of a vertex
-    static constexpr float survival = 0.75f;        // probability to go on, from the second scattering on
+    static constexpr std::uint32_t dimensions = 8;  // random numbers per vertex
+    static constexpr float survival = 0.75f;        // survival probability from the second scattering event on
 
     Seen trace(Ray ray, const PixelSampler& sampler, int row, IntegratorCounters& counters,
                ThreadServices& services) const {
@@ -59,7 +60,7 @@ class PathTracer final : public Integrator {
         display::Tracker path = services.lpe.begin(row);
         Rgb throughput(1);
         Seen seen;
-        bool specular_bounce = true;  // light sampling cannot find what this ray finds
+        bool specular_bounce = true;  // light sampling cannot find the light that this ray finds
         for (std::uint32_t depth = 0;; ++depth) {
             const std::uint32_t first = first_free_dimension + dimensions * depth;
             Hit hit[1];
@@ -99,7 +100,7 @@ class PathTracer final : public Integrator {
             specular_bounce = s.delta;
             seen.bounces += 1;
             move(path, *source, s.lobes, services);
-            if (!services.lpe.live(path)) return seen;  // no layer can take anything that follows
+            if (!services.lpe.live(path)) return seen;  // no layer can accept the rest of the path
             const Real time = ray.time;
             ray = Ray();
             ray.time = time;
@@ -109,8 +110,8 @@ class PathTracer final : public Integrator {
         }
     }
 
-    /// WriteDistance and opacity of the camera ray. AddSample adds a row of the same ray, here a veil before the
-    /// surface that takes nothing away: deep images, alpha and mattes see all rows of a ray.
+    /// WriteDistance and opacity of the camera ray. AddSample adds a row to the same ray, here a transparent veil
+    /// before the surface. Deep images, alpha and mattes use all rows of a ray.
     void report_first_hit(const Hit& hit, int row, display::DisplayServices& display) const {
         display.write_distance(row, to_float(hit.t));
         display.write_opacity(row, 1.0f);
@@ -140,7 +141,7 @@ class PathTracer final : public Integrator {
         add(throughput * f.value * sample.radiance * (1 / sample.pdf), sample.light, 2, path, services);
     }
 
-    /// One step along the path: each lobe's event with its part of the value, so that layers by lobe sum exactly.
+    /// Moves one step along the path: each lobe's event with its part of the value, so that layers by lobe sum exactly.
     void move(display::Tracker& path, const SurfaceSource& source, const LobeList& lobes,
               ThreadServices& services) const {
         std::array<display::LobePart, max_lobes> parts;
@@ -150,7 +151,7 @@ class PathTracer final : public Integrator {
         services.lpe.move(path, {parts.data(), count});
     }
 
-    /// Reports light to the LPE services once: beauty and every layer whose expression accepts the path take it.
+    /// Reports light to the LPE services once. The beauty and every layer whose expression accepts the path receive it.
     void add(const Rgb& value, std::uint32_t light, std::uint32_t camera_vertices, display::Tracker path,
              ThreadServices& services) const {
         services.lpe.move(path, context_.events->terminal(light));
@@ -174,12 +175,12 @@ Result<std::unique_ptr<Integrator>> make(const SceneEntity& entity, std::optiona
 RAYLEX_PLUGIN(host) {
     host.add_integrator({"@NAME@",
                          "a path tracer with light sampling",
-                         {{"maxdepth", ParameterType::integer, "5", "scattering events of a path at most"}},
+                         {{"maxdepth", ParameterType::integer, "5", "maximum number of scattering events of a path"}},
                          make});
     host.add_channel(display::declared_channel("@NAME@_bounces", display::ChannelType::real),
-                     "scattering events of a path");
+                     "number of scattering events of a path");
     host.add_channel(display::declared_channel("@NAME@_glow", display::ChannelType::rgb),
-                     "emitters seen directly, twice");
+                     "light of directly visible emitters, doubled");
     host.add_channel(display::declared_channel("@NAME@_glow_again", display::ChannelType::rgb),
-                     "emitters seen directly");
+                     "light of directly visible emitters");
 }

@@ -1,6 +1,6 @@
-// @NAME@: a material with a lobe of its own: Minnaert's law of the moon's surface ("The reciprocity principle in lunar
-// photometry", Astrophysical Journal 93, 1941), f = reflectance (k + 2) / (2 pi) (cos_i cos_o)^k. It is reciprocal;
-// what it reflects of light from everywhere is reflectance cos_o^k.
+// @NAME@: a material with its own lobe: Minnaert's law of the moon's surface ("The reciprocity principle in lunar
+// photometry", Astrophysical Journal 93, 1941), f = reflectance (k + 2) / (2 pi) (cos_i cos_o)^k. It is reciprocal. Its
+// albedo is reflectance cos_o^k.
 #include <cmath>
 
 #include "transport/plugins/plugin.h"
@@ -10,9 +10,9 @@ namespace {
 using namespace raylex;
 using namespace raylex::transport;
 
-LobeId own_lobe = 0;  // set when the plugin registers
+LobeId own_lobe = 0;  // set during the registration of the plugin
 
-/// What varies from point to point: plain data, in the shading frame. Sampled by its density cos_i^(k+1).
+/// The parameters at a point: plain data in the shading frame. Sampled with density proportional to cos_i^(k+1).
 struct MoonClosure {
     Rgb reflectance;
     float k = 0;
@@ -71,7 +71,8 @@ RAYLEX_PLUGIN(host) {
     own_lobe = host.add_lobe({lpe::EventType::reflection, lpe::Scatter::diffuse, "@NAME@"});
     host.add_material({"@NAME@",
                        "the moon's surface",
-                       {{"reflectance", ParameterType::rgb, "0.5", "what is reflected when seen from straight above"},
-                        {"k", ParameterType::real, "0.5", "0 is Lambert's surface, more darkens the rim; 0 to 100"}},
+                       {{"reflectance", ParameterType::rgb, "0.5", "albedo seen from straight above"},
+                        {"k", ParameterType::real, "0.5",
+                         "exponent: 0 is a Lambert surface, larger values darken the rim; 0 to 100"}},
                        make});
 }

@@ -1,5 +1,5 @@
-// @NAME@: a pattern, two textures by turns along u, as a colour or a number texture. It writes which of the two the
-// camera sees to a display channel.
+// @NAME@: a pattern that alternates two textures along u, as a colour or number texture. It writes the index of the
+// texture that the camera sees to a display channel.
 #include <cmath>
 
 #include "transport/plugins/plugin.h"
@@ -19,7 +19,7 @@ class Stripes final : public Pattern {
     [[nodiscard]] TextureId chosen(const PatternPoint& point) const {
         const float place = to_float(point.at.u) * count_;
         const bool first = place - std::floor(place) < 0.5f;
-        // Every vertex of a camera path can write; depth 0 is what the camera sees.
+        // Every vertex of a camera path can write; depth 0 is the vertex that the camera sees.
         if (const VertexServices& services = point.services(); services.camera_sees())
             services.display->write(stripe_.id(services.display->get_display_channels()), services.row,
                                     first ? 1.0f : 2.0f);
@@ -40,10 +40,10 @@ Result<std::unique_ptr<Pattern>> make(PatternReader& reader) {
 
 RAYLEX_PLUGIN(host) {
     host.add_pattern({"@NAME@",
-                      "two textures by turns along u",
-                      {{"tex1", ParameterType::texture, "1", "the first half of each stripe"},
-                       {"tex2", ParameterType::texture, "0", "the second half"},
-                       {"count", ParameterType::integer, "8", "stripes over u from 0 to 1; 1 to 10000"}},
+                      "alternates two textures along u",
+                      {{"tex1", ParameterType::texture, "1", "texture of the first half of each stripe"},
+                       {"tex2", ParameterType::texture, "0", "texture of the second half"},
+                       {"count", ParameterType::integer, "8", "number of stripes over u from 0 to 1; 1 to 10000"}},
                       make});
     host.add_channel(display::declared_channel("@NAME@_stripe", display::ChannelType::real), "1 in tex1, 2 in tex2");
 }

@@ -1,4 +1,4 @@
-// The sources that `raylex new plugin` writes, compiled into the program.
+// The source templates of `raylex new plugin`, compiled into the program.
 #pragma once
 
 #include <array>
@@ -6,10 +6,10 @@
 
 namespace raylex::experiments {
 
-/// The kinds of plugin there is a template for.
+/// The kinds of plugin with a template.
 inline constexpr std::array<const char*, 5> plugin_kinds{"integrator", "pattern", "material", "filter", "driver"};
 
-/// C++ with the plugin's name as @NAME@; `kind` is one of plugin_kinds.
+/// Returns C++ source with @NAME@ for the plugin's name. `kind` is one of plugin_kinds.
 std::string_view plugin_template(std::string_view kind);
 
 }  // namespace raylex::experiments

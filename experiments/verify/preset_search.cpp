@@ -1,4 +1,4 @@
-// Which splits of a preset an image has.
+// Finds the splits of a preset in an image.
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -13,7 +13,7 @@ namespace raylex::experiments {
 
 namespace {
 
-// Letters and digits in lower case, without the application's "VRay" or "vrayRE_" in front.
+// Returns the letters and digits in lower case, without the application's prefix "VRay" or "vrayRE_".
 std::string plain_name(std::string_view name) {
     std::string lower = lower_case(name);
     for (const std::string_view ahead : {"vrayre_", "vray"})
@@ -40,9 +40,9 @@ std::string quoted(const std::string& name) {
     return quote + name + quote;
 }
 
-// The passes of one view layer: what stands behind a common prefix.
+// The passes of one view layer, with their common prefix removed.
 struct Section {
-    std::string name;  // without the dot
+    std::string name;  // without the trailing dot
     std::vector<std::pair<std::string, const display::ImageLayer*>> passes;
 
     const display::ImageLayer* find(PassNames names) const {
@@ -69,13 +69,13 @@ std::vector<Section> sections_of(const display::ExrImage& image) {
         auto found =
             std::find_if(sections.begin(), sections.end(), [&](const Section& each) { return each.name == section; });
         if (found == sections.end()) found = sections.insert(sections.end(), Section{section, {}});
-        // The nameless image of a file goes by the name of every beauty.
+        // A layer without a name can match any name of the beauty.
         found->passes.emplace_back(layer.name.empty() ? "rgba" : std::string(name), &layer);
     }
     return sections;
 }
 
-// One split of one section, in the making.
+// Builds the formula of one split of one section.
 class SplitText {
   public:
     void add(const std::string& name, const std::string& spoken, const char* before, const char* after) {
@@ -94,7 +94,7 @@ class SplitText {
     std::string text_, spoken_;
 };
 
-// Adds the term as far as its passes are there. Returns whether any light of it is.
+// Adds the passes of the term that exist. Returns whether it has light.
 bool add_term(const PresetTerm& term, const Section& section, SplitText& text, std::vector<std::string>& missing) {
     const auto present = [&section](const std::vector<PassNames>& passes) {
         return std::count_if(passes.begin(), passes.end(),
@@ -126,13 +126,13 @@ bool add_term(const PresetTerm& term, const Section& section, SplitText& text, s
     return true;
 }
 
-// Whether the background shows through: then it is in its pass, but no part of the image.
+// Returns whether the background is transparent: then its light is in a pass, but not in the image.
 bool is_transparent(const display::ImageLayer& whole) {
     const display::ImagePlane* alpha = whole.plane("A");
     return alpha != nullptr && std::any_of(alpha->values.begin(), alpha->values.end(), [](float a) { return a < 1; });
 }
 
-// N samples added up in float cost at most N x 2^-24 of their sum; without N, what the preset carries.
+// Returns the tolerance: float sums of N samples have errors up to N x 2^-24 of the sum; without N, the preset's value.
 display::Allowance allowance_of(const Preset& preset, const display::ExrImage& image, const std::string& section) {
     display::Allowance allowance = preset.allowance;
     if (preset.samples_attribute == nullptr) return allowance;
@@ -147,11 +147,11 @@ display::Allowance allowance_of(const Preset& preset, const display::ExrImage& i
     if (error != std::errc() || end != text.data() + text.size() || samples < 1 || samples > believable)
         return allowance;
     allowance.relative = samples * 0x1p-24;
-    allowance.reason = "adding up " + text + " samples in float, 2^-24 each";
+    allowance.reason = "the float sum of " + text + " samples, 2^-24 each";
     return allowance;
 }
 
-// Layers called like the whole with _ and a group's name behind it.
+// Adds the layers named like the whole, with _ and the name of a group appended.
 void add_groups(PassNames groups, const Section& section, SplitText& text) {
     const std::string begin = first_spelling(groups) + "_";
     for (const auto& [pass, layer] : section.passes) {
@@ -175,7 +175,7 @@ Result<std::vector<FoundSplit>> find_splits(const Preset& preset, const display:
     bool any_split = false;
     for (const Section& section : sections) {
         const display::ImageLayer* whole = given != nullptr ? given : section.find(preset.whole);
-        // Files per layer: "shot" beside "shot.diffuse".
+        // Layers in several files: "shot" beside "shot.diffuse".
         if (whole == nullptr && !section.name.empty()) whole = image.layer(section.name);
         if (whole == nullptr) whole = image.layer("");
         for (const PresetSplit& split : preset.splits) {
@@ -193,7 +193,7 @@ Result<std::vector<FoundSplit>> find_splits(const Preset& preset, const display:
             if (background != nullptr) {
                 const std::string spoken = first_spelling(preset.background);
                 if (split.groups != nullptr) text.add(background->name, spoken, ", -", "");
-                entry.note = "the film is transparent (alpha below 1): " + spoken + " is no part of the image";
+                entry.note = "the film is transparent (alpha below 1): " + spoken + " is not part of the image";
             }
             any_split = true;
             if (whole == nullptr) continue;
@@ -214,9 +214,9 @@ Result<std::vector<FoundSplit>> find_splits(const Preset& preset, const display:
     return error_at({image.path, 0, 0},
                     any_split
                         ? "the passes of " + std::string(preset.renderer) +
-                              " are there, but not what they split; expected a layer " + choices(preset.whole) +
+                              " exist, but not the layer that they split; expected a layer " + choices(preset.whole) +
                               ", or --of LAYER; the layers are: " + display::list_names(image.layer_names())
-                        : "no layers named as " + std::string(preset.renderer) + " names them; expected such as " +
+                        : "no layers with names of " + std::string(preset.renderer) + "; expected names such as " +
                               wanted + ", ...; the layers are: " + display::list_names(image.layer_names()));
 }
 

@@ -15,19 +15,19 @@ PresetTerm shared(PassNames pass) {
 PresetTerm product(std::vector<PassNames> added, PassNames times) {
     return {{std::move(added)}, times, false};
 }
-// A pass as a whole, or its direct and indirect halves.
+// Returns a term with one pass, or with its direct and indirect halves.
 PresetTerm whole_or_halves(PassNames whole, PassNames direct, PassNames indirect) {
     return {{{whole}, {direct, indirect}}, nullptr, false};
 }
 
-// Relative to the sum of |terms| + |of|. Renderers add samples up in float, one after another, so that the error grows
-// with their number: at most 2^-24 for each, of Cycles about a quarter of that. Measured of Cycles 3.4 at 4096 samples,
-// Blender's default, it was 3.5e-5 (experiments/docs/verify.md has the figures and the command).
+// Tolerance relative to the sum of |terms| + |of|. Renderers sum samples sequentially in float, so the error grows with
+// their number: at most 2^-24 per sample; Cycles has about a quarter of that. With Cycles 3.4 at 4096 samples,
+// Blender's default, it is 3.5e-5 (experiments/docs/verify.md has the figures and the command).
 constexpr double accumulation = 4e-5;
 
-// Blender manual, Render Passes: Combined = (Dir + Ind) * Col of each kind + Volume + Emit + Env. Light groups (3.2 on)
-// and the Denoising Data pass Noisy Image, which Combined is before it is denoised. Subsurface was a kind of its own up
-// to 2.9; 5.0 writes the names out.
+// From the Blender manual, Render Passes: Combined = (Dir + Ind) * Col for each kind + Volume + Emit + Env. Light
+// groups exist since 3.2. The Denoising Data pass Noisy Image is Combined before denoising. Subsurface was a separate
+// kind up to 2.9. 5.0 writes full names.
 Preset cycles() {
     const PassNames background = "Env|Environment";
     PresetSplit passes{
@@ -41,20 +41,19 @@ Preset cycles() {
          shared("Emit|Emission"),
          shared(background)},
         nullptr};
-    return {
-        "cycles",
-        "Cycles (Blender)",
-        "Noisy Image|Combined",
-        {std::move(passes), {"light groups", {}, "Combined"}},
-        {0, accumulation, "Cycles' adding up of samples in float, measured at 4096 samples", false},
-        "cycles.*.samples",
-        background,
-        "A denoised Combined is not the sum of its passes: with the pass Denoising Data the image before is kept as "
-        "Noisy Image and judged. Light groups sum to Combined when every lamp, emitter and the world is in one. "
-        "Passes of 3.4 lose light of glossy surfaces seen through a volume"};
+    return {"cycles",
+            "Cycles (Blender)",
+            "Noisy Image|Combined",
+            {std::move(passes), {"light groups", {}, "Combined"}},
+            {0, accumulation, "Cycles' float sum of samples, measured at 4096 samples", false},
+            "cycles.*.samples",
+            background,
+            "A denoised Combined is not the sum of its passes; the pass Denoising Data keeps the image before "
+            "denoising as Noisy Image, which is checked instead. Light groups sum to Combined if every lamp, emitter "
+            "and the world is in a group. Passes of 3.4 lose light of glossy surfaces seen through a volume"};
 }
 
-// RenderMan documentation, Light Path Expressions: basic and per-lobe channels.
+// From the RenderMan documentation, Light Path Expressions: basic and per-lobe channels.
 Preset renderman() {
     PresetSplit basic{"passes",
                       {plain("directDiffuse"), plain("indirectDiffuse"), plain("subsurface"), plain("directSpecular"),
@@ -73,14 +72,14 @@ Preset renderman() {
             "RenderMan",
             "beauty|Ci|rgba",
             {std::move(basic), std::move(lobes)},
-            {0, accumulation, "adding up of samples in float, as measured of Cycles at 4096 samples", false},
+            {0, accumulation, "the float sum of samples, as measured with Cycles at 4096 samples", false},
             nullptr,
             nullptr,
-            "Sample filters, clamps and tone mapping that act on the beauty alone, denoising, and light in volumes (no "
-            "basic channel has it) take the sum apart"};
+            "Sample filters, clamps and tone mapping that act on the beauty alone, denoising, and light in volumes "
+            "(missing from the basic channels) break the sum"};
 }
 
-// Arnold User Guide, AOVs and Light Path Expression AOVs; RGBA_default is the group of lights without one.
+// From the Arnold User Guide, AOVs and Light Path Expression AOVs. RGBA_default is the group of lights without a group.
 Preset arnold() {
     PresetSplit scattering{
         "scattering",
@@ -100,15 +99,15 @@ Preset arnold() {
               {plain("direct"), plain("indirect"), shared("emission"), shared("background")},
               nullptr},
              {"light groups", {}, "RGBA"}},
-            {0, accumulation, "adding up of samples in float, as measured of Cycles at 4096 samples", false},
+            {0, accumulation, "the float sum of samples, as measured with Cycles at 4096 samples", false},
             nullptr,
             nullptr,
-            "A clamp that affects AOVs differently, imagers and denoising take the sum apart. Light groups sum to RGBA "
-            "with RGBA_default, the lights in no group, among them"};
+            "A clamp that affects AOVs differently, imagers and denoising break the sum. Light groups sum to RGBA only "
+            "with RGBA_default, the lights without a group"};
 }
 
-// V-Ray documentation, Back to Beauty: the basic formula, and the one of raw elements. Names as 3ds Max, Maya and Nuke
-// write.
+// From the V-Ray documentation, Back to Beauty: the basic formula and that of raw elements. Names as written by 3ds
+// Max, Maya and Nuke.
 Preset vray() {
     const std::vector<PresetTerm> common{
         shared("specular"), shared("SSS|SSS2|subsurfaceScattering|FastSSS2"), shared("selfIllum|selfIllumination"),
@@ -127,11 +126,11 @@ Preset vray() {
             "V-Ray",
             "RGB_color|rgb|rgba|beauty",
             {std::move(basic), std::move(raw)},
-            {0, accumulation, "adding up of samples in float, as measured of Cycles at 4096 samples", false},
+            {0, accumulation, "the float sum of samples, as measured with Cycles at 4096 samples", false},
             nullptr,
             nullptr,
-            "Color mapping, clamped output, Affect Channels: All, denoising, and a background laid over take the sum "
-            "apart; raw elements do not multiply to the beauty under motion blur and depth of field"};
+            "Color mapping, clamped output, Affect Channels: All, denoising, and a composited background break the "
+            "sum; raw elements do not multiply to the beauty under motion blur and depth of field"};
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// How other renderers name the layers of a split, so that `raylex verify --preset cycles` finds them by itself.
+// Names of split layers in other renderers, so that `raylex verify --preset cycles` finds the layers.
 #pragma once
 
 #include <span>
@@ -11,22 +11,22 @@
 
 namespace raylex::experiments {
 
-/// Spellings of one pass, the likeliest first: "DiffDir|Diffuse Direct". Compared without case, spaces, _ and -, and
-/// without "VRay" in front.
+/// The spellings of one pass, the most common first: "DiffDir|Diffuse Direct". The comparison ignores case, blanks, _
+/// and -, and a prefix "VRay".
 using PassNames = const char*;
 
 /// (first + second + ...) * times
 struct PresetTerm {
     std::vector<std::vector<PassNames>>
-        alternatives;  ///< of the passes added; the first that is there as a whole is taken
+        alternatives;  ///< lists of passes that are added; the first list that exists completely is used
     PassNames times = nullptr;
-    bool shared = false;  ///< several splits have it: by itself it makes none
+    bool shared = false;  ///< several splits have this term, so it does not identify one
 };
 
 struct PresetSplit {
     const char* title;
     std::vector<PresetTerm> terms;
-    PassNames groups = nullptr;  ///< instead of terms: every layer called so with _ and a group's name behind it
+    PassNames groups = nullptr;  ///< instead of terms: every layer with this name, _ and the name of a group
 };
 
 struct Preset {
@@ -34,30 +34,31 @@ struct Preset {
     const char* renderer;
     PassNames whole;
     std::vector<PresetSplit> splits;
-    display::Allowance allowance;  ///< where the header does not tell how many samples were added up
-    /// "cycles.*.samples": the header's attribute with that number, * being the view layer; null where there is none.
+    display::Allowance allowance;  ///< used if the header does not have the number of samples
+    /// Header attribute with the number of samples, such as "cycles.*.samples" with * for the view layer; null if there
+    /// is none.
     const char* samples_attribute;
-    PassNames background;  ///< one of the terms: no part of an image with a transparent film; null where it is
-    const char* advice;    ///< what makes a correct image not sum, for the one who is told so
+    PassNames background;  ///< the term that is not part of an image with a transparent film; null if it is
+    const char* advice;    ///< advice for the user: why a correct image may not sum
 };
 
-/// cycles, renderman, arnold, vray.
+/// Returns the presets: cycles, renderman, arnold, vray.
 std::span<const Preset> presets();
 Result<const Preset*> find_preset(const std::string& name);
 
-/// A split that an image has by a preset.
+/// A split of a preset that an image has.
 struct FoundSplit {
-    std::string title;    ///< "passes", "light groups"; " of SECTION" behind it where the image has several view layers
-    std::string of;       ///< full name of the layer split
-    std::string sum;      ///< for check_split
-    std::string formula;  ///< the same for people, without prefix and quotes
+    std::string title;    ///< "passes", "light groups"; with " of SECTION" if the image has several view layers
+    std::string of;       ///< full name of the layer that is split
+    std::string sum;      ///< expression for check_split
+    std::string formula;  ///< the expression for people, without prefix and quotes
     display::Allowance allowance;
-    std::string note;                  ///< what was left out and why, mostly empty
+    std::string note;                  ///< which layers were left out and why; usually empty
     std::vector<std::string> missing;  ///< passes of the preset that the image lacks
 };
 
-/// Everything to judge, in the preset's order; `of` instead of the preset's own whole when not empty. Errors: no layers
-/// named so, none to split.
+/// Returns all splits to check, in the preset's order. `of` replaces the preset's whole if not empty. Errors: no layers
+/// with these names; no layer that they split.
 Result<std::vector<FoundSplit>> find_splits(const Preset& preset, const display::ExrImage& image,
                                             const std::string& of);
 

@@ -183,7 +183,7 @@ TEST_CASE("an atlas by technique answers what each found, and words tell it", "[
     CHECK(run_raylex(folder, "ask both.atlas.exr -o asked.exr --lpe 'sampled=s1t3;C.*L'").code == 0);
     folder.render_atlas("plain", "--integrator bdpt");
     check_refused(folder, "ask plain.atlas.exr -o asked.exr --lpe 'sampled=s1t3;C.*L'",
-                  {"do not tell techniques apart", "--atlas-by label,lobe,group,technique"});
+                  {"do not distinguish techniques", "--atlas-by label,lobe,group,technique"});
     const Outcome page = run_raylex(folder, "report kept.atlas.exr -o page.html");
     INFO(page.err);
     CHECK(page.code == 0);
@@ -283,8 +283,8 @@ TEST_CASE("what an atlas cannot tell is refused, or between what it is at least 
         check_verified(folder, name + ".atlas.exr");
         check_refused(
             folder, "ask " + name + ".atlas.exr --lpe c='CDS+L' -o c.exr",
-            {"channel 'c' cannot be answered exactly", "...", "--intervals", "and has between ",
-             " % of the image's light", name == "a" ? "an --atlas-length above 2" : "a greater --atlas-budget"});
+            {"channel 'c' cannot be computed exactly", "...", "--intervals", "between ", " % of the image's light",
+             name == "a" ? "an --atlas-length above 2" : "a greater --atlas-budget"});
         const Outcome asked =
             run_raylex(folder, "ask " + name +
                                    ".atlas.exr --intervals --lpe c='CDS+L' --lpe d='CDD+L' --lpe s='C<TS>+L' -o i.exr");
@@ -313,7 +313,7 @@ TEST_CASE("what an atlas cannot tell is refused, or between what it is at least 
     }
     // Of a budget that is short, but not hopeless, the first scattering and which light is direct are kept.
     folder.render_atlas("c", "--spp 128 --atlas-budget 165KiB");
-    check_refused(folder, "ask c.atlas.exr --lpe c='CDS+L' -o c.exr", {"cannot be answered exactly"});
+    check_refused(folder, "ask c.atlas.exr --lpe c='CDS+L' -o c.exr", {"cannot be computed exactly"});
     REQUIRE(run_raylex(folder, "ask c.atlas.exr --partition shipped -o s.exr").code == 0);
     check_verified(folder, "s.exr");
     check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --atlas-budget lots", {"--atlas-budget"});
@@ -329,7 +329,7 @@ TEST_CASE("labels, lobes and groups that an atlas did not keep are not answered"
     const AtlasFolder folder;
     folder.render_atlas("plain", "--atlas-by group --atlas-length 6");
     check_refused(folder, "ask plain.atlas.exr --lpe f=\"C<RD'ground'>L\" -o f.exr",
-                  {"channel 'f' cannot be answered exactly", "ground", "--atlas-by with more than 'group'"});
+                  {"channel 'f' cannot be computed exactly", "ground", "--atlas-by with more than 'group'"});
     CHECK(run_raylex(folder, "ask plain.atlas.exr --lpe key=\"C.*<L.'key'>\" -o g.exr").code == 0);
     check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --atlas-by labels", {"did you mean 'label'?"});
     check_refused(folder, "render job.toml -o n.exr --atlas-length 4", {"--atlas FILE.exr"});
@@ -426,7 +426,7 @@ TEST_CASE("words whose light may be negative sum as exactly as others, in layers
     // What a class holds of both signs is between no bounds.
     folder.render_atlas("short", "--atlas-length 2");
     check_refused(folder, "ask short.atlas.exr --lpe three=C...L --intervals -o n.exr",
-                  {"parts light into wavelengths", "--atlas-length"});
+                  {"disperses light by wavelength", "--atlas-length"});
 }
 
 TEST_CASE("atlases of shards are merged with their image, or by themselves, and answer what one render's does",
@@ -478,7 +478,7 @@ TEST_CASE("questions to no atlas end in a message", "[atlas][law7]") {
     check_refused(folder, "ask a.exr --lpe d=CDL -o d.exr", {"a.exr", "not a path atlas"});
     check_refused(folder, "ask job.toml --lpe d=CDL -o d.exr", {"job.toml"});
     check_refused(folder, "ask absent.exr --lpe d=CDL -o d.exr", {"absent.exr"});
-    check_refused(folder, "ask a.atlas.exr --lpe d=CDL -o a.atlas.exr", {"would be replaced"});
+    check_refused(folder, "ask a.atlas.exr --lpe d=CDL -o a.atlas.exr", {"would be overwritten"});
     check_refused(folder, "ask a.atlas.exr --lpe d=CDL", {"-o LAYERS.exr"});
     check_refused(folder, "ask a.atlas.exr -o d.exr", {"--lpe"});
     check_refused(folder, "ask a.atlas.exr --lpe d='C<RX>L' -o d.exr", {"found 'X'"});

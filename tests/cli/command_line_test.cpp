@@ -43,10 +43,10 @@ TEST_CASE("text that standard output does not take is an error; that a reader ha
     }
 }
 
-TEST_CASE("words behind '--' are no options") {
+TEST_CASE("words after '--' are not options") {
     const Folder folder;
     CHECK(run_raylex(folder, "lpe explain -- CL").code == 0);
-    check_refused(folder, "scene write -- -r.pbrt -o a.pbrt", {"'-o' stands behind '--'"});
+    check_refused(folder, "scene write -- -r.pbrt -o a.pbrt", {"'-o' stands after '--'"});
 }
 
 TEST_CASE("an unknown option is named, with the one that may be meant") {
@@ -60,7 +60,7 @@ TEST_CASE("an unknown option is named, with the one that may be meant") {
     // These take whatever stands behind the first expression.
     check_refused(folder, "lpe explain CL --dialct osl", {"'--dialct'; did you mean '--dialect'?", "explain --help"});
     check_refused(folder, "lpe union CL CDL --sampels 2", {"'--sampels'; did you mean '--samples'?", "union --help"});
-    check_refused(folder, "--threads 2 render x.pbrt", {"'--threads' of 'raylex'; expected it behind 'raylex render'"});
+    check_refused(folder, "--threads 2 render x.pbrt", {"'--threads' of 'raylex'; expected it after 'raylex render'"});
     for (const char* nothing_near : {"render x.pbrt -z", "lpe check --nothing-like-it"}) {
         const Outcome outcome = run_raylex(folder, nothing_near);
         CHECK(contains(outcome.err, "unknown option '-"));
@@ -119,7 +119,7 @@ TEST_CASE("what is no text has no way to standard output") {
     const SceneFolder folder;
     for (const char* output : {"--deep -", "--atlas -", "--driver exr:file=-"})
         check_refused(folder, "render room.pbrt -o a.exr --spp 1 " + std::string(output), {"standard output, '-'"});
-    check_refused(folder, "render room.pbrt -o -", {"'-' has no name ending in .exr"});
+    check_refused(folder, "render room.pbrt -o -", {"'-' does not end in .exr"});
     check_refused(folder, "merge x.exr.shard-1-of-1 -o x.exr --atlas -", {"standard output, '-'"});
     // Meshes from files go to files, by whose names label rules call them.
     folder.write("m.ply",

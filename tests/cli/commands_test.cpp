@@ -83,7 +83,7 @@ TEST_CASE("the commands of a render stand alone, and a shell that runs them twic
     CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
     const Outcome again = run_shell(folder, "rm out.exr.shard-2-of-3; tail -n 1 commands | sh");
     CHECK(again.code == 2);
-    CHECK(contains(again.err, "out.exr.shard-2-of-3: this is not there, and no process of this machine is at it"));
+    CHECK(contains(again.err, "out.exr.shard-2-of-3: this file does not exist, and no process on this machine"));
 }
 
 TEST_CASE("commands as JSON say what each needs") {
@@ -109,12 +109,12 @@ TEST_CASE("commands that cannot be are refused, and templates with a slip name i
     check_refused(folder, render + "--shards 2", {"--shards without --commands"});
     check_refused(folder, render + "--commands", {"expected --shards N"});
     check_refused(folder, render + "--shards 5 --commands", {"5 shards of 64 samples per pixel; expected at most 4"});
-    check_refused(folder, render + "--shards 2 --commands=mke", {"'mke' is no format"});
+    check_refused(folder, render + "--shards 2 --commands=mke", {"'mke' is not a format"});
     check_refused(folder, render + "--shards 2 --commands --integrator pssmlt", {"Markov chains"});
     folder.write("t.mk", "{{#commands}}\n{{comand}}\n{{/commands}}\n");
     check_refused(folder, render + "--shards 2 --commands=t.mk", {"t.mk:2", "'comand'", "did you mean 'command'?"});
     folder.write("t.mk", "{{#commands}}\n");
-    check_refused(folder, render + "--shards 2 --commands=t.mk", {"t.mk", "this is no template"});
+    check_refused(folder, render + "--shards 2 --commands=t.mk", {"t.mk", "this is not a template"});
     const std::string study = "experiment plan c.toml --no-calibration ";
     check_refused(folder, study + "--commands", {"expected -o DIR"});
     check_refused(folder, study + "--shards 2", {"--shards without --commands"});
@@ -135,7 +135,7 @@ TEST_CASE("the commands of a study end in the cells of one run, whatever was kil
               .code == 137);
     const Outcome early = run_shell(folder, "sed 's/ --wait//' commands | tail -n 1 | sh");
     CHECK(early.code == 2);
-    CHECK(contains(early.err, "parts/2/finished.json: this is not there"));
+    CHECK(contains(early.err, "parts/2/finished.json: this file does not exist"));
     CHECK_FALSE(folder.has("all/results"));
     const Outcome not_yet = run_raylex(folder, "status all");
     CHECK(not_yet.code == 1);
@@ -187,7 +187,7 @@ kill -KILL $(pgrep -P $program); wait $program)");
     CHECK(contains(killed.out + killed.err, "SIGKILL"));
     const Outcome again = run_raylex(folder, "experiment run" + one + "killed --resume");
     CHECK(again.code == 2);
-    CHECK(contains(again.out, "done already, 0 cells, 1 FAILED"));
+    CHECK(contains(again.out, "already done, 0 cells, 1 FAILED"));
     done(folder, "\"$RAYLEX\" experiment run" + one + "killed --resume --retry");
     CHECK((folder.bits("killed") == folder.bits("local")));
     check_refused(folder, "experiment run" + one + "other --retry", {"--retry without --resume"});
@@ -198,7 +198,7 @@ TEST_CASE("without a queue a submission leaves files to be used by hand, and los
     const std::string submit = "PATH=/nowhere \"$RAYLEX\" submit --slurm c.toml -o all --shards 2 --no-calibration";
     const Outcome outcome = run_shell(folder, submit);
     CHECK(outcome.code == 2);
-    CHECK(contains(outcome.err, "there is no sbatch here"));
+    CHECK(contains(outcome.err, "sbatch was not found"));
     CHECK(contains(outcome.err, "sbatch --dependency=afterany:ID_OF_REFERENCES"));
     CHECK_FALSE(folder.has("all/submission.json"));
     const std::string array = folder.read("all/slurm/shards.sh");
@@ -217,7 +217,7 @@ TEST_CASE("without a queue a submission leaves files to be used by hand, and los
     CHECK(contains(folder.read("all/slurm/commands.txt"), " --retry\n"));
     check_refused(folder, "submit c.toml -o other --shards 2", {"expected --slurm"});
     check_refused(folder, "submit --slurm c.toml -o other", {"--shards N"});
-    check_refused(folder, "status other", {"nothing was submitted or begun"});
+    check_refused(folder, "status other", {"contains no study"});
     // What measures seconds has its machine for itself.
     done(folder, "sed -i 's/^samples = .*/seconds = 0.1/' c.toml");
     CHECK(run_shell(folder,

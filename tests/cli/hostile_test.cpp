@@ -38,7 +38,7 @@ TEST_CASE("a name with a line end never becomes a line of a job file", "[cli][la
             const Outcome refused = run_shell(folder, "\"$RAYLEX\" render " + what + common + "--commands=" + format);
             CHECK(refused.code == 2);
             CHECK(refused.out.empty());
-            CHECK(contains(refused.err, "holds a control character"));
+            CHECK(contains(refused.err, "has a control character"));
         }
     }
     CHECK(contains(run_shell(folder, "\"$RAYLEX\" render '" + scene + "' -o out.exr" + common + "--commands=json").out,
@@ -46,7 +46,7 @@ TEST_CASE("a name with a line end never becomes a line of a job file", "[cli][la
     // Bytes that are no UTF-8 would be replaced, or end the reading of the file.
     const std::string latin = "\"$RAYLEX\" render room.pbrt -o $'caf\\xe9.exr'" + common;
     for (const std::string format : {"json", "snakemake", "opencue", "kubernetes"})
-        CHECK(contains(run_shell(folder, latin + "--commands=" + format).err, "is no UTF-8"));
+        CHECK(contains(run_shell(folder, latin + "--commands=" + format).err, "is not UTF-8"));
     CHECK(run_shell(folder, latin + "--commands=make").code == 0);
     const Outcome cue =
         run_shell(folder, "\"$RAYLEX\" render room.pbrt -o 'a--b<&\">.exr'" + common + "--commands=opencue");
@@ -58,7 +58,7 @@ TEST_CASE("a name with a line end never becomes a line of a job file", "[cli][la
         "[[scene]]\nname = \"room\"\nfile = \"room.pbrt\"\n[[method]]\nname = \"path\"\n[budget]\nsamples = [1]\n");
     const std::string submit = "\"$RAYLEX\" submit --slurm c.toml --no-calibration --shards 1 -o ";
     for (const std::string what : {"$'d\\n#SBATCH --wrap=id'", "dir --option=$'--x\\n#SBATCH --wrap=id'"})
-        CHECK(contains(run_shell(folder, submit + what).err, "holds a control character"));
+        CHECK(contains(run_shell(folder, submit + what).err, "has a control character"));
     static_cast<void>(run_shell(folder, submit + "'d\" --wrap=\"id'"));
     CHECK(contains(run_shell(folder, "cat d*/slurm/merge.sh").out, "d\\\" --wrap=\\\"id/slurm/merge.log\""));
 }
@@ -89,7 +89,7 @@ TEST_CASE("values that a file cannot hold are counted, and its splits are judged
     CHECK(contains(
         half.err,
         "the file cannot hold all values of 3 layers: beauty: 0 values not a number, set to 0; 768 beyond half"));
-    CHECK(contains(half.out, "CANNOT TELL: every pixel is clamped; 256 pixels with values at the largest number"));
+    CHECK(contains(half.out, "CANNOT TELL: every pixel is clamped; 256 pixels with values clamped"));
     CHECK(contains(half.out, "0 of 256 pixels judged"));
     const Outcome verified = run_raylex(folder, "verify h.exr");
     CHECK(verified.code == 1);
@@ -114,8 +114,8 @@ TEST_CASE("values that a file cannot hold are counted, and its splits are judged
     INFO(deep.out << deep.err);
     CHECK(deep.code == 0);
     CHECK(contains(deep.err, "deep.exr: the file cannot hold all values of 1 layer: beauty: 0 values not a number"));
-    CHECK(contains(deep.err, "--deep-storage float has the larger range"));
-    CHECK(contains(deep.out, "256 pixels with values at the largest number of half or float"));
+    CHECK(contains(deep.err, "--deep-storage float stores larger values"));
+    CHECK(contains(deep.out, "256 pixels with values clamped to the largest half or float"));
     const Outcome beyond =
         run_raylex(folder, "render float.pbrt --spp 16 -o f.exr --deep deep.exr --atlas f.atlas.exr");
     INFO(beyond.out << beyond.err);
@@ -123,7 +123,7 @@ TEST_CASE("values that a file cannot hold are counted, and its splits are judged
     CHECK(contains(beyond.err, "deep.exr: the file cannot hold all values of 1 layer"));
     const Outcome atlas = run_raylex(folder, "verify f.atlas.exr");
     CHECK(atlas.code == 0);
-    CHECK(contains(atlas.out, "256 pixels with values at the largest number of half or float"));
+    CHECK(contains(atlas.out, "256 pixels with values clamped to the largest half or float"));
 }
 
 TEST_CASE("samples that cancel under a filter with negative lobes are no failed split", "[cli][law1]") {
@@ -217,7 +217,7 @@ TEST_CASE("an interrupt is the exit code 130, and a second one leaves no partial
                                    "render room.pbrt --spp 640000 --partition shipped -o once.exr");
     INFO(once.out << once.err);
     CHECK(once.code == 130);
-    CHECK(contains(once.out, "partition 'shipped', judged while it was written: holds; "));
+    CHECK(contains(once.out, "partition 'shipped', checked while it was written: holds; "));
     CHECK_FALSE(contains(once.out, "sum to beauty"));
     CHECK(run_raylex(folder, "verify once.exr").code == 0);
 }

@@ -178,7 +178,7 @@ TEST_CASE("names that a preview does not know are answered with the nearest ones
                   {"no view 'Rwa' of display 'sRGB - Display'", "did you mean 'Raw'?"});
     check_refused(folder, "preview a.exr --view 'ACES 1.1 - HDR Video (1000 nits & P3 lim)'",
                   {"display 'ST2084-P3-D65 - Display' has such a view"});
-    check_refused(folder, "preview a.exr -o a.jpg", {"'a.jpg' has no name ending in .png"});
+    check_refused(folder, "preview a.exr -o a.jpg", {"'a.jpg' does not end in .png"});
     check_refused(folder, "preview a.exr -o ''", {"the name is empty"});
     check_refused(folder, "preview a.exr --ocio absent.ocio", {"absent.ocio"});
     check_refused(folder, "preview absent.exr", {"absent.exr"});
@@ -285,29 +285,33 @@ TEST_CASE("compare prints every metric at once, as JSON too, and leaves error im
     for (std::size_t i = 0; i < 24; ++i) CHECK(layer->planes.front().values[i] == (i == 9 ? Approx(0.5) : Approx(0)));
     const Outcome png = run_raylex(folder, "compare a.exr b.exr --metric flip -o e.png");
     REQUIRE(png.code == 0);
-    CHECK(png.err.find("black 0, over blue, violet and red to pale yellow 1 and above") != std::string::npos);
+    CHECK(png.err.find("pale yellow 1 and above") != std::string::npos);
     CHECK(folder.read("e.png").substr(1, 3) == "PNG");
 
     // A crop is compared as it stands, and that is said.
     const SceneFolder scene;
     REQUIRE(run_raylex(scene, "render room.pbrt --spp 1 -o whole.exr").code == 0);
     REQUIRE(run_raylex(scene, "render room.pbrt --spp 1 --crop 1,2,4,5 -o crop.exr").code == 0);
-    CHECK(contains(run_raylex(scene, "compare crop.exr whole.exr").err,
-                   "crop.exr: there are pixels in 1,2,4,5 alone; the others are compared as black"));
+    CHECK(
+        contains(run_raylex(scene, "compare crop.exr whole.exr").err, "crop.exr: the file has pixels only in 1,2,4,5"));
     CHECK_FALSE(contains(run_raylex(scene, "compare whole.exr whole.exr").err, "alone"));
 
     check_refused(folder, "compare a.exr b.exr --metric fllip", {"unknown metric 'fllip'", "did you mean 'flip'?"});
-    check_refused(folder, "compare a.exr b.exr --metric all -o x.png", {"of one metric"});
+    check_refused(folder, "compare a.exr b.exr --metric all -o x.png", {"shows one metric"});
     check_refused(folder, "compare a.exr b.exr --metric mean-ratio -o x.png", {"not defined for single pixels"});
-    check_refused(folder, "compare a.exr b.exr -o x.jpg", {"ending in .exr or .png"});
+    check_refused(folder, "compare a.exr b.exr -o x.jpg", {"end in .exr or .png"});
     check_refused(folder, "compare a.exr b.exr -o ''", {"the name is empty"});
-    check_refused(folder, "compare a.exr b.exr -o b.exr", {"one of the images that are compared"});
+    check_refused(folder, "compare a.exr b.exr -o b.exr", {"'b.exr'"});
     check_refused(folder, "compare a.exr b.exr -o absent/x.png", {"absent/x.png"});
 }
 
-TEST_CASE("the help of render stands in groups, and words are coloured where that is wanted") {
+TEST_CASE("render --help shows options in groups, and --color colours words") {
     const Folder folder;
-    const std::string help = run_raylex(folder, "render --help").out;
+    const std::string short_help = run_raylex(folder, "render --help").out;
+    CHECK(short_help.ends_with("'raylex render --help-all' lists all options.\n"));
+    CHECK(short_help.find("--spp") != std::string::npos);
+    CHECK(short_help.find("--deep-tidy") == std::string::npos);
+    const std::string help = run_raylex(folder, "render --help-all").out;
     std::size_t last = 0;
     for (const char* group :
          {"\nFiles and viewers:", "\nSampling:", "\nImage:", "\nLong renders:", "\nMachine:", "\nLight transport:",

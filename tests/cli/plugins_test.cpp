@@ -46,7 +46,7 @@ TEST_CASE("`raylex plugins` lists what a plugin registers, with every parameter"
     CHECK(listed.code == 0);
     CHECK(contains(listed.out, "integrator ambientocclusion: the share of the sky that a point sees"));
     CHECK(contains(listed.out, "float maxdistance = infinite: how far"));
-    CHECK(contains(listed.out, "texture stripes: two textures by turns along u"));
+    CHECK(contains(listed.out, "texture stripes: alternates two textures along u"));
     CHECK(contains(listed.out, "integer count = 8:"));
     const Outcome in_tree = run_raylex(folder, "plugins");
     CHECK(in_tree.code == 0);

@@ -95,7 +95,7 @@ TEST_CASE(
           "  2 %  0.01 M samples/s  10.0 s, about 10 min 30 s left; beauty 4 % and 4 more; 2 % in about 30.0 s");
     // A render that ends before the next mark says what it ends with: half, after four times the samples.
     now.samples_total = 256 * pixels - 1;
-    CHECK(error_text(errors, now, 1) == "beauty 4 % and 4 more; 2 % in the end");
+    CHECK(error_text(errors, now, 1) == "beauty 4 % and 4 more; 2 % at the end");
     // What was asked for; the total is then the prediction.
     display::AdaptiveProgress asked;
     asked.channel = "beauty";

@@ -100,28 +100,28 @@ TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, 
     check(sky + face + "\n", "");
     check(face + "\n", "doubtful.pbrt: the scene has no light: its image is black");
     check(sky + face + "\"normal N\" [0 0 1  0 0 -1  0 0 1]\n",
-          "doubtful.pbrt:4:1: 1 of 1 faces of the mesh have vertex normals on both of their sides");
+          "doubtful.pbrt:4:1: 1 of 1 faces of the mesh have vertex normals on both sides");
     check(sky + "Texture \"a\" \"spectrum\" \"checkerboard\"\nMaterial \"diffuse\" \"texture reflectance\" \"a\"\n" +
               face + "\"point2 uv\" [0 0  1 1  2 2]\n",
-          "have texture coordinates on a line");
+          "have collinear texture coordinates");
     check(sky + face + "\nLightSource \"point\" \"rgb I\" [0 0 0]\n",
           "doubtful.pbrt:5:1: this point light gives no light");
     check(sky + "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [0 0 0]\n" + face + "\nAttributeEnd\n",
           "doubtful.pbrt:5:1: this area light gives no light");
     check(sky + face + "\nMakeNamedMaterial \"gold\" \"string type\" \"conductor\"\n",
-          "doubtful.pbrt:5:1: the material 'gold' is used by nothing");
+          "doubtful.pbrt:5:1: the material 'gold' is unused");
     check(sky +
               "Texture \"wodo\" \"spectrum\" \"checkerboard\"\nTexture \"wood\" \"spectrum\" \"checkerboard\"\n"
               "Material \"diffuse\" \"texture reflectance\" \"wood\"\n" +
               face + "\n",
-          "'wood' is used: was this meant?");
+          "'wood' is used; did you mean this?");
     for (const char* other : {"wood1", "oak wood"}) {  // one of a series, and another word: no slips
         check(sky + "Texture \"" + other +
                   "\" \"spectrum\" \"checkerboard\"\nTexture \"wood2\" \"spectrum\" \"checkerboard\"\n"
                   "Material \"diffuse\" \"texture reflectance\" \"wood2\"\n" +
                   face + "\n",
-              "is used by nothing");
-        CHECK_FALSE(contains(run_raylex(folder, "scene check doubtful.pbrt").out, "was this meant"));
+              "is unused");
+        CHECK_FALSE(contains(run_raylex(folder, "scene check doubtful.pbrt").out, "did you mean this"));
     }
     check(sky + face + "\nObjectBegin \"leaf\"\nShape \"sphere\"\nObjectEnd\n", "the object 'leaf' has no instance");
 
@@ -163,8 +163,8 @@ TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, 
     CHECK(contains(dropped.out, "1 warning, 0 doubts"));
     CHECK(contains(dropped.err, "dropped.pbrt:4:1: 1 segments of curves have no length or no width"));
     // A short name is no slip for one that is not there.
-    check(sky + face + "\nTexture \"a\" \"float\" \"constant\"\n", "the texture 'a' is used by nothing");
-    CHECK_FALSE(contains(run_raylex(folder, "scene check doubtful.pbrt").out, "was this meant"));
+    check(sky + face + "\nTexture \"a\" \"float\" \"constant\"\n", "the texture 'a' is unused");
+    CHECK_FALSE(contains(run_raylex(folder, "scene check doubtful.pbrt").out, "did you mean this"));
 }
 
 TEST_CASE("raylex scene check asks for texture coordinates where something goes by them, in mixes and patches too") {
@@ -178,7 +178,7 @@ TEST_CASE("raylex scene check asks for texture coordinates where something goes 
                                   " \"point2 uv\" [0 0  1 1  2 2]\n"));
         const Outcome outcome = run_raylex(folder, "scene check uv.pbrt");
         CAPTURE(textures, material, outcome.out, outcome.err);
-        CHECK(outcome.code == (contains(outcome.out, "have texture coordinates on a line") ? 1 : 0));
+        CHECK(outcome.code == (contains(outcome.out, "have collinear texture coordinates") ? 1 : 0));
         return outcome.code == 1;
     };
     const std::string by_a = "Material \"diffuse\" \"texture reflectance\" \"a\"";
@@ -212,13 +212,13 @@ TEST_CASE("raylex scene check refuses what a render would refuse, and its option
         CHECK(contains(checked.err, "refused.pbrt:1"));
         const Outcome told = run_raylex(folder, "scene info refused.pbrt");
         CHECK(told.code == 0);
-        CHECK(contains(told.err, "cannot be rendered as it is: refused.pbrt:1"));
+        CHECK(contains(told.err, "cannot be rendered: refused.pbrt:1"));
     }
     folder.write("room.pbrt", counted_scene);
     CHECK(run_raylex(folder, "scene check room.pbrt --only film-size").code == 2);
     const Outcome onto_itself = run_raylex(folder, "scene write room.pbrt -o room.pbrt");
     CHECK(onto_itself.code == 2);
-    CHECK(contains(onto_itself.err, "this is the scene that is read"));
+    CHECK(contains(onto_itself.err, "this file is the input scene"));
     CHECK(folder.read("room.pbrt") == counted_scene);
 }
 
@@ -239,7 +239,7 @@ TEST_CASE("raylex scene check tells all files that are missing, each at its line
     folder.write("sky.pbrt",
                  "WorldBegin\nLightSource \"infinite\" \"string filename\" \"no/sky.exr\"\n"
                  "MakeNamedMaterial \"wood\" \"string type\" \"diffuse\"\nShape \"sphere\"\n");
-    CHECK(contains(run_raylex(folder, "scene check sky.pbrt").out, "'wood' is used by nothing"));  // a sky uses nothing
+    CHECK(contains(run_raylex(folder, "scene check sky.pbrt").out, "'wood' is unused"));  // a sky uses nothing
 
     folder.write("ptex.pbrt", "WorldBegin\nTexture \"a\" \"spectrum\" \"ptex\" \"string filename\" \"no/a.ptx\"\n");
     const Outcome ptex = run_raylex(folder, "render ptex.pbrt");

@@ -111,7 +111,7 @@ TEST_CASE("what makes a channel black is said, with a near miss where there is o
     check("C<RD'fl?r'>.*", "an object labelled 'flxr', and this scene has none");
     check("C.*<L.'key'>", "a light of the group 'key', and no light of this scene has a group");
     check("C.*B", "an infinite light (B), and this scene has none");
-    check("CO", "emission (O), and nothing in this scene glows");
+    check("CO", "emission (O), and nothing in this scene emits");
     check("CV.*", "a medium that scatters (V), and this scene has none");
     check("C<TD>.*", "diffuse transmission, and no material of this scene gives it");
     check("C<RS'floor'>.*", "on 'floor', which its material does not give");
@@ -139,11 +139,11 @@ TEST_CASE("a scene's words have V events and O only where media scatter and glow
         CHECK(mentions(never(expression, scene), part));
     };
     check("C<V.'hase'>L", "a medium that scatters (V) labelled 'hase', and this scene has none; did you mean 'haze'?");
-    check("C<O.'key'>", "emission (O) with the label 'key', and what glows in this scene has none");
+    check("C<O.'key'>", "emission (O) with the label 'key', and emitting objects of this scene have none");
     text.replace(text.find("\"rgb Le\" [1 1 1]"), 16, "\"rgb sigma_s\" [0 0 0]");
     const SceneWords dark = words_of({}, text);
     CHECK(mentions(never("CVL", dark), "a medium that scatters (V), and this scene has none"));
-    CHECK(mentions(never("CO", dark), "nothing in this scene glows"));
+    CHECK(mentions(never("CO", dark), "nothing in this scene emits"));
     // The shipped partition's `volume` is live where something scatters.
     for (const auto& [words, live] : {std::pair(&scene, true), std::pair(&dark, false)}) {
         const auto word = lpe::find_word({"volume", "CV.*"}, words->words);
@@ -163,10 +163,11 @@ TEST_CASE("labels that nothing has are named even where the channel matches with
     CHECK(notes("C['floor''pane'].*").empty());
     CHECK(notes("C<RS'p*'>L").empty());
     CHECK(notes("C<RD[^'flor']>L") ==
-          std::vector<std::string>{"'flor' is no object label of this scene; did you mean 'floor'?"});
-    CHECK(notes("C<RS.'glas'>L") == std::vector<std::string>{"'glas' is no lobe of this scene; did you mean 'glass'?"});
+          std::vector<std::string>{"'flor' is not a known object label of this scene; did you mean 'floor'?"});
+    CHECK(notes("C<RS.'glas'>L") ==
+          std::vector<std::string>{"'glas' is not a known lobe of this scene; did you mean 'glass'?"});
     CHECK(notes("C[D<RD'wall*'>]L") == std::vector<std::string>{"'wall*' matches no object label of this scene"});
-    CHECK(notes("CD[L<L.'kee'>]") == std::vector<std::string>{"'kee' is no light group of this scene"});
+    CHECK(notes("CD[L<L.'kee'>]") == std::vector<std::string>{"'kee' is not a known light group of this scene"});
 }
 
 TEST_CASE("planning stays fast on a thousand labels", "[performance]") {
@@ -217,10 +218,10 @@ lpe = "holdouts;C.*"
     const auto outcome = run_raylex(folder, "render j.toml -o o.exr --stats s.json");
     CAPTURE(outcome.err, outcome.out);
     REQUIRE(outcome.code == 0);
-    CHECK(mentions(outcome.err, "channel 'typo' can match no path of this scene"));
+    CHECK(mentions(outcome.err, "channel 'typo' matches no path of this scene"));
     CHECK(mentions(outcome.err, "did you mean 'floor'?"));
-    CHECK(mentions(outcome.err, "channel 'catcher' takes what is seen first at holdouts, and no object is one"));
-    CHECK(mentions(outcome.out, "the beauty by another name: whole"));
+    CHECK(mentions(outcome.err, "channel 'catcher' shows objects behind holdouts, and no object is a holdout"));
+    CHECK(mentions(outcome.out, "layers equal to the beauty: whole"));
     auto image = display::read_exr(folder.path("o.exr"));
     REQUIRE(image);
     CHECK(image->attributes.at("raylex/is_beauty") == "whole");
@@ -237,9 +238,9 @@ TEST_CASE("of many black channels the first are explained, the others named") {
     const auto outcome = run_raylex(folder, "render j.toml -o o.exr --spp 1");
     CAPTURE(outcome.err);
     REQUIRE(outcome.code == 0);
-    CHECK(mentions(outcome.err, "channel 'n7' can match no path of this scene"));
+    CHECK(mentions(outcome.err, "channel 'n7' matches no path of this scene"));
     CHECK_FALSE(mentions(outcome.err, "channel 'n8'"));
-    CHECK(mentions(outcome.err, "3 more channels can match no path of this scene"));
+    CHECK(mentions(outcome.err, "3 more channels matches no path of this scene"));
     CHECK(mentions(outcome.err, "'n8', 'n9', 'n10'"));
 }
 
@@ -327,7 +328,7 @@ TEST_CASE("lpe check, explain, equal and split take --scene as what can happen")
     const auto dead = run_raylex(folder, channels + " x=\"C<RD'flor'>.*\" --scene s.pbrt");
     CAPTURE(dead.err);
     CHECK(dead.code == 0);  // a channel without paths spoils no partition
-    CHECK(mentions(dead.err, "channel 'x' can match no path of this scene"));
+    CHECK(mentions(dead.err, "channel 'x' matches no path of this scene"));
     CHECK(mentions(dead.err, "did you mean 'floor'?"));
     CHECK(run_raylex(folder, "lpe equal 'C.*' 'C.?L'").code == 1);
     CHECK(run_raylex(folder, "lpe equal 'C.*' 'C.?L' --scene j.toml").code == 0);

@@ -95,17 +95,17 @@ class Asked(Case):
         self.assertTrue(both.verify())
         self.assertEqual(both.at(3, 3).samples, 16)
         self.assertRaylexError("both have seed 1", raylex.atlases.merge, [files[0], files[0]], self.folder / "c.exr")
-        self.assertRaylexError("would be replaced", raylex.atlases.merge, files, files[0])
+        self.assertRaylexError("would be overwritten", raylex.atlases.merge, files, files[0])
 
     def test_what_cannot_be_answered(self):
         _, atlas = self.render(atlas={"file": str(self.folder / "g.atlas.exr"), "by": "group", "length": 1})
-        error = self.assertRaylexError("cannot be answered exactly", atlas.ask, {"two": "CDDL"})
+        error = self.assertRaylexError("cannot be computed exactly", atlas.ask, {"two": "CDDL"})
         self.assertIn("lpe 'two'", error.file)
         between = atlas.ask({"two": "CDDL"}, intervals=True)
         self.assertTrue((between["two_least"] <= between["two_most"]).all())
         self.assertRaylexError("found 'X'", atlas.ask, {"bad": "C<RX>L"})
-        self.assertRaylexError("nothing is asked for", atlas.ask)
-        self.assertRaylexError("do not tell techniques apart", atlas.ask, {"t": "s1t3;C.*"})
+        self.assertRaylexError("no layer is requested", atlas.ask)
+        self.assertRaylexError("do not distinguish techniques", atlas.ask, {"t": "s1t3;C.*"})
         self.assertRaylexError("not a path atlas", raylex.Atlas, self.rendered_file())
         self.assertRaylexError("no-such", raylex.Atlas, "no-such.exr")
         self.assertRaylexError("without an atlas|beauty", raylex.render, CORNELL, spp=1, beauty=False,

@@ -131,7 +131,7 @@ class Refused(Case):
                                        reflectance="checks")
         self.assertIn("('texture', 'checks')", error.hint)
         self.refuses("'parameters' is 5", b.film, "rgb", parameters=5)
-        self.refuses("a parameter is called 5", b.film, "rgb", parameters={5: 1})
+        self.refuses("a parameter name is 5", b.film, "rgb", parameters={5: 1})
         self.refuses("'iso' is given in `parameters` and as a keyword", b.film, "rgb", parameters={"iso": 1}, iso=2)
 
     def test_what_is_no_handle(self):
@@ -180,15 +180,15 @@ class Refused(Case):
         b = self.builder
         self.refuses("missing_files is 'skip'", raylex.SceneBuilder, missing_files="skip")
         self.refuses("color_space is 'rgb'", raylex.SceneBuilder, color_space="rgb")
-        self.refuses("place is not given once", b.camera, "perspective")
-        self.refuses("place is not given once", b.camera, "perspective", eye=(0, 0, 1))
-        self.refuses("place is not given once", b.camera, "perspective", eye=(0, 0, 1), look=(0, 0, 0),
+        self.refuses("position is missing or given twice", b.camera, "perspective")
+        self.refuses("position is missing or given twice", b.camera, "perspective", eye=(0, 0, 1))
+        self.refuses("position is missing or given twice", b.camera, "perspective", eye=(0, 0, 1), look=(0, 0, 0),
                      world_to_camera=np.eye(4))
         self.refuses("expected finite ones", b.transform_times, -np.inf, 1)
         self.refuses("expected the earlier one first", b.transform_times, 1, 0)
         self.refuses("is not above 0", b.scale_displacement_edges, 0)
         self.refuses("eye has nan", b.camera, "perspective", eye=(0, np.nan, 0), look=(0, 1, 0))
-        self.refuses("'up' lies along", b.look_at, (0, 0, 0), (0, 1, 0))
+        self.refuses("'up' is parallel", b.look_at, (0, 0, 0), (0, 1, 0))
 
     def test_a_builder_that_failed_is_spent(self):
         self.builder.shape("sphere", material="nobody")

@@ -152,7 +152,7 @@ class Shown(Case):
         np.testing.assert_array_equal(raylex.picture(image.view("beauty")), raylex.picture(image))
         self.assertEqual(raylex.picture(np.ones((4, 6))).shape, (4, 6, 3))
         self.assertRaylexError(r"shape \(4, 6, 2\); expected \(height, width, 3\)", raylex.picture, np.ones((4, 6, 2)))
-        self.assertRaylexError("image is str, which is no array of numbers", raylex.picture, "image.exr")
+        self.assertRaylexError("image is str, which is not an array of numbers", raylex.picture, "image.exr")
 
     def test_html_has_a_tab_for_each_layer_and_the_verdict(self):
         image = raylex.render(CORNELL, spp=4, resolution=(16, 16), lpe={"direct": "CDL"})

@@ -86,7 +86,7 @@ class BadInput(Case):
         self.assertRaylexError("expected 'partition', 'disjoint' or 'covers'", lpe.check, {"a": "CL"}, what="all")
         self.assertRaylexError("dialect", lpe.check, {"a": "CL"}, dialect="arnold")
         self.assertRaylexError("", lpe.Path, "C,- Q,-")
-        self.assertRaylexError("'minus' is no operation", lpe.paths, "CL", operation="minus")
+        self.assertRaylexError("'minus' is not an operation", lpe.paths, "CL", operation="minus")
         self.assertRaises(TypeError, lpe.check, {"a": 3})
         self.assertRaises(TypeError, lpe.equal, "CL", "CB", words=lpe.Words(), scene=CORNELL)
         self.assertRaylexError("no-such", lpe.check, {"a": "CL"}, scene="no-such.pbrt")

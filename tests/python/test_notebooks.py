@@ -69,7 +69,7 @@ class Notebooks(Case):
         self.assertIn("&plusmn;", cells[3])
         self.assertIn("rest", cells[4])
         self.assertIn("holds", cells[5])
-        self.assertIn("cannot be answered exactly", cells[7])
+        self.assertIn("cannot be computed exactly", cells[7])
         self.assertIn("at least", cells[7])
 
 

@@ -159,7 +159,7 @@ class Integrators(Case):
         }
         for name, use in uses.items():
             with self.subTest(name):
-                self.assertRaylexError("this batch is over; expected its use within integrate", use)
+                self.assertRaylexError("this batch is no longer valid", use)
         # The rest is made of numbers of its own.
         arrays = {name: getattr(points, name) for name in ("rows", "missed", "distance", "position", "normal",
                                                            "shading_normal", "wo", "uv")}
@@ -216,7 +216,7 @@ class Integrators(Case):
             with self.subTest(name):
                 Mixes.use = staticmethod(use)
                 kept.clear()
-                self.assertRaylexError("these points are of another batch", raylex.render, CORNELL, spp=64,
+                self.assertRaylexError("these points belong to another batch", raylex.render, CORNELL, spp=64,
                                        resolution=(16, 16), integrator="test_mixes", threads=1)
 
     def test_plugins_in_cpp(self):
@@ -230,7 +230,7 @@ class Integrators(Case):
         self.assertRaylexError("text.so", raylex.load_plugin, self.folder / "text.so")
 
     def test_names(self):
-        self.assertRaylexError("'path' in raylex", raylex.integrator("path"), Path)
+        self.assertRaylexError("'path' exists already", raylex.integrator("path"), Path)
         self.assertRaises(TypeError, raylex.integrator("test_none"), object)
 
         class NoDefault:
@@ -319,7 +319,7 @@ class Channels(Case):
 
         raylex.render(striped("test_keeps"), spp=4, channels={"paint": "rgb"})
         for use in (lambda: kept[0].seen, lambda: kept[0].depth, lambda: kept[0].write("paint", 1)):
-            self.assertRaylexError("these services are over; expected their use within evaluate", use)
+            self.assertRaylexError("these services are no longer valid", use)
 
     def test_filters(self):
         image = raylex.render(quad(), spp=4, channels={"heat": "float"}, sample_filters=["test_three"])
@@ -354,7 +354,7 @@ class Textures(Case):
             def evaluate(self, at):
                 return np.zeros((len(at), 2))
 
-        self.assertRaylexError(r"texture 'test_wrong' returned has shape \(\d+, 2\); expected \(\d+, 3\)",
+        self.assertRaylexError(r"texture 'test_wrong' has shape \(\d+, 2\); expected \(\d+, 3\)",
                                raylex.render, striped("test_wrong"), spp=1)
 
         @raylex.texture("test_wrong")
@@ -404,7 +404,7 @@ class Filters(Case):
             self.assertSameBits(array, then)  # the memory of the next batch is another one
         samples = kept[0][0]
         for use in (lambda: samples["beauty"], lambda: samples.names, lambda: samples.pixels, lambda: len(samples)):
-            self.assertRaylexError("these samples are over; expected their use within apply", use)
+            self.assertRaylexError("these samples are no longer valid", use)
 
     def test_what_does_not_keep_splits_declares_none(self):
         @raylex.sample_filter("test_red")

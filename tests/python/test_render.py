@@ -260,7 +260,7 @@ class WhileItGoesOn(Case):
 
         self.assertRaises(ZeroDivisionError, raylex.render, white_furnace(), spp=4, progress=fails)
         for use in (lambda: kept[0].fraction, kept[0].image, kept[0].standard_error):
-            self.assertRaylexError("this progress is over", use)
+            self.assertRaylexError("this progress is no longer valid", use)
 
 
 if __name__ == "__main__":

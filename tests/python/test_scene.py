@@ -83,9 +83,9 @@ class Built(Case):
                                [[0, 1, 2]])
         self.assertRaylexError("indices has 3", builder.mesh, triangle, [[0, 1, 3]])
         self.assertRaylexError(r"indices has shape \(1, 2\)", builder.mesh, triangle, [[0, 1]])
-        self.assertRaylexError("no array of numbers", builder.mesh, "mesh", [[0, 1, 2]])
+        self.assertRaylexError("not an array of numbers", builder.mesh, "mesh", [[0, 1, 2]])
         self.assertRaylexError("no inverse", builder.shape, "sphere", to_world=np.zeros((4, 4)))
-        self.assertRaylexError("'up' lies along", builder.camera, "perspective", eye=(0, 0, 0), look=(0, 1, 0))
+        self.assertRaylexError("'up' is parallel", builder.camera, "perspective", eye=(0, 0, 0), look=(0, 1, 0))
         self.assertRaylexError("expected one of bool, integer, float", builder.material, "diffuse",
                                reflectance=("colour", (1, 1, 1)))
         builder.shape("sphere", material="nobody")

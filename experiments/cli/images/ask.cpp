@@ -1,4 +1,4 @@
-// raylex ask: layers, and reasons, from an atlas; no ray is traced.
+// raylex ask: makes layers from an atlas, and lists the brightest words of pixels, without tracing rays.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -43,34 +43,32 @@ Status check_options(const AskOptions& options) {
     const int asked = (layers ? 1 : 0) + (pixel ? 1 : 0) + (options.suggest ? 1 : 0) + (options.merge ? 1 : 0);
     if (asked == 0)
         return option_error("ask",
-                            "nothing is asked for; expected --lpe, --channels, --partition or --light-groups "
+                            "no question; expected --lpe, --channels, --partition or --light-groups "
                             "with -o, or --top, --suggest, or --merge with -o");
     if (asked > 1)
         return option_error("ask",
-                            "layers, --top, --suggest and --merge are questions of their own; "
+                            "layers, --top, --suggest and --merge exclude one another; "
                             "expected one of them at a time");
     if (!options.merge && options.files.size() != 1)
         return option_error("ask", std::to_string(options.files.size()) + " files are given; expected one atlas",
-                            "--merge makes one of several");
+                            "--merge combines several atlases into one");
     if (options.merge && options.files.size() < 2)
         return option_error("--merge", "one atlas cannot be merged; expected at least two");
     if (!options.top && !options.at.empty())
-        return option_error("--at",
-                            "a pixel is given without how many of its words; expected --top too, such as --top 20");
+        return option_error("--at", "--at needs the number of words; expected --top as well, such as --top 20");
     if (layers != !options.output.empty() && !options.merge)
         return option_error("-o", layers ? "layers need a file; expected -o LAYERS.exr"
-                                         : "only layers and merged atlases are written; expected no -o");
+                                         : "-o is used only with layers or --merge; expected no -o");
     if (options.merge && options.output.empty())
         return option_error("-o", "a merged atlas needs a file; expected -o MERGED.atlas.exr");
     if (options.output.empty()) return success();
     if (std::filesystem::path(options.output).extension() != ".exr")
-        return option_error("-o", "the output '" + options.output +
-                                      "' has no name ending in .exr; expected an OpenEXR "
-                                      "file name");
+        return option_error("-o",
+                            "the output '" + options.output + "' does not end in .exr; expected an OpenEXR file name");
     for (const std::string& file : options.files) {
         std::error_code failed;
         if (file == options.output || std::filesystem::equivalent(file, options.output, failed))
-            return option_error("-o", "'" + file + "' is asked and would be replaced; expected a file of its own");
+            return option_error("-o", "'" + file + "' is an input and would be overwritten; expected a different file");
     }
     return display::check_writable(options.output);
 }
@@ -84,7 +82,7 @@ std::string with_error(double value, double error) {
     return number_text(value) + (std::isfinite(error) ? " +- " + number_text(error, 2) : " +- unknown");
 }
 
-/// The brightest words of a pixel.
+/// Prints the brightest words of a pixel.
 Status print_pixel(display::AtlasFile& atlas, int x, int y, std::size_t most) {
     const auto pixel = bright_words(atlas, x, y, most);
     if (!pixel) return pixel.error();
@@ -100,7 +98,7 @@ Status print_pixel(display::AtlasFile& atlas, int x, int y, std::size_t most) {
     return success();
 }
 
-/// Without --at: the image's brightest outliers, each with its brightest words.
+/// Prints the image's brightest outliers with the brightest words of each, for --top without --at.
 int tell_outliers(display::AtlasFile& atlas, std::size_t most) {
     constexpr std::size_t words_of_each = 2;
     const auto pixels = brightest_outliers(atlas, most);
@@ -117,7 +115,7 @@ int tell_pixel(display::AtlasFile& atlas, const AskOptions& options) {
     const auto first = std::from_chars(options.at.data(), end, x);
     const bool comma = first.ec == std::errc() && first.ptr != end && *first.ptr == ',';
     if (!comma || std::from_chars(first.ptr + 1, end, y).ptr != end || end[-1] == ',')
-        return report_error(option_error("--at", "'" + options.at + "' is no pixel; expected X,Y, such as 12,7"));
+        return report_error(option_error("--at", "'" + options.at + "' is not a pixel; expected X,Y, such as 12,7"));
     const Status printed = print_pixel(atlas, x, y, static_cast<std::size_t>(*options.top));
     return printed ? exit_holds : report_error(printed.error());
 }
@@ -126,8 +124,9 @@ int tell_suggestion(display::AtlasFile& atlas, const AskOptions& options) {
     const auto layers = suggest_partition(atlas, static_cast<std::size_t>(*options.suggest));
     if (!layers) return report_error(layers.error());
     if (layers->empty())
-        return report_error(error_at({atlas.path(), 0, 0},
-                                     "no pixel tells its noise: there are too few samples; expected at least two"));
+        return report_error(
+            error_at({atlas.path(), 0, 0},
+                     "the noise cannot be estimated from so few samples; expected at least two per pixel"));
     std::size_t width = 4;
     for (const SuggestedLayer& layer : *layers) width = std::max(width, layer.name.size());
     std::string flags;
@@ -135,7 +134,7 @@ int tell_suggestion(display::AtlasFile& atlas, const AskOptions& options) {
     for (const SuggestedLayer& layer : *layers) {
         print_line(padded(layer.name, width) + "  " + padded(number_text(100 * layer.noise) + " %", 8) +
                    padded(number_text(100 * layer.light) + " %", 8) +
-                   (layer.expression.empty() ? "what is left" : layer.expression));
+                   (layer.expression.empty() ? "all other light" : layer.expression));
         if (!layer.expression.empty()) flags += " --lpe " + shell_command({layer.name + "=" + layer.expression});
     }
     print_line("raylex ask " + shell_command({atlas.path()}) + flags + " -o layers.exr");
@@ -152,10 +151,10 @@ int merge_files(const AskOptions& options) {
     return judge_atlas(**file);
 }
 
-/// Files of channels may ask for more than an atlas has.
+/// Warns of everything in channel files that an atlas does not have, and removes it from the job.
 void leave_out_no_light(Job& job) {
     const auto left = [](const std::string& what) {
-        print_warning("an atlas has light alone; " + what + " is left out");
+        print_warning("an atlas contains only light; " + what + " is left out");
     };
     for (const AovRequest& aov : job.aovs) left("'" + aov.name + "'");
     for (const display::ChannelDefinition& channel : job.declared) left("'" + channel.name + "'");
@@ -204,7 +203,7 @@ int ask(const CLI::App& command, const AskOptions& options, const CommandContext
     auto atlas = display::AtlasFile::open(options.files.front());
     if (!atlas) return report_error(atlas.error());
     if (!(*atlas)->description().complete)
-        print_warning((*atlas)->path() + " is of a render that was interrupted: its pixels have fewer samples");
+        print_warning((*atlas)->path() + " comes from an interrupted render, so its pixels have fewer samples");
     if (options.top && options.at.empty()) return tell_outliers(**atlas, static_cast<std::size_t>(*options.top));
     if (options.top) return tell_pixel(**atlas, options);
     if (options.suggest) return tell_suggestion(**atlas, options);
@@ -214,36 +213,37 @@ int ask(const CLI::App& command, const AskOptions& options, const CommandContext
 }  // namespace
 
 void add_ask_command(CLI::App& app, CommandContext& context) {
-    CLI::App* command =
-        app.add_subcommand("ask", "Answers light path expressions from the atlas of a render, without tracing a ray.");
+    CLI::App* command = app.add_subcommand(
+        "ask", "Makes layers for light path expressions from the atlas of a render, without tracing rays.");
     auto options = std::make_shared<AskOptions>();
-    command->add_option("FILE.atlas.exr", options->files, "what raylex render --atlas wrote; several with --merge")
+    command->add_option("FILE.atlas.exr", options->files, "the file of raylex render --atlas; several with --merge")
         ->required()
         ->option_text("...");
     const OptionGroup layers(*command, "Layers"), why(*command, "Why"), files(*command, "Files");
     add_expression_options(layers, *options);
     layers.add_flag("--intervals", options->intervals,
-                    "a layer that the atlas cannot tell exactly becomes two, NAME_least and NAME_most, between which "
-                    "it is; default: it is refused");
+                    "replaces a layer that the atlas cannot compute exactly by its bounds NAME_least and NAME_most; "
+                    "default: an error");
     layers.add_flag("--errors", options->errors,
-                    "adds a layer NAME_error to each: the standard error of its mean, (R + G + B) / 3");
+                    "adds a layer NAME_error for each layer: the standard error of its mean, (R + G + B) / 3");
     why.add("--top", options->top, "N",
-            "prints the N words that make the pixel of --at bright, with their standard errors of (R + G + B) / 3; "
-            "without --at the N pixels furthest above the median of their neighbours, with their brightest words")
+            "prints the N brightest words of the pixel --at, with standard errors of (R + G + B) / 3; without --at: "
+            "the N pixels that exceed the median of their neighbours most, with their brightest words")
         ->check(CLI::Range(1, 1000000));
-    why.add("--at", options->at, "X,Y", "the pixel, from the top left corner");
+    why.add("--at", options->at, "X,Y", "the pixel, counted from the top left corner");
     why.add("--suggest", options->suggest, "N",
-            "proposes a partition whose layers are the N kinds of words with most noise, and a rest")
+            "proposes a partition of N layers for the noisiest kinds of words, and a rest")
         ->check(CLI::Range(1, 200));
-    files.add_flag("--merge", options->merge,
-                   "makes one atlas of several: renders of one scene with different seeds, or shards of one");
-    files.add("-o,--output", options->output, "OUT.exr", "the file with the layers, or the merged atlas");
+    files.add_flag(
+        "--merge", options->merge,
+        "merges several atlases into one: renders of a scene with different seeds, or the shards of a render");
+    files.add("-o,--output", options->output, "OUT.exr", "file for the layers, or for the merged atlas");
     command->footer(
-        "Layers have the names, headers and partitions that a render with the same options gives them, and its values "
-        "up to\n"
-        "rounding; raylex verify judges the file. Exit codes: 0 answered and partitions sum, 1 a partition does not "
+        "The layers have the names, headers and partitions of a render with the same options, and its values up "
+        "to\nrounding; raylex verify checks the file. Exit codes: 0 success and all partitions sum, 1 a partition does "
+        "not "
         "hold,\n"
-        "2 bad usage or input, a question that the atlas cannot answer among them. experiments/docs/atlas.md has the "
+        "2 bad usage or input, or a question that the atlas cannot answer. experiments/docs/atlas.md has the "
         "rest.");
     command->callback([command, options, &context] { context.exit_code = ask(*command, *options, context); });
 }

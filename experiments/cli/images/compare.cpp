@@ -1,4 +1,4 @@
-// raylex compare: how far an image is from a reference, in one number or in all of them, and where.
+// raylex compare: prints the error of an image against a reference, by one metric or all, and shows where it is.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -26,7 +26,7 @@ struct CompareOptions {
     [[nodiscard]] char component() const { return channel.empty() ? 'A' : channel.front(); }
 };
 
-/// The metrics that are asked for; an Error for a name that is none.
+/// Returns the metrics that `name` selects, or an Error for an unknown name.
 Result<std::vector<display::AnyMetric>> chosen_metrics(const std::string& name) {
     if (name == "all") return display::all_metrics();
     auto metric = display::require_metric(name, {"--metric", 0, 0}, {"all"});
@@ -61,8 +61,8 @@ void print_table(const std::vector<Measured>& measured) {
                    (each.value ? number_text(*each.value, 9) : "-  (" + each.value.error().message + ")"));
 }
 
-/// Where the colours of the error image end: at 1 for what is a share, else where all but a hundredth of the pixels are
-/// below, so that a few bright ones leave the rest visible.
+/// Returns the end of the error image's colour scale: 1 for a fraction; otherwise the value that 99 % of the pixels
+/// stay below, so that a few bright pixels leave the rest visible.
 double end_of_scale(const display::AnyMetric& metric, const std::vector<double>& map) {
     if (metric.of_image) return 1;
     std::vector<double> finite;
@@ -86,8 +86,9 @@ Status write_errors(const CompareOptions& options, const display::AnyMetric& met
         const double most = end_of_scale(metric, map);
         Status written = display::write_error_png(options.output, map, pair.width(), pair.height(), most);
         if (!written) return written;
-        print_note(options.output + ": " + what + " of each pixel, black 0, over blue, violet and red to pale yellow " +
-                   number_text(most) + " and above; largest " + at);
+        print_note(options.output + ": " + what +
+                   " of each pixel: black 0, then blue, violet and red up to pale yellow " + number_text(most) +
+                   " and above; largest " + at);
         return written;
     }
     Status written = display::write_error_exr(options.output, map, pair.width(), pair.height(),
@@ -104,26 +105,25 @@ Status check_output(const CompareOptions& options) {
     if (!options.writes) return success();
     const std::string extension = std::filesystem::path(options.output).extension().string();
     if (extension != ".exr" && extension != ".png")
-        return error_at({"-o", 0, 0}, "the error image '" + options.output +
-                                          "' has no name ending in .exr or .png; expected one of these");
+        return error_at({"-o", 0, 0},
+                        "the error image '" + options.output + "' does not end in .exr or .png; expected one of these");
     if (options.metric == "all")
-        return error_at({"-o", 0, 0}, "an error image is of one metric, not of all; expected --metric NAME with it");
+        return error_at({"-o", 0, 0}, "an error image shows one metric; expected --metric NAME as well");
     for (const std::string& input : {options.image, options.reference}) {
         std::error_code failed;
         if (std::filesystem::equivalent(input, options.output, failed))
-            return error_at({"-o", 0, 0}, "'" + options.output +
-                                              "' is one of the images that are compared; expected a file of "
-                                              "its own");
+            return error_at({"-o", 0, 0},
+                            "'" + options.output + "' is one of the compared images; expected a different file");
     }
     return display::check_writable(options.output);
 }
 
-/// Of a crop, whose other pixels count as black.
+/// Prints a note for a crop. Its missing pixels count as black.
 void note_data_window(const display::ExrImage& image) {
     if (!image.data_window) return;
     const display::PixelRegion& data = *image.data_window;
-    print_note(image.path + ": there are pixels in " + std::to_string(data.x0) + "," + std::to_string(data.y0) + "," +
-               std::to_string(data.x1) + "," + std::to_string(data.y1) + " alone; the others are compared as black");
+    print_note(image.path + ": the file has pixels only in " + std::to_string(data.x0) + "," + std::to_string(data.y0) +
+               "," + std::to_string(data.x1) + "," + std::to_string(data.y1) + "; all others count as black");
 }
 
 int run_compare(const CompareOptions& options) {
@@ -153,22 +153,22 @@ int run_compare(const CompareOptions& options) {
 }
 
 std::string formulas() {
-    std::string text = "Formulas, a the image and b the reference:";
+    std::string text = "Formulas (a: image, b: reference):";
     const std::string indent(23, ' ');
     for (const display::AnyMetric& each : display::all_metrics()) {
         text += "\n  " + each.name + std::string(21 - each.name.size(), ' ');
         for (const char c : each.formula) text += c == '\n' ? "\n" + indent : std::string(1, c);
     }
     return text +
-           "\nPrimaries are converted when the files' chromaticities differ. A ratio to a black reference has no\n"
-           "value: that is an error, code 2, and a dash among all metrics.";
+           "\nPrimaries are converted when the files' chromaticities differ. The ratio to a black reference "
+           "is\nundefined: an error with exit code 2, or a dash with --metric all.";
 }
 
 }  // namespace
 
 void add_compare_command(CLI::App& app, CommandContext& context) {
     CLI::App* command =
-        app.add_subcommand("compare", "Prints how far A.exr is from the reference B.exr, and shows where.");
+        app.add_subcommand("compare", "Prints the error of A.exr against the reference B.exr, and shows where it is.");
     auto options = std::make_shared<CompareOptions>();
     command->add_option("A.exr", options->image, "the image")->required()->option_text("(required)");
     command->add_option("B.exr", options->reference, "the reference")->required()->option_text("(required)");
@@ -180,11 +180,11 @@ void add_compare_command(CLI::App& app, CommandContext& context) {
         ->check(CLI::IsMember({"R", "G", "B", "Y"}));
     CLI::Option* output =
         command
-            ->add_option("-o,--output", options->output,
-                         "writes the metric of each pixel: numbers as OpenEXR, colours as PNG; what the "
-                         "colours mean is printed")
+            ->add_option(
+                "-o,--output", options->output,
+                "writes the metric of each pixel, as numbers (OpenEXR) or colours (PNG); the colour scale is printed")
             ->option_text("ERROR.exr|png");
-    command->add_flag("--json", options->json, "prints what was measured as JSON");
+    command->add_flag("--json", options->json, "prints the result as JSON");
     command->footer(formulas());
     command->callback([options, output, &context] {
         options->writes = output->count() > 0;

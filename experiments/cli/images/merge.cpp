@@ -1,4 +1,4 @@
-// raylex merge: the image that the shards of a render add up to.
+// raylex merge: combines the shards of a render into its image.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -27,7 +27,7 @@ struct ImageMergeOptions {
     bool wait = false;
 };
 
-/// Those that are named, and those of --shards.
+/// Returns the records on the command line and those of --shards.
 std::vector<std::string> records_of(const ImageMergeOptions& options) {
     std::vector<std::string> records = options.records;
     for (unsigned part = 1; part <= options.shards; ++part)
@@ -35,7 +35,7 @@ std::vector<std::string> records_of(const ImageMergeOptions& options) {
     return records;
 }
 
-/// The file as a reader finds it; the exit code.
+/// Checks the merged file as read back from disk, prints the results and returns the exit code.
 int judge_merged(const std::string& path) {
     auto file = display::ExrBands::open(path);
     if (!file) return report_error(file.error());
@@ -47,25 +47,25 @@ int judge_merged(const std::string& path) {
     return print_verdicts_of_new(*verdicts, image) ? exit_holds : exit_does_not_hold;
 }
 
-/// The atlases that stand beside the records, as one; the exit code.
+/// Merges the atlases beside the records into one and returns the exit code.
 int merge_atlases(const std::string& output, const MergedRender& merged) {
     std::vector<std::string> files;
     for (const auto& [part, parts] : merged.parts) files.push_back(shard_file(output, part, parts));
     auto atlas = MergedAtlas::open(files);
     if (!atlas) return report_error(atlas.error());
     const display::ImageDescription description = (*atlas)->description();
-    // Neither file need be one that this program wrote: what is not there is not the same.
+    // Any of the files can come from another program, so missing attributes count as different.
     const auto said = [](const display::ImageDescription& by, const char* name) {
         const auto found = by.attributes.find(name);
         return found == by.attributes.end() ? std::string() : found->second;
     };
     for (const char* name : {"raylex/scene", "raylex/job", "raylex/seed", "raylex/samples_per_pixel"})
         if (said(description, name) != said(merged.image.description, name))
-            return report_error(error_at({files.front(), 0, 0},
-                                         "this atlas, or one beside it, is of another render than the records: they "
-                                         "have another " +
-                                             std::string(name),
-                                         "expected the atlases that 'raylex render --shard' left with the records"));
+            return report_error(
+                error_at({files.front(), 0, 0},
+                         "this atlas, or one beside it, belongs to another render than the records: they differ in " +
+                             std::string(name),
+                         "expected the atlases that 'raylex render --shard' left with the records"));
     if (Status written = display::write_atlas(output, **atlas, description); !written)
         return report_error(written.error());
     auto file = display::AtlasFile::open(output);
@@ -75,18 +75,17 @@ int merge_atlases(const std::string& output, const MergedRender& merged) {
 
 int merge_records(const ImageMergeOptions& options, const std::vector<std::string>& arguments) {
     if (std::filesystem::path(options.output).extension() != ".exr")
-        return report_error("the output '" + options.output +
-                            "' has no name ending in .exr; expected an OpenEXR file name");
+        return report_error("the output '" + options.output + "' does not end in .exr; expected an OpenEXR file name");
     if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
     if (Status writable = display::check_writable(options.output); !writable) return report_error(writable.error());
     const std::vector<std::string> records = records_of(options);
     if (is_standard_output(options.atlas))
-        return report_error("an atlas cannot go to standard output, '-'; expected the name of a file");
+        return report_error("an atlas cannot be written to standard output, '-'; expected a file name");
     if (!options.atlas.empty())
         if (Status writable = display::check_writable(options.atlas); !writable) return report_error(writable.error());
     if (records.empty())
         return report_error("no records to merge; expected their names, or --shards N for OUT.exr.shard-1-of-N ...");
-    constexpr double patience = 10;  // a shard's process is sooner at its lock
+    constexpr double patience = 10;  // seconds; the process of a shard takes its lock sooner
     if (options.wait)
         if (Status all = wait_for_files(records, shard_lock, patience); !all) return report_error(all.error());
     auto merged = merge_shards(records);
@@ -100,16 +99,17 @@ int merge_records(const ImageMergeOptions& options, const std::vector<std::strin
         if (of_atlas == exit_bad_input) return of_atlas;
         code = std::max(code, of_atlas);
     } else if (merged->has_atlas) {
-        print_note("the shards left path atlases, which --atlas FILE.atlas.exr makes one of: the name they were given");
+        print_note(
+            "the shards have path atlases; --atlas FILE.atlas.exr, with the name used for the render, merges them");
     }
     if (merged->facts.invalid_samples > 0)
         print_warning(std::to_string(merged->facts.invalid_samples) +
-                      " contributions or values were not finite, or too large to be summed, and were left out of "
-                      "beauty and layers alike");
+                      " contributions or values were not finite or too large to sum; they are missing from beauty and "
+                      "layers alike");
     const display::FrameBufferLayout& layout = merged->pixels->layout();
     print_line(options.output + ": " + std::to_string(layout.width) + "x" + std::to_string(layout.height) + ", " +
                counted(merged->shards, "shard") + ", " + std::to_string(merged->facts.range.total) +
-               " samples per pixel, " + duration_text(merged->facts.cpu_seconds) + " CPU in all");
+               " samples per pixel, " + duration_text(merged->facts.cpu_seconds) + " CPU in total");
     return code;
 }
 
@@ -117,27 +117,26 @@ int merge_records(const ImageMergeOptions& options, const std::vector<std::strin
 
 void add_merge_command(CLI::App& app, CommandContext& context) {
     CLI::App* command = app.add_subcommand(
-        "merge", "Makes one image of the records that 'raylex render --shard' leaves: the bits of one render.");
+        "merge",
+        "Merges the records of 'raylex render --shard' into the image, with the same bits as a single render.");
     auto options = std::make_shared<ImageMergeOptions>();
-    command->add_option("RECORD", options->records, "records of all shards of one render, in any order")
+    command->add_option("RECORD", options->records, "records of all shards of a render, in any order")
         ->option_text("...");
-    command->add_option("--shards", options->shards, "the records OUT.exr.shard-1-of-N to OUT.exr.shard-N-of-N")
+    command->add_option("--shards", options->shards, "merges the records OUT.exr.shard-1-of-N to OUT.exr.shard-N-of-N")
         ->option_text("N")
         ->check(CLI::Range(1U, 1000000U));
     command->add_flag(
         "--wait", options->wait,
-        "waits for records that processes on this machine are rendering, and ten seconds for one to begin");
-    command->add_option("-o,--output", options->output, "image to write")
-        ->required()
-        ->option_text("OUT.exr (required)");
+        "waits for shards that processes on this machine are rendering, and ten seconds for a process to begin");
+    command->add_option("-o,--output", options->output, "image file")->required()->option_text("OUT.exr (required)");
     command
         ->add_option("--atlas", options->atlas,
-                     "merges the path atlases of the shards too, FILE.shard-1-of-N to FILE.shard-N-of-N")
+                     "also merges the path atlases of the shards, FILE.shard-1-of-N to FILE.shard-N-of-N")
         ->option_text("FILE.atlas.exr");
     add_plugin_option(*command, options->plugins);
     command->footer(
-        "Records stay as they are. Those of another build, seed, scene or setting are refused by name, as are samples "
-        "that two\nrecords have or none has. Exit codes: 0 done; 1 a split does not hold; 2 bad input.");
+        "The records are kept. A record of another build, seed, scene or setting is an error that names it. Duplicate "
+        "or\nmissing samples are errors. Exit codes: 0 done; 1 a split does not hold; 2 bad input.");
     command->callback([options, &context] { context.exit_code = merge_records(*options, context.arguments); });
 }
 

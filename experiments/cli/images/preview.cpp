@@ -1,4 +1,5 @@
-// raylex preview: a layer of any OpenEXR file as a PNG. raylex ocio: what names --display, --view and others take.
+// raylex preview: shows a layer of any OpenEXR file as a PNG. raylex ocio: lists the values of --display, --view and
+// more.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -20,7 +21,7 @@ namespace {
 
 struct PreviewOptions {
     std::string image, output, layer, ocio;
-    bool named = false;  ///< whether there was an output
+    bool named = false;  ///< whether -o was given
     PictureOptions picture;
 };
 
@@ -32,8 +33,7 @@ int run_preview(PreviewOptions options) {
     namespace fs = std::filesystem;
     if (!options.named) options.output = fs::path(options.image).stem().string() + ".png";
     if (fs::path(options.output).extension() != ".png")
-        return report_error("the preview '" + options.output +
-                            "' has no name ending in .png; expected a PNG file name");
+        return report_error("the preview '" + options.output + "' does not end in .png; expected a PNG file name");
     auto color = display::ColorManager::open(options.ocio);
     if (!color) return report_error(color.error());
     if (Status known = display::check_view(*color, options.picture.display, options.picture.view); !known)
@@ -73,7 +73,7 @@ int run_ocio(const std::string& config) {
         for (const std::string& view : color->views(display))
             print_line("    " + view + mark(view == color->default_view(display)));
     }
-    print_line("spaces (--rendering-space takes those marked scene-linear):");
+    print_line("spaces (--rendering-space accepts the scene-linear ones):");
     for (const display::ColorSpaceEntry& each : names->spaces)
         print_line("  " + each.name + (each.scene_linear ? "  (scene-linear)" : each.data ? "  (data)" : ""));
     print_line(names->looks.empty() ? "looks: none" : "looks:");
@@ -83,8 +83,7 @@ int run_ocio(const std::string& config) {
 }
 
 CLI::Option* add_ocio_option(CLI::App& command, std::string& config) {
-    return command
-        .add_option("--ocio", config, "OpenColorIO config; default: $OCIO, else the one that ships with raylex")
+    return command.add_option("--ocio", config, "OpenColorIO config; default: $OCIO, else raylex's own")
         ->option_text("FILE");
 }
 
@@ -93,32 +92,35 @@ CLI::Option* add_ocio_option(CLI::App& command, std::string& config) {
 void add_preview_command(CLI::App& app, CommandContext& context) {
     CLI::App* command = app.add_subcommand("preview", "Shows a layer of any OpenEXR file as a PNG.");
     auto options = std::make_shared<PreviewOptions>();
-    command->add_option("FILE.exr", options->image, "the image, raylex's or another program's")
+    command->add_option("FILE.exr", options->image, "the image, from raylex or another program")
         ->required()
         ->option_text("(required)");
     CLI::Option* output =
         command
-            ->add_option("-o,--output", options->output, "picture to write; default: the image's name with .png, here")
+            ->add_option("-o,--output", options->output,
+                         "picture to write; default: the name of the image with .png, in the current folder")
             ->option_text("OUT.png");
     command
         ->add_option("--layer", options->layer,
-                     "layer to show; default: the beauty, by whatever name, else the first layer of light")
+                     "layer to show; default: the beauty under any name, else the first layer of light")
         ->option_text("NAME");
     command
-        ->add_option("--display", options->picture.display, "display of the colour config; default: the config's own")
+        ->add_option("--display", options->picture.display,
+                     "display in the colour config; default: the config's default")
         ->option_text("NAME");
-    command->add_option("--view", options->picture.view, "view of that display; default: the config's own")
+    command->add_option("--view", options->picture.view, "view of that display; default: the config's default")
         ->option_text("NAME");
-    command->add_option("--exposure", options->picture.exposure, "stops by which light is shown brighter; default 0")
+    command->add_option("--exposure", options->picture.exposure, "exposure in stops; default 0")
         ->option_text("STOPS")
         ->check(CLI::Range(-largest_exposure, largest_exposure));
-    command->add_option("--size", options->picture.largest_side, "largest side in pixels; default: as the image is")
+    command
+        ->add_option("--size", options->picture.largest_side, "largest side in pixels; default: the size of the image")
         ->option_text("N")
         ->check(CLI::Range(1, 65536));
     add_ocio_option(*command, options->ocio);
     command->footer(
-        "Light goes through the display's view; normals, positions, depths, ids and single values are shown in false\n"
-        "colours, and what these mean is printed. 'raylex ocio' lists displays and views.");
+        "Light is shown through the display's view. Normals, positions, depths, ids and single values are shown in "
+        "false\ncolours, and the scale is printed. 'raylex ocio' lists displays and views.");
     command->callback([options, output, &context] {
         options->named = output->count() > 0;
         context.exit_code = run_preview(*options);

@@ -1,4 +1,4 @@
-// raylex report: images as one HTML page.
+// raylex report: shows images on one HTML page.
 #include <filesystem>
 #include <memory>
 
@@ -19,12 +19,12 @@ struct ReportOptions {
 };
 
 int run_report(const ReportOptions& report) {
-    // The page must never take the place of an image, which may have cost hours.
+    // The page must never overwrite an image, which may have taken hours.
     for (const std::string& image : report.images) {
         std::error_code failed;
         if (image == report.page || std::filesystem::equivalent(image, report.page, failed))
             return report_error("the page '" + report.page +
-                                "' is one of the images; expected a file of its own, such as page.html");
+                                "' is one of the images; expected a different file, such as page.html");
     }
     take_standard_output_for(report.page);
     if (!is_standard_output(report.page))
@@ -44,7 +44,7 @@ int run_report(const ReportOptions& report) {
 
 void add_report_command(CLI::App& app, CommandContext& context) {
     CLI::App* command = app.add_subcommand(
-        "report", "Makes one self-contained HTML page of every layer, with expressions, verdicts and provenance.");
+        "report", "Makes one self-contained HTML page of every layer, with expressions, checks and provenance.");
     auto options = std::make_shared<ReportOptions>();
     command->add_option("OUT.exr", options->images, "the images, in the order of the page")
         ->required()
@@ -52,8 +52,7 @@ void add_report_command(CLI::App& app, CommandContext& context) {
     command->add_option("-o,--output", options->page, "the page to write; -: standard output")
         ->required()
         ->option_text("PAGE.html");
-    command
-        ->add_option("--ocio", options->ocio, "OpenColorIO config; default: $OCIO, else the one that ships with raylex")
+    command->add_option("--ocio", options->ocio, "OpenColorIO config; default: $OCIO, else raylex's own")
         ->option_text("FILE");
     command->add_option("--display", options->options.display, "display of the config; default: its first")
         ->option_text("NAME");
@@ -61,9 +60,8 @@ void add_report_command(CLI::App& app, CommandContext& context) {
         ->option_text("NAME");
     command
         ->add_option("--size", options->options.largest_side,
-                     "largest side of the pictures in pixels, reduced by a whole factor; default: as rendered, reduced "
-                     "only where the "
-                     "page would be larger than about 50 MB")
+                     "largest side of the pictures in pixels, reduced by a whole factor; default: the full size, "
+                     "reduced only if the page would exceed about 50 MB")
         ->option_text("N")
         ->check(CLI::Range(16, 8192));
     command->footer(

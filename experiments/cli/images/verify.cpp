@@ -1,4 +1,4 @@
-// raylex verify: do the layers of an image sum to what they split?
+// raylex verify: checks that the layers of an image sum to the layer that they split.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -25,7 +25,7 @@ struct VerifyOptions {
     std::optional<display::Allowance> tolerance;
 };
 
-/// Prints a verdict; a failure leaves its heat map. Returns whether it holds.
+/// Prints the result of a check and writes a heat map if it fails. Returns whether the check holds.
 bool tell_verdict(const display::SplitVerdict& verdict, const display::ExrImage& image, const std::string& title = {}) {
     print_line(image.path + ": " + verdict_text(verdict, title));
     if (verdict.answer == display::SplitAnswer::does_not_hold) print_line("  " + write_residual_map(verdict, image));
@@ -39,7 +39,7 @@ void note_incomplete(const display::ExrImage& image) {
         print_warning(image.path + ": " + repaired);
 }
 
-// "ABS,REL", two numbers that are not negative.
+// Parses "ABS,REL", two numbers that are not negative.
 Result<display::Allowance> parse_tolerance(const std::string& text) {
     display::Allowance allowance;
     allowance.instead_of_compression = true;
@@ -55,7 +55,7 @@ Result<display::Allowance> parse_tolerance(const std::string& text) {
             error.column = static_cast<int>(at - text.c_str()) + 1;
             error.excerpt = text;
             error.message = std::string(
-                "expected ABS,REL: two numbers from 0 on, such as 1e-6,1e-5 (|sum - of| <= rounding + "
+                "expected ABS,REL: two non-negative numbers, such as 1e-6,1e-5 (|sum - of| <= rounding + "
                 "ABS + REL (sum of |terms| + |of|))");
             return error;
         }
@@ -64,7 +64,7 @@ Result<display::Allowance> parse_tolerance(const std::string& text) {
     return allowance;
 }
 
-/// Of an image in memory, or of a file in bands.
+/// Checks the splits of an image in memory, or of a file that is read in bands.
 template <class Source>
 int verify_sum_of(const Source& source, const display::ExrImage& image, const VerifyOptions& options) {
     auto verdict =
@@ -83,7 +83,7 @@ int verify_sum(const VerifyOptions& options) {
     return image ? verify_sum_of(*image, *image, options) : report_error(image.error());
 }
 
-// All splits of one image by a preset: whether they hold, or an error.
+// Checks all splits of an image that a preset found. Returns whether all hold, or an error.
 Result<bool> verify_found(const display::ExrImage& image, const Preset& preset, const std::vector<FoundSplit>& splits,
                           const VerifyOptions& options) {
     bool all_hold = true;
@@ -101,7 +101,7 @@ Result<bool> verify_found(const display::ExrImage& image, const Preset& preset, 
         if (holds) continue;
         std::string missing;
         for (const std::string& pass : split.missing) missing += (missing.empty() ? "" : ", ") + pass;
-        if (!missing.empty()) print_line("  not in the file, so not in the sum: " + missing);
+        if (!missing.empty()) print_line("  missing from the file and the sum: " + missing);
         print_line("  " + std::string(preset.advice));
     }
     return all_hold;
@@ -110,7 +110,7 @@ Result<bool> verify_found(const display::ExrImage& image, const Preset& preset, 
 int verify_preset(const VerifyOptions& options) {
     auto preset = find_preset(*options.preset);
     if (!preset) return report_error(preset.error());
-    // Several files are one image each, or the layers of one image where the first alone has nothing to judge.
+    // Several files are separate images, unless the first has nothing to check: then they are the layers of one image.
     auto first = display::read_exr(options.files.front());
     if (!first) return report_error(first.error());
     const bool one_image = options.files.size() > 1 && !find_splits(**preset, *first, options.of);
@@ -131,7 +131,7 @@ int verify_preset(const VerifyOptions& options) {
     return all_hold ? exit_holds : exit_does_not_hold;
 }
 
-/// Whether most of what a renderer's beauty is made of is there under its names.
+/// Returns whether the image has most layers of the renderer's beauty, under the renderer's names.
 bool is_named_after(const Preset& preset, const display::ExrImage& image) {
     const auto splits = find_splits(preset, image, {});
     return splits && std::any_of(splits->begin(), splits->end(), [](const FoundSplit& split) {
@@ -140,7 +140,7 @@ bool is_named_after(const Preset& preset, const display::ExrImage& image) {
            });
 }
 
-/// The first layers of light beside the beauty, as an example of a sum.
+/// Returns the names of the first layers of light besides the beauty, as an example of a sum.
 std::string some_layers(const display::ExrImage& image) {
     constexpr int most = 3;
     std::string list;
@@ -154,13 +154,13 @@ std::string some_layers(const display::ExrImage& image) {
 }
 
 std::string without_partition(const display::ExrImage& image) {
-    std::string text = image.path + ": no partition is declared in the header, so there is nothing to judge. ";
+    std::string text = image.path + ": the header declares no partition, so there is nothing to check. ";
     const std::string command = "raylex verify " + shell_command({image.path});
     for (const Preset& preset : presets())
         if (is_named_after(preset, image))
-            text += "Its layers are named as " + std::string(preset.renderer) + " names them: " + command +
+            text += "The names of its layers are those of " + std::string(preset.renderer) + ": " + command +
                     " --preset " + preset.name + ". ";
-    return text + "Say which layers must sum to which: " + command + " --of beauty --sum " +
+    return text + "Name the layers that must sum to another: " + command + " --of beauty --sum " +
            shell_command({some_layers(image)}) + ". The layers are: " + display::list_names(image.layer_names());
 }
 
@@ -197,7 +197,7 @@ int verify(VerifyOptions options) {
         return report_error("--of " + options.of +
                             " needs --sum with the layers that must sum to it, such as --sum 'diffuse_*,emission'");
     if (!options.sums.empty() && options.preset)
-        return report_error("--sum and --preset both say what is summed; expected one of them");
+        return report_error("--sum and --preset both choose the layers; expected one of them");
     if (options.tolerance_text) {
         auto tolerance = parse_tolerance(*options.tolerance_text);
         if (!tolerance) return report_error(tolerance.error());
@@ -211,14 +211,14 @@ int verify(VerifyOptions options) {
 std::string preset_help() {
     std::string names;
     for (const Preset& preset : presets()) names += (names.empty() ? "" : ", ") + std::string(preset.name);
-    return "finds the layers by the names that a renderer gives them, and judges every split there is: " + names;
+    return "finds the layers by the names that a renderer uses, and checks every split: " + names;
 }
 
 }  // namespace
 
 void add_verify_command(CLI::App& app, CommandContext& context) {
     CLI::App* command =
-        app.add_subcommand("verify", "Checks pixel by pixel that the layers of an image sum to what they split.");
+        app.add_subcommand("verify", "Checks in every pixel that layers of an image sum to the layer that they split.");
     auto options = std::make_shared<VerifyOptions>();
     command
         ->add_option("FILE.exr", options->files,
@@ -226,36 +226,33 @@ void add_verify_command(CLI::App& app, CommandContext& context) {
         ->required()
         ->option_text("...");
     command->add_option("--preset", options->preset, preset_help())->option_text("NAME");
-    command->add_option("--of", options->of, "the layer that is split; with --sum, default beauty")
+    command->add_option("--of", options->of, "the layer that the others must sum to; default with --sum: beauty")
         ->option_text("LAYER");
     command
-        ->add_option("--sum", options->sums,
-                     "what must sum to it: layers, globs with * and ?, and expressions with + - * ( ), between commas; "
-                     "'DiffDir' is enough for 'ViewLayer.DiffDir' where only one layer is called so")
+        ->add_option(
+            "--sum", options->sums,
+            "the layers that must sum to it, separated by commas: names, patterns with * and ?, and expressions with + "
+            "- * ( ); 'DiffDir' also finds 'ViewLayer.DiffDir' if that is the only such layer")
         ->option_text("'SUM,...'")
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     command
-        ->add_option(
-            "--tolerance", options->tolerance_text,
-            "allows |sum - of| <= rounding + ABS + REL (sum of |terms| + |of|), in place of what a preset and lossy "
-            "compression allow")
+        ->add_option("--tolerance", options->tolerance_text,
+                     "allows |sum - of| <= rounding + ABS + REL (sum of |terms| + |of|), instead of the tolerance of a "
+                     "preset or of lossy compression")
         ->option_text("ABS,REL");
     command->footer(
-        "Without --sum and --preset every partition declared in the header is judged, and a path atlas by whether its "
-        "words sum\n"
-        "to its beauty. Answers: holds to rounding, holds\n"
-        "within what is allowed, does not hold, cannot tell (every pixel stands at the largest number of its type).\n"
-        "Rounding is that of the stored type (float 2^-23, half 2^-10) times "
-        "the sum\n"
-        "of |terms| + |of|, carried through products, with 2^-24 for each operation of another renderer. Allowed are "
-        "DWA\n"
-        "compression, a preset's measured accumulation, or --tolerance. A failure writes a residual heat map beside "
-        "the image.\n"
+        "Without --sum and --preset, every partition in the header is checked; in a path atlas, the words must sum to "
+        "the\nbeauty. Results: holds to rounding, holds within what is allowed, does not hold, cannot tell (every "
+        "pixel is clamped\nto the largest number of its type).\n"
+        "The rounding bound is the precision of the stored type (float 2^-23, half 2^-10) times the sum of |terms| + "
+        "|of|,\nthrough products too, and 2^-24 for each operation of another renderer. Larger errors are allowed for "
+        "DWA compression,\nfor a preset's measured accumulation, and by --tolerance. A failed check writes a residual "
+        "heat map beside the image.\n"
         "Example: raylex verify their.exr --of Combined --sum '(DiffDir+DiffInd)*DiffCol, "
         "(GlossDir+GlossInd)*GlossCol, Emit'\n"
-        "Exit codes: 0 holds, 1 does not hold or cannot tell, 2 bad usage or input.");
+        "Exit codes: 0 holds, 1 does not hold, or cannot tell, 2 bad usage or input.");
     command->callback([options, &context] { context.exit_code = verify(*options); });
 }
 

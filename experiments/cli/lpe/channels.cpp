@@ -1,4 +1,4 @@
-// Expressions and channels as the `raylex lpe` commands take them.
+// Reads the expressions and channels that the `raylex lpe` commands take as arguments.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -24,8 +24,9 @@ lpe::Dialect DialectOption::value() const {
 
 CLI::Option* add_dialect_option(CLI::App& command, DialectOption& dialect) {
     return command
-        .add_option("--dialect", dialect.name,
-                    "renderman (default) or osl; an expression that begins with 'osl:' or 'renderman:' says its own")
+        .add_option(
+            "--dialect", dialect.name,
+            "renderman (default) or osl; a prefix 'osl:' or 'renderman:' sets the dialect of a single expression")
         ->option_text("D")
         ->check(CLI::IsMember({"renderman", "osl"}));
 }
@@ -33,7 +34,7 @@ CLI::Option* add_dialect_option(CLI::App& command, DialectOption& dialect) {
 CLI::Option* add_channel_files(CLI::App& command, ChannelArguments& arguments) {
     command
         .add_option("--format", arguments.format,
-                    "kind of the files that are read: toml, rib, usda or ini; default: by their names and contents")
+                    "format of the input files: toml, rib, usda or ini; default: by name and contents")
         ->option_text("F")
         ->check(CLI::IsMember(channel_format_names()));
     return command
@@ -50,8 +51,7 @@ CLI::Option* add_channel_files(CLI::App& command, ChannelArguments& arguments) {
 CLI::Option* add_channel_arguments(CLI::App& command, ChannelArguments& arguments) {
     add_channel_files(command, arguments);
     return command
-        .add_option("NAME=EXPR", arguments.named,
-                    "channels, and files of channels by their names; NAME=EXPR follow those of files")
+        .add_option("NAME=EXPR", arguments.named, "channels NAME=EXPR and channel files; channels of files come first")
         ->option_text("...");
 }
 
@@ -63,17 +63,18 @@ Result<bool> is_channel_file(const std::string& text) {
     const bool exists = std::filesystem::exists(text, failed);
     if (!ends_as_one && std::filesystem::is_regular_file(text, failed) && text.find('=') == std::string::npos)
         return error_at({text, 0, 0},
-                        "no format is known by this name; expected a file that ends in .toml, .rib, .usda, .usd or "
+                        "unknown file format; expected a file that ends in .toml, .rib, .usda, .usd or "
                         ".ini, or NAME=EXPR",
                         "'--channels " + text + " --format F' reads it as F: toml, rib, usda or ini");
     if (!ends_as_one) return false;
     const std::size_t equals = text.find('=');
     const bool named = equals != std::string::npos && equals > 0 && text.find('/') > equals;
     if (named && exists)
-        return error_at({}, "'" + text + "' is a file, and reads as NAME=EXPR too; expected one of them",
-                        "'--channels " + text + "' or './" + text + "' is the file");
+        return error_at({},
+                        "'" + text + "' is a file name and also reads as NAME=EXPR; expected an unambiguous argument",
+                        "'--channels " + text + "' or './" + text + "' means the file");
     if (named) return false;
-    if (!exists) return error_at({text, 0, 0}, "there is no such file of channels");
+    if (!exists) return error_at({text, 0, 0}, "this channel file does not exist");
     return true;
 }
 
@@ -110,8 +111,8 @@ Result<std::vector<lpe::ChannelSource>> resolved_channels(const ChannelSet& set,
         for (const lpe::FileChannel& each : set.file.other_channels)
             others += (others.empty() ? "" : ", ") + each.source.name;
         return error_at({arguments.files.empty() ? std::string() : arguments.files.front(), 0, 0},
-                        "no channel with a light path expression is given; expected NAME=EXPR or a file of channels",
-                        others.empty() ? "" : "channels without one: " + others);
+                        "no channel with a light path expression; expected NAME=EXPR or a file of channels",
+                        others.empty() ? "" : "channels without an expression: " + others);
     }
     std::vector<std::string> warnings;
     auto sources = expanded_channels(set, warnings);
@@ -146,32 +147,32 @@ Error about_channel_name(Error error, const std::string& text, const ChannelSet&
         return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
                std::string_view("_-.:").find(c) != std::string::npos;
     };
-    const bool of_text = error.excerpt == text;  // and not of a macro that it names
+    const bool of_text = error.excerpt == text;  // the error is in the text itself, not in a macro
     if (!of_text || set.file.channels.empty() || !std::all_of(text.begin(), text.end(), in_name)) return error;
     std::vector<std::string> names;
     std::string list;
     for (const lpe::FileChannel& each : set.file.channels) {
-        if (each.source.name == text) return error;  // the channel is there, and its expression is wrong
+        if (each.source.name == text) return error;  // the channel exists, and its expression is wrong
         names.push_back(each.source.name);
         list += (list.empty() ? "" : ", ") + each.source.name;
     }
     if (const std::string near = near_miss(text, names); !near.empty()) error.hint = near;
-    else if (text.find_first_of("-.:") == std::string::npos) error.hint = "channels that are given: " + list;
-    return error;  // with a dot it may as well be an expression
+    else if (text.find_first_of("-.:") == std::string::npos) error.hint = "known channels: " + list;
+    return error;  // a text with a dot may be an expression
 }
 
 CLI::Option* add_reader_option(CLI::App& command, ReaderOption& reader) {
     return command
         .add_option("--for", reader.name,
-                    "who reads the channels: renderman (default for RIB, rendermn.ini, and USD in the dialect "
-                    "renderman), for which what RenderMan does not read (V, B, G, ?, -, ...) is an error; or raylex")
+                    "program that reads the channels: renderman (default for RIB, rendermn.ini, and USD in the dialect "
+                    "renderman), which makes extensions that RenderMan lacks (V, B, G, ?, -, ...) an error; or raylex")
         ->option_text("renderman|raylex")
         ->check(CLI::IsMember({"renderman", "raylex"}));
 }
 
 void add_channel_output(CLI::App& command, ChannelOutput& output, const std::string& description) {
     command.add_option("-o,--output", output.path, description)->option_text("FILE.{toml,rib,usda,ini}");
-    command.add_option("--write-as", output.format, "format to write; default: by the end of the file's name")
+    command.add_option("--write-as", output.format, "format to write; default: by the file name")
         ->option_text("F")
         ->check(CLI::IsMember(channel_format_names()));
 }
@@ -194,7 +195,7 @@ lpe::ChannelSource bare_expression(std::string_view text, lpe::Dialect dialect, 
 Error about_argument(Error error, const std::string& what, const std::string& text) {
     if (error.file.empty()) error.file = what;
     if (error.excerpt.empty() && text.find('\n') == std::string::npos) error.excerpt = text;
-    if (error.line == 1) error.line = 0;  // an argument has one line
+    if (error.line == 1) error.line = 0;  // an argument has only one line
     return error;
 }
 

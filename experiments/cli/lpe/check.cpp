@@ -1,4 +1,4 @@
-// raylex lpe check: do channels partition the beauty? The proof, and where they do not, the whole picture.
+// raylex lpe check: proves that channels partition the beauty, or shows all overlaps and gaps.
 #include <algorithm>
 #include <chrono>
 #include <iterator>
@@ -26,7 +26,7 @@ struct CheckOptions {
     ReaderOption reader;
     SceneOption scene;
     PathOptions paths;
-    lpe::Words words;  // what scene and paths leave
+    lpe::Words words;  // the paths that scene and options allow
     std::string of, what = "partition", rest;
     bool json = false;
 };
@@ -45,7 +45,7 @@ const char* word_for(lpe::Verdict verdict) {
     return "";
 }
 
-/// What is written for RenderMan itself, which lacks our extensions.
+/// Returns which channels are written for RenderMan itself, which lacks raylex's extensions.
 Written written_for_renderman(const CheckOptions& options) {
     const auto written = [&](const char* format) {
         return options.output.format == format ||
@@ -56,7 +56,8 @@ Written written_for_renderman(const CheckOptions& options) {
     return written("rib") || written("usda") || written("usd") ? Written::without_macros : Written::nothing;
 }
 
-/// What the layers leave, as an expression for the application that the channels are of, else for raylex.
+/// Finds an expression of the paths that no layer counts, in the dialect of the application that reads the channels if
+/// possible, otherwise for raylex.
 void find_rest(const CheckOptions& options, const ChannelSet& set, CheckPicture& picture) {
     const bool renderman = written_for_renderman(options) != Written::nothing ||
                            (set.of_renderman && options.reader.value() == lpe::Reader::renderman);
@@ -70,7 +71,7 @@ void find_rest(const CheckOptions& options, const ChannelSet& set, CheckPicture&
     }
     auto rest = lpe::rest_expression(layers.sources, layers.whole, options.words);
     if (!rest || !*rest) {
-        picture.rest_note = "what they leave has no short expression (" +
+        picture.rest_note = "the remaining paths have no short expression (" +
                             (rest ? "at most " + std::to_string(lpe::longest_printed_expression) + " characters"
                                   : rest.error().message) +
                             ")";
@@ -82,10 +83,11 @@ void find_rest(const CheckOptions& options, const ChannelSet& set, CheckPicture&
     if (renderman) picture.rest_note = "raylex reads it; RenderMan does not know " + ours;
     else if (std::any_of(layers.sources.begin(), layers.sources.end(),
                          [](const lpe::ChannelSource& each) { return each.dialect == lpe::Dialect::osl; }))
-        picture.rest_note = "it is of the dialect renderman";
+        picture.rest_note = "it is in the dialect renderman";
 }
 
-/// The verdict of channels that are too large together for a proof: a pair that overlaps decides it too.
+/// Finds the result for channels that are too large for a proof of all together: one overlapping pair suffices to
+/// refute the partition.
 Status judge_pairs(const CheckOptions& options, CheckPicture& picture, const Error& too_large) {
     const Layers& layers = picture.layers;
     auto overview = lpe::look_over(layers.sources, layers.whole, options.words);
@@ -130,7 +132,7 @@ Status judge_partition(const CheckOptions& options, const ChannelSet& set, Check
     return success();
 }
 
-/// The layers that are in no partition, by themselves: their overlaps and holes are what is to be mended.
+/// Checks the layers that belong to no partition by themselves, because their overlaps and gaps are the ones to fix.
 Status judge_left(const CheckOptions& options, const ChannelSet& set, CheckPicture& picture) {
     const std::vector<std::size_t>& left = picture.sorting.left;
     CheckPicture alone;
@@ -155,17 +157,18 @@ Status judge_left(const CheckOptions& options, const ChannelSet& set, CheckPictu
     picture.rest_note = std::move(alone.rest_note);
     picture.verdict = std::move(alone.verdict);
     picture.summary = (left.size() <= 4 ? names : std::to_string(left.size()) + " layers") +
-                      (left.size() == 1 ? " is" : " are") + " in no partition; alone, " + alone.summary;
+                      (left.size() == 1 ? " is" : " are") + " in no partition; these alone: " + alone.summary;
     picture.witness = std::move(alone.witness);
     return success();
 }
 
-/// Layers of files may be several splits of the same beauty side by side, by lobe and by light group: then it holds
-/// where each layer is in one of them. What a person writes by hand is one split.
+/// Sorts overlapping layers into several partitions of the same beauty, for example by lobe and by light group. The
+/// check holds if each layer belongs to one of them. Only layers from files are sorted; layers on the command line form
+/// one split.
 Status sort_layers(const CheckOptions& options, const ChannelSet& set, CheckPicture& picture) {
     if (picture.holds || picture.files.empty() || picture.overview.overlaps.empty()) return success();
     auto sorting = lpe::sort_into_partitions(picture.layers.sources, picture.layers.whole, options.words);
-    if (!sorting) return success();  // too large for it: the verdict stands as it is
+    if (!sorting) return success();  // too large to sort: the result stays
     picture.sorting = std::move(*sorting);
     const lpe::Sorting& sorted = picture.sorting;
     if (sorted.partitions.empty()) return success();
@@ -173,7 +176,7 @@ Status sort_layers(const CheckOptions& options, const ChannelSet& set, CheckPict
     picture.holds = true;
     picture.verdict = "partitions";
     picture.summary = "the layers are " + std::to_string(sorted.partitions.size()) +
-                      " partitions of the beauty side by side: each counts every path exactly once";
+                      " partitions of the beauty, each of which counts every path exactly once";
     picture.overview = {};
     return success();
 }
@@ -211,7 +214,7 @@ Status judge_covers(const CheckOptions& options, CheckPicture& picture) {
     return success();
 }
 
-/// The channels of the set by name. Errors: a name that is not there.
+/// Returns the channels of a partition by name. Errors: an unknown name.
 Result<std::vector<lpe::ChannelSource>> members(const std::vector<lpe::ChannelSource>& sources,
                                                 const PartitionRequest& partition,
                                                 const std::vector<std::string>& wanted) {
@@ -224,13 +227,13 @@ Result<std::vector<lpe::ChannelSource>> members(const std::vector<lpe::ChannelSo
         }
         if (result.empty() || result.back().name != name)
             return error_at(partition.location,
-                            "partition '" + partition.name + "' names the channel '" + name + "', which is not there",
+                            "partition '" + partition.name + "' names the channel '" + name + "', which does not exist",
                             near_miss(name, known));
     }
     return result;
 }
 
-/// The partitions that TOML files declare, each by itself.
+/// Checks each partition that the TOML files declare.
 Result<std::vector<CheckPicture>> judge_declared(const CheckOptions& options, const ChannelSet& set,
                                                  const std::vector<lpe::ChannelSource>& sources) {
     std::vector<CheckPicture> pictures;
@@ -253,7 +256,7 @@ Result<std::vector<CheckPicture>> judge_declared(const CheckOptions& options, co
     return pictures;
 }
 
-/// --of: a channel by its name, or an expression that may use the files' macros.
+/// Returns the value of --of: a channel by name, or an expression that may use the files' macros.
 Result<std::optional<lpe::ChannelSource>> find_whole(const CheckOptions& options, const ChannelSet& set,
                                                      const std::vector<lpe::ChannelSource>& sources) {
     if (options.of.empty()) return std::optional<lpe::ChannelSource>();
@@ -269,7 +272,7 @@ Result<std::optional<lpe::ChannelSource>> find_whole(const CheckOptions& options
     return std::optional(std::move(expanded->front()));
 }
 
-/// The layers all together, or where TOML files declare partitions each of these.
+/// Checks the partitions that TOML files declare, or else all layers together.
 Result<std::vector<CheckPicture>> judge(const CheckOptions& options, const ChannelSet& set,
                                         std::vector<lpe::ChannelSource> sources, std::optional<lpe::ChannelSource> of) {
     const bool declared =
@@ -296,7 +299,8 @@ Result<std::vector<CheckPicture>> judge(const CheckOptions& options, const Chann
     return pictures;
 }
 
-/// The channels of one file with what else the set has. A set of several files is judged file by file, then together.
+/// Returns the channels of one file with the macros of the whole set. Several files are checked one by one, then
+/// together.
 ChannelSet part_of(const ChannelSet& set, const std::string& file) {
     ChannelSet part = set;
     std::erase_if(part.file.channels, [&](const lpe::FileChannel& each) {
@@ -308,7 +312,7 @@ ChannelSet part_of(const ChannelSet& set, const std::string& file) {
     return part;
 }
 
-/// One picture for all, or where several files have channels first those of each file.
+/// Returns one result for all channels; if several files have channels, first one result per file.
 Result<std::vector<CheckPicture>> judge_files(const CheckOptions& options, const ChannelSet& set,
                                               const std::vector<lpe::ChannelSource>& sources,
                                               const std::optional<lpe::ChannelSource>& of) {
@@ -339,7 +343,7 @@ Result<std::vector<CheckPicture>> judge_files(const CheckOptions& options, const
     }
     if (files < 2) return judge(options, set, sources, of);
     std::vector<CheckPicture> together;
-    if (all.holds) {  // what several splits share, a layer of emission, is no overlap
+    if (all.holds) {  // a layer shared by several splits, such as emission, is not an overlap
         all.verdict = "partitions";
         all.files = options.channels.files;
         all.channels = sources.size();
@@ -355,7 +359,7 @@ Result<std::vector<CheckPicture>> judge_files(const CheckOptions& options, const
     return pictures;
 }
 
-/// Labels that nothing in the scene has, or without one those that look like slips.
+/// Warns of labels that no object or light of the scene has; without a scene, of labels that look misspelt.
 Status warn_about_labels(const CheckOptions& options, const std::vector<lpe::ChannelSource>& sources,
                          const std::optional<SceneWords>& scene) {
     warn_about_scene(sources, scene);
@@ -393,7 +397,7 @@ int finish(const CheckOptions& options, ChannelSet& set, const std::vector<Check
 
 int run_check(CheckOptions options) {
     if (options.json && is_standard_output(options.output.path))
-        return report_error("--json and -o - both write to standard output; expected the name of a file behind -o");
+        return report_error("--json and -o - both write to standard output; expected a file name after -o");
     take_standard_output_for(options.output.path);
     if (Status taken = take_channel_files(options.channels); !taken) return report_error(taken.error());
     auto set = read_channel_set(options.channels, options.dialect.value(), true);
@@ -406,11 +410,12 @@ int run_check(CheckOptions options) {
     if (!errors.empty()) return report_all(errors);
     for (const lpe::ChannelSource& source : sources)
         if (source.name == options.rest)
-            return report_error("--rest " + options.rest + ": a channel has that name; expected another one");
+            return report_error("--rest " + options.rest +
+                                ": a channel already has this name; expected a different name");
     auto of = find_whole(options, *set, sources);
     if (!of) return report_error(of.error());
     if (*of && options.what == "disjoint")
-        return report_error("--of has no part in --what disjoint; expected it with partition or covers");
+        return report_error("--of cannot be combined with --what disjoint; expected partition or covers");
     auto scene = options.scene.load();
     if (!scene) return report_error(scene.error());
     std::vector<lpe::ChannelSource> all = sources;
@@ -433,41 +438,40 @@ void add_lpe_check_commands(CLI::App& lpe, CommandContext& context) {
         "Proves that the channels partition the beauty, or shows every overlap and every kind of path missed.");
     add_channel_arguments(*check, options->channels);
     check
-        ->add_option(
-            "--what", options->what,
-            "partition (default): every path is in exactly one channel; disjoint: none is in two; covers: every "
-            "path is in at least one")
+        ->add_option("--what", options->what,
+                     "partition (default): exactly one channel counts each path; disjoint: no two channels count the "
+                     "same path; covers: at least one channel counts each path")
         ->option_text("partition|disjoint|covers")
         ->check(CLI::IsMember({"partition", "disjoint", "covers"}));
     check
         ->add_option("--of", options->of,
-                     "what is split, an expression or the name of a channel; default: the channel of a file that "
-                     "denotes the beauty, else every path a scene can produce. Channels of files that are the same "
-                     "or the beauty are then no layers")
+                     "the paths that are split, as an expression or a channel name; default: the channel of a file "
+                     "that denotes the beauty, else every path that a scene can produce. Channels of files that equal "
+                     "it or the beauty do not count as layers")
         ->option_text("BEAUTY");
     check
         ->add_option("--rest", options->rest,
-                     "channels that share no path get a channel NAME with what they leave, and are proved with it")
+                     "if the channels share no path, adds a channel NAME with the remaining paths before the proof")
         ->option_text("NAME");
-    check->add_flag("--json", options->json, "everything as JSON on standard output");
+    check->add_flag("--json", options->json, "prints the complete result as JSON");
     add_path_options(*check, options->paths);
     add_channel_output(*check, options->output,
-                       "also writes the channels, in any format; any verdict. -: to standard output, and what is said "
-                       "to standard error");
+                       "also writes the channels, in any format and whatever the result. -: writes them to standard "
+                       "output, and messages to standard error");
     add_reader_option(*check, options->reader);
     add_scene_option(*check, options->scene);
     add_dialect_option(*check, options->dialect);
     check->footer(
         "Example: raylex lpe check show.rib\n"
-        "Where a TOML file declares partitions, each of them is proved; otherwise all channels together. Of channels "
-        "from files,\nthose with prefixes (noclamp;, ...), with statistics (mse, variance, even, odd) and the beauty "
-        "itself are no layers.\nFiles may hold several splits of the same beauty (by lobe, by light group): it holds "
-        "where each layer is in one of them.\nSeveral files are judged one by one, then together, and the verdict on "
-        "all together decides.\n"
-        "The last line of a check that fails is the shortest path against it, as 'raylex lpe match' reads it.\n"
+        "If a TOML file declares partitions, each is proved; otherwise all channels together. Channels of files are "
+        "not layers if they\nhave prefixes (noclamp;, ...) or statistics (mse, variance, even, odd), or are the beauty "
+        "itself. Files may hold several splits of\nthe same beauty (by lobe, by light group): the check holds if each "
+        "layer belongs to one of them. Several files are checked one by\none, then together; the result of all "
+        "together decides the exit code.\n"
+        "If a check fails, the last line is the shortest counterexample, in the form that 'raylex lpe match' reads.\n"
         "See also: lpe equal, contains and empty for single expressions.\n"
-        "Exit codes: 0 proved, 1 a path is missed, counted twice or outside, 2 bad usage or input: every expression "
-        "that cannot\nbe read is named.");
+        "Exit codes: 0 proved, 1 a path is missed, counted twice or outside, 2 bad usage or input; all expressions "
+        "with\nerrors are named.");
     check->callback([options, &context] { context.exit_code = run_check(*options); });
 }
 

@@ -1,5 +1,5 @@
-// The groups of `raylex lpe` subcommands, one file each, and what they share: dialects, and channels from the command
-// line.
+// The groups of `raylex lpe` subcommands, one file each, and what they share: the dialect option, and channels from the
+// command line.
 #pragma once
 
 #include <optional>
@@ -28,84 +28,86 @@ void add_lpe_graph_commands(CLI::App& lpe, CommandContext& context);    ///< gra
 void add_lpe_split_commands(CLI::App& lpe, CommandContext& context);    ///< split
 void add_lpe_truth_command(CLI::App& lpe, CommandContext& context);     ///< truth
 
-/// --dialect.
+/// The value of --dialect.
 struct DialectOption {
     std::string name = "renderman";
     [[nodiscard]] lpe::Dialect value() const;
 };
 CLI::Option* add_dialect_option(CLI::App& command, DialectOption& dialect);
 
-/// --scene: the paths that proofs are relative to.
+/// The values of --scene and --plugin. Proofs are then relative to the paths that the scene can produce.
 struct SceneOption {
     std::string path;
-    std::vector<std::string> plugins;  ///< --plugin, for scenes that need them
-    /// What the scene can produce; nothing when no scene is given, and every path counts.
+    std::vector<std::string> plugins;  ///< plugins that the scene needs
+    /// Returns the paths that the scene can produce; nothing without a scene.
     [[nodiscard]] Result<std::optional<SceneWords>> load() const;
 };
 CLI::Option* add_scene_option(CLI::App& command, SceneOption& scene);
-/// The words of the scene, or every word.
+/// Returns the words of the scene; without a scene, all words.
 lpe::Words words_of(const std::optional<SceneWords>& scene);
-/// Warns of channels that can match nothing in the scene, and of labels that nothing in it has.
+/// Warns of channels that match no path of the scene, and of labels that nothing in the scene has.
 void warn_about_scene(std::span<const lpe::ChannelSource> channels, const std::optional<SceneWords>& scene);
 
-/// Channels as a command takes them: NAME=EXPR arguments, and files.
-/// A text among the arguments that names an existing channel file (.rib, .usda, .usd, .ini, .toml) is one.
+/// Channels from the command line: NAME=EXPR arguments and channel files. An argument that names an existing channel
+/// file (.rib, .usda, .usd, .ini, .toml) is read as a file.
 struct ChannelArguments {
     std::vector<std::string> named, files;
-    std::string format;  ///< of the files; empty: by their names and contents
+    std::string format;  ///< format of the files; empty: by name and contents
 };
 CLI::Option* add_channel_arguments(CLI::App& command, ChannelArguments& arguments);
-/// --channels and --format alone.
+/// Adds --channels and --format.
 CLI::Option* add_channel_files(CLI::App& command, ChannelArguments& arguments);
 
-/// Whether the text given by itself is the path of a channel file. Errors: it is as well NAME=EXPR, or ends as one and
-/// is not there.
+/// Returns whether an argument is the path of a channel file. Errors: the argument also reads as NAME=EXPR, or it ends
+/// like a channel file but does not exist.
 Result<bool> is_channel_file(const std::string& text);
-/// Takes the files among the arguments to the files. Commands do so first.
+/// Moves the file names among the arguments to `arguments.files`. Each command calls this first.
 Status take_channel_files(ChannelArguments& arguments);
 
-/// What the files and the arguments say, each channel with its own name; warnings are printed. The first error of a
-/// single channel is the result, or with `every_error` all are in the set.
+/// Reads the channels of files and arguments and prints warnings. Returns the first error, or with `every_error` a set
+/// that contains all errors.
 Result<ChannelSet> read_channel_set(const ChannelArguments& arguments, lpe::Dialect dialect, bool every_error = false);
 
-/// The set's channels, names in expressions resolved; warnings are printed. Errors: no channel at all.
+/// Returns the channels of the set, with names in expressions resolved, and prints warnings. Errors: the set has no
+/// channel.
 Result<std::vector<lpe::ChannelSource>> resolved_channels(const ChannelSet& set, const ChannelArguments& arguments);
 
-/// The channels of files and arguments, names in expressions resolved, each with its own name; warnings are printed.
-/// Commands work on what this returns and on nothing else. Errors: no channel at all.
+/// Returns the channels of files and arguments, with names in expressions resolved, and prints warnings. Commands use
+/// only this result. Errors: there is no channel.
 Result<std::vector<lpe::ChannelSource>> read_channels(const ChannelArguments& arguments, lpe::Dialect dialect);
 
-/// What a text given by itself means beside files: the channel of that name in them, or an expression that may use
-/// their macros. `what` names it in errors ("--of").
+/// Returns the channel of a file that is named `text`, or `text` as an expression that may use the files' macros.
+/// `what` names the argument in errors ("--of").
 Result<lpe::ChannelSource> channel_or_expression(const std::string& text, const ChannelArguments& arguments,
                                                  lpe::Dialect dialect, const std::string& what);
 
-/// The error of a text that is no channel of the set, and no expression: the hint is about the names of the set.
+/// Returns the error for a text that is neither a channel of the set nor an expression. The hint suggests names of the
+/// set.
 Error about_channel_name(Error error, const std::string& text, const ChannelSet& set);
 
-/// -o and --write-as: where channels are written, and as what.
+/// Values of -o and --write-as: output file and format of channels.
 struct ChannelOutput {
     std::string path, format;
 };
 void add_channel_output(CLI::App& command, ChannelOutput& output, const std::string& description);
-/// Writes the set; what had to be left out is printed as warnings.
+/// Writes the set. Warns of everything that the format cannot store.
 Status write_channels(const ChannelSet& set, const ChannelOutput& output, lpe::Reader reader);
 
-/// --for: whose language the channels of RenderMan's formats are held to.
+/// The value of --for: the program whose syntax channels in RenderMan's formats must follow.
 struct ReaderOption {
     std::string name = "renderman";
     [[nodiscard]] lpe::Reader value() const { return name == "raylex" ? lpe::Reader::raylex : lpe::Reader::renderman; }
 };
 CLI::Option* add_reader_option(CLI::App& command, ReaderOption& reader);
 
-/// An expression given by itself; `what` names it in errors ("expression", "--of").
+/// Returns an expression from the command line as a channel source. `what` names it in errors ("expression", "--of").
 lpe::ChannelSource bare_expression(std::string_view text, lpe::Dialect dialect, std::string name, std::string what);
 
-/// Prints the verdict, then the path against it as events, and returns the exit code.
+/// Prints the result and the events of the counterexample, and returns the exit code.
 int print_verdict(bool holds, const std::string& summary, const lpe::Witness& witness,
                   const std::vector<std::string>& warnings);
 
-/// An error about a text of the command line, shown under that text.
+/// Returns an error about a command-line text, shown with that text.
 Error about_argument(Error error, const std::string& what, const std::string& text);
 
 }  // namespace raylex::experiments

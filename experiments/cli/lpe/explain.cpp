@@ -1,4 +1,4 @@
-// raylex lpe explain: an expression in words.
+// raylex lpe explain: describes an expression in English.
 #include <algorithm>
 #include <memory>
 
@@ -17,11 +17,11 @@ struct ExplainOptions {
     DialectOption dialect;
     SceneOption scene;
     PathOptions paths;
-    std::string expression;           // or a file
-    std::vector<std::string> others;  // behind it: channels of the file
+    std::string expression;           // an expression or a channel file
+    std::vector<std::string> others;  // further arguments: channels of the file
 };
 
-/// Characters on the screen, more or less: bytes that begin one.
+/// Returns the approximate width on screen: the number of UTF-8 characters.
 std::size_t width_of(const std::string& text) {
     return static_cast<std::size_t>(std::count_if(
         text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
@@ -54,11 +54,12 @@ void print_section(const std::string& title, const std::vector<std::string>& lin
     for (const std::string& line : lines) print_line(title.empty() ? line : "  " + line);
 }
 
-/// That no path matches; the reasons of a scene were told before (warn_about_scene).
+/// Returns the sentence for an expression that matches no path. warn_about_scene has already printed the reasons for a
+/// scene.
 std::string none_matches(const lpe::ChannelSource& source, const lpe::Words& words, bool of_scene) {
-    if (of_scene) return "No path of this scene matches.";
+    if (of_scene) return "The expression matches no path of this scene.";
     const std::string slip = likely_slip(source, words);
-    return "No path a scene can produce matches" + (slip.empty() ? "." : ": " + slip);
+    return "The expression matches no path that a scene can produce" + (slip.empty() ? "." : ": " + slip);
 }
 
 int print_explanation(const lpe::ChannelSource& source, const lpe::Words& words, bool of_scene) {
@@ -87,7 +88,7 @@ int print_explanation(const lpe::ChannelSource& source, const lpe::Words& words,
     return exit_does_not_hold;
 }
 
-/// Every channel of the files in a few lines.
+/// Prints a few lines for every channel of the files.
 int print_list(const std::vector<lpe::ChannelSource>& sources, const lpe::Words& words) {
     int code = exit_holds;
     for (const lpe::ChannelSource& source : sources) {
@@ -100,13 +101,13 @@ int print_list(const std::vector<lpe::ChannelSource>& sources, const lpe::Words&
         for (const std::string& same : explanation->same_as) print_line("    " + same);
         for (const std::string& warning : explanation->warnings) print_line("    Warning: " + warning);
         if (!explanation->samples.empty()) continue;
-        print_line("    No path matches.");
+        print_line("    It matches no path.");
         code = exit_does_not_hold;
     }
     return code;
 }
 
-/// What is to be explained, and what the files say of paths.
+/// The expression to explain, and the paths and names that the files declare.
 struct Explained {
     std::vector<lpe::ChannelSource> sources;
     ChannelSet set;
@@ -122,7 +123,7 @@ Result<Explained> read_explained(ExplainOptions& options) {
         (*file ? options.channels.files : texts).push_back(text);
     }
     if (texts.size() > 1)
-        return error_at({}, "'" + texts[1] + "' is a second expression; expected one, and files of channels");
+        return error_at({}, "'" + texts[1] + "' is a second expression; expected one expression and channel files");
     Explained explained;
     auto set = read_channel_set(options.channels, options.dialect.value());
     if (!set) return set.error();
@@ -157,13 +158,11 @@ int run_explain(ExplainOptions options) {
 void add_lpe_explain_commands(CLI::App& lpe, CommandContext& context) {
     auto options = std::make_shared<ExplainOptions>();
     CLI::App* explain = lpe.add_subcommand(
-        "explain",
-        "Says in words what an expression means, shows paths that it matches, and warns of what is easily mistaken.");
+        "explain", "Describes an expression in English, shows paths that it matches, and warns of common mistakes.");
     explain
-        ->add_option(
-            "EXPR", options->expression,
-            "the expression, a built-in name such as lpe:indirectdiffuse, the name of a channel of a file, or a file "
-            "of channels")
+        ->add_option("EXPR", options->expression,
+                     "the expression, a built-in name such as lpe:indirectdiffuse, the name of a channel in a file, or "
+                     "a channel file")
         ->required()
         ->option_text("... (required)");
     explain->allow_extras();

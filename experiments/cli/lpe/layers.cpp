@@ -12,7 +12,7 @@
 namespace raylex::experiments {
 namespace {
 
-/// Why a channel of a file is no layer, whatever paths it counts.
+/// Returns why a channel of a file cannot be a layer, for reasons other than its paths; empty if it can.
 Result<std::string> why_no_layer(const lpe::FileChannel& channel, const lpe::ChannelSource& source) {
     auto other = lpe::why_no_part(source);
     if (!other || !other->empty()) return other;
@@ -24,7 +24,7 @@ bool is_of_file(const lpe::ChannelSource& source) {
     return source.origin_line > 0;
 }
 
-/// The beauty, or the same paths as the whole that was given.
+/// Returns whether the channel equals the beauty, or the whole `of` if there is one.
 Result<bool> is_whole(const lpe::ChannelSource& source, const std::optional<lpe::ChannelSource>& of,
                       const lpe::Words& words) {
     auto beauty = lpe::is_beauty(source, words);
@@ -46,11 +46,12 @@ void add_path_options(CLI::App& command, PathOptions& options) {
     };
     CLI::Option* without = command.add_flag(
         "--no-volume", options.no_volume,
-        "no path scatters in a medium: leaves V out; so it is for RIB and rendermn.ini that name no V");
-    command.add_flag("--volume", options.volume, "paths may scatter in media, whatever the files are")
+        "excludes paths that scatter in media (event V); default for RIB and rendermn.ini files that do not use V");
+    command.add_flag("--volume", options.volume, "includes paths that scatter in media, for all files")
         ->excludes(without);
-    list("--groups", options.groups, "the light groups that exist; lights without one exist too (but --all-labelled)");
-    list("--labels", options.labels, "the labels of objects and media that exist; objects without one exist too");
+    list("--groups", options.groups,
+         "the light groups of the scene; lights without a group exist too, unless --all-labelled");
+    list("--labels", options.labels, "the labels of objects and media in the scene; objects without a label exist too");
     command.add_flag("--all-labelled", options.all_labelled, "every light has a group");
 }
 
@@ -58,7 +59,7 @@ Result<lpe::Words> words_of(const PathOptions& options, const std::optional<Scen
                             std::span<const lpe::ChannelSource> channels) {
     lpe::Words words = words_of(scene);
     if (scene && (!options.groups.empty() || !options.labels.empty()))
-        return error_at({}, "--groups and --labels have no part beside --scene, which has its own");
+        return error_at({}, "--groups and --labels cannot be combined with --scene, which has its own");
     if (!options.groups.empty()) words.light_groups = options.groups;
     if (!options.labels.empty()) words.object_labels = options.labels;
     words.unlabelled_lights = !options.all_labelled;
@@ -75,7 +76,7 @@ std::vector<lpe::ChannelSource> read_all(const ChannelSet& set, std::vector<Erro
     lpe::MacroTable macros;
     for (const lpe::ChannelSource& macro : set.file.macros) static_cast<void>(macros.add(macro));
     std::vector<std::string> warnings;
-    std::set<std::string> known;  // a macro's error comes up in every channel that uses it
+    std::set<std::string> known;  // reports an error in a macro once, not for every channel that uses it
     const auto refuse = [&](const Status& read) {
         if (!read && known.insert(read.error().to_string()).second) errors.push_back(read.error());
     };
@@ -131,7 +132,7 @@ Result<Layers> choose_layers(const ChannelSet& set, std::vector<lpe::ChannelSour
         if (!whole) return whole.error();
         (*whole ? wholes : layers.sources).push_back(std::move(source));
     }
-    // One channel alone is a split of it, as are several that stand for themselves.
+    // A single channel is a split of itself. So are several channels that all equal the beauty.
     if (layers.sources.empty() && !of) std::swap(layers.sources, wholes);
     for (const lpe::ChannelSource& each : wholes)
         layers.no_layers.emplace_back(each.name, of ? "what is split" : "the beauty");
@@ -143,7 +144,7 @@ Result<Layers> choose_layers(const ChannelSet& set, std::vector<lpe::ChannelSour
         layers.whole = wholes.front();
     }
     if (layers.sources.empty())
-        return error_at({}, "no channel is a layer of a split; expected channels without prefixes and statistics",
+        return error_at({}, "no channel can be a layer; expected channels without prefixes and statistics",
                         layers.no_layers.empty()
                             ? std::string()
                             : "'" + layers.no_layers.front().first + "': " + layers.no_layers.front().second);

@@ -1,5 +1,5 @@
-// What `raylex lpe check` judges: which channels of files are layers of a split, what they are held against, and the
-// paths that there are.
+// The input of `raylex lpe check`: the channels that are layers of a split, the whole that they split, and the set of
+// paths.
 #pragma once
 
 #include <cstdint>
@@ -12,36 +12,37 @@
 
 namespace raylex::experiments {
 
-/// --volume, --no-volume, --groups, --labels, --all-labelled.
+/// Values of --volume, --no-volume, --groups, --labels and --all-labelled.
 struct PathOptions {
     bool volume = false, no_volume = false, all_labelled = false;
     std::vector<std::string> groups, labels;
 };
 void add_path_options(CLI::App& command, PathOptions& options);
 
-/// The paths of the scene, else all, cut by the options; without a word on volumes RIB and rendermn.ini have none
-/// unless an expression names V.
+/// Returns the paths of the scene, or all paths, restricted by the options. By default, RIB and rendermn.ini files
+/// exclude paths with volumes unless an expression names V.
 Result<lpe::Words> words_of(const PathOptions& options, const std::optional<SceneWords>& scene, const ChannelSet& set,
                             std::span<const lpe::ChannelSource> channels);
 
-/// What of the channels is written for RenderMan: nothing, or all, with macros or with what they stand for.
+/// Which channels are written for RenderMan: none, or all, with macros or with macros expanded.
 enum class Written : std::uint8_t { nothing, with_macros, without_macros };
 
-/// The channels as expressions. Every one that cannot be read is an error of the list, as are the set's own errors; for
-/// a reader of RenderMan's also what its files, or all channels where they are written for it, have of ours. The list
-/// is in the order of the files' lines. Warnings are printed.
+/// Returns the channels as expressions and prints warnings. Adds to `errors`, in the order of the files' lines: the
+/// set's own errors and all expressions that cannot be read; for a RenderMan reader also all uses of raylex's
+/// extensions.
 std::vector<lpe::ChannelSource> read_all(const ChannelSet& set, std::vector<Error>& errors, lpe::Reader reader,
                                          Written written);
 
 struct Layers {
     std::vector<lpe::ChannelSource> sources;
-    std::optional<lpe::ChannelSource> whole;                     ///< what they are held against; none: every path
-    std::string whole_name;                                      ///< the channel that it is, or empty
-    std::vector<std::pair<std::string, std::string>> no_layers;  ///< names, and why they are no part of the split
+    std::optional<lpe::ChannelSource> whole;  ///< what they must sum to; none: every path
+    std::string whole_name;                   ///< the name of the channel that is the whole, or empty
+    /// names of other channels, and why they are not layers
+    std::vector<std::pair<std::string, std::string>> no_layers;
 };
 
-/// Of channels from files, those with prefixes, with statistics other than the mean, and those that are the whole
-/// itself are no layers. `of` is --of, or none. Errors: nothing is left; the algebra's.
+/// Chooses the layers. Channels of files are not layers if they have prefixes or statistics other than the mean, or
+/// equal the whole. `of` is the value of --of, or none. Errors: no layer is left; errors of the algebra.
 Result<Layers> choose_layers(const ChannelSet& set, std::vector<lpe::ChannelSource> sources,
                              std::optional<lpe::ChannelSource> of, const lpe::Words& words);
 

@@ -1,4 +1,4 @@
-// raylex lpe match, raylex lpe vectors: paths against expressions.
+// raylex lpe match, raylex lpe vectors: match paths against expressions.
 #include <memory>
 #include <span>
 
@@ -24,7 +24,7 @@ struct VectorOptions {
     std::string file;
 };
 
-/// "'S' (column 3)", "'D' (column 3) or 'L' (column 7)"
+/// Returns the pieces of the expression that failed: "'S' (column 3)", "'D' (column 3) or 'L' (column 7)".
 std::string pieces_text(const lpe::WhyNot& why) {
     constexpr std::size_t most = 6;
     std::vector<std::string> items;
@@ -39,7 +39,7 @@ std::string pieces_text(const lpe::WhyNot& why) {
     return lpe::joined_by(items);
 }
 
-/// How far the path went, a caret under the event that failed, what was wanted there.
+/// Prints how many events match, a caret under the event that fails, and what the expression expects there.
 void print_reason(const lpe::WhyNot& why, const lpe::PlacedEvents& path, const MatchOptions& options) {
     if (!why.any_path) {
         print_line("the expression matches no path at all");
@@ -48,10 +48,10 @@ void print_reason(const lpe::WhyNot& why, const lpe::PlacedEvents& path, const M
     const std::size_t live = why.live_events;
     const bool ended = live == path.events.size();
     const std::span<const lpe::Event> good(path.events.data(), live);
-    print_line(live == 0 ? "not even the first event fits:"
+    print_line(live == 0 ? "the first event does not match:"
                : ended   ? "all " + std::to_string(live) +
-                             " events fit, but the path ends too early: " + lpe::to_sentence(good)
-                       : "the path fits up to event " + std::to_string(live) + ": " + lpe::to_sentence(good));
+                             " events match, but the path ends too early: " + lpe::to_sentence(good)
+                       : "the path matches up to event " + std::to_string(live) + ": " + lpe::to_sentence(good));
     if (options.events.find('\n') == std::string::npos) {
         print_line("  " + options.events);
         print_line("  " + std::string(ended ? options.events.size() : path.offsets[live], ' ') + "^");
@@ -59,12 +59,12 @@ void print_reason(const lpe::WhyNot& why, const lpe::PlacedEvents& path, const M
     std::string line =
         ended ? "found the end of the path"
               : "found " + lpe::to_sentence(path.events[live]) + " at column " + std::to_string(path.offsets[live] + 1);
-    line += "; wanted ";
+    line += "; expected ";
     line += why.wanted.empty() ? "the end of the path" : why.wanted;
     if (why.complete && !why.wanted.empty()) line += ", or the end of the path";
     print_line(line);
     if (!why.pieces.empty())
-        print_line("that is " + pieces_text(why) +
+        print_line("the expected piece is " + pieces_text(why) +
                    (why.expression == options.expression ? " of the expression" : " of " + why.expression));
     if (!why.hint.empty()) print_line(why.hint);
 }
@@ -81,7 +81,7 @@ int run_match(MatchOptions& options) {
     if (*matches) return exit_holds;
     auto why = lpe::why_not(source, path->events);
     if (!why) {
-        print_warning("the reason cannot be told: " + why.error().message);
+        print_warning("the reason cannot be determined: " + why.error().message);
     } else {
         print_reason(*why, *path, options);
     }
@@ -103,19 +103,19 @@ int run_vectors(const VectorOptions& options) {
 
 void add_match(CLI::App& lpe, CommandContext& context) {
     auto options = std::make_shared<MatchOptions>();
-    CLI::App* match =
-        lpe.add_subcommand("match", "Says whether an expression accepts a path: prints 'match' or 'no match'.");
+    CLI::App* match = lpe.add_subcommand("match", "Prints 'match' if an expression accepts a path, else 'no match'.");
     match->add_option("EXPR", options->expression, "the expression")->required()->option_text("(required)");
     match
-        ->add_option("EVENTS", options->event_arguments,
-                     "the path, in one argument or several: events type,scatter[,label...] between blanks, '-' for no "
-                     "scatter")
+        ->add_option(
+            "EVENTS", options->event_arguments,
+            "the path, in one or more arguments: events type,scatter[,label...] separated by blanks, '-' for no "
+            "scatter")
         ->required()
         ->option_text("(required)");
     add_dialect_option(*match, options->dialect);
     match->footer(
-        "On no match the lines after the first say how far the path went, and what the expression wanted there.\n"
-        "Types C R T V L B O U1..U12; scatter D G S s or -. Labels with blanks or commas stand in quotes.\n"
+        "If there is no match, further lines show where the path fails and what the expression expects there.\n"
+        "Types C R T V L B O U1..U12; scatter D G S s or -. Labels with blanks or commas need quotes.\n"
         "Example: raylex lpe match \"CD*<L.'key'>\" 'C,- R,D,floor L,-,key'\nExit codes: 0 match, 1 no match, 2 bad "
         "usage or input.");
     match->callback([options, &context] { context.exit_code = run_match(*options); });
@@ -124,12 +124,13 @@ void add_match(CLI::App& lpe, CommandContext& context) {
 void add_vectors(CLI::App& lpe, CommandContext& context) {
     auto options = std::make_shared<VectorOptions>();
     CLI::App* vectors = lpe.add_subcommand(
-        "vectors", "Runs rows EXPR<TAB>EVENTS<TAB>1|0|ERR|NOCRASH and prints every row that disagrees.");
+        "vectors", "Tests rows EXPR<TAB>EVENTS<TAB>1|0|ERR|NOCRASH and prints every row with a different result.");
     vectors->add_option("FILE.tsv", options->file, "the rows; '#' starts a comment")
         ->required()
         ->option_text("(required)");
     add_dialect_option(*vectors, options->dialect);
-    vectors->footer("Ends with 'N agree, M disagree'. Exit codes: 0 all agree, 1 some disagree, 2 bad usage or input.");
+    vectors->footer(
+        "The last line is 'N agree, M disagree'. Exit codes: 0 all agree, 1 some disagree, 2 bad usage or input.");
     vectors->callback([options, &context] { context.exit_code = run_vectors(*options); });
 }
 

@@ -1,4 +1,4 @@
-// raylex lpe words, complement, intersection, union, difference: which paths are left when languages are put together.
+// raylex lpe words, complement, intersection, union, difference: show the paths of combinations of expressions.
 #include <array>
 #include <memory>
 
@@ -38,7 +38,7 @@ void print_paths(const lpe::PathSet& paths) {
             line +=
                 (line.back() == ':' ? " " : ", ") + std::to_string(events) + ": " + count_text(paths.counts[events]);
     }
-    if (line.back() == ':') line += " none that short";
+    if (line.back() == ':') line += " none that are so short";
     print_line(line);
     print_line(paths.longest ? "The longest has " + std::to_string(*paths.longest) + " events."
                              : "There is no longest path.");
@@ -85,8 +85,8 @@ constexpr std::array<Command, 5> commands{{
 void add_command(CLI::App& lpe, CommandContext& context, const Command& entry) {
     auto options = std::make_shared<PathOptions>();
     CLI::App* command = lpe.add_subcommand(entry.name, entry.description);
-    // A list option would take an expression such as [C]L[DS] for a list of its own, so the others are left to the
-    // rest.
+    // The parser of a list option would read an expression such as [C]L[DS] as a list, so only the first expression is
+    // an option.
     command->add_option("EXPR", options->first, entry.many ? "the expressions, one or more" : "the expression")
         ->required()
         ->option_text(entry.many ? "..." : "(required)");
@@ -94,7 +94,7 @@ void add_command(CLI::App& lpe, CommandContext& context, const Command& entry) {
     command->add_option("--samples", options->samples, "how many paths to show; default: 5")
         ->option_text("N")
         ->check(CLI::Range(1, 1'000));
-    command->add_option("--events", options->events, "count paths of at most so many events; default: 8")
+    command->add_option("--events", options->events, "counts paths of at most N events; default: 8")
         ->option_text("N")
         ->check(CLI::Range(2, 64));
     add_dialect_option(*command, options->dialect);

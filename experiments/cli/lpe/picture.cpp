@@ -11,9 +11,9 @@
 namespace raylex::experiments {
 namespace {
 
-constexpr std::size_t matrix_most = 16;  // channels of a matrix; more are folded
-constexpr std::size_t names_most = 8;    // of a list in one line
-constexpr std::size_t lines_most = 26;   // of one section
+constexpr std::size_t matrix_most = 16;  // maximum number of channels in the matrix
+constexpr std::size_t names_most = 8;    // maximum number of names in one line
+constexpr std::size_t lines_most = 26;   // maximum number of lines in a section
 
 std::string with_events(const lpe::Witness& witness) {
     return witness.sentence + " (" + witness.text + ")";
@@ -38,18 +38,18 @@ void print_head(const CheckPicture& picture) {
                " with expressions, " + std::to_string(picture.layers.sources.size()) + " of them layers");
     std::map<std::string, std::vector<std::string>> aside;
     for (const auto& [name, why] : picture.layers.no_layers) aside[why].push_back(name);
-    for (const auto& [why, names] : aside) print_line("  no layers (" + why + "): " + names_text(names));
+    for (const auto& [why, names] : aside) print_line("  not layers (" + why + "): " + names_text(names));
     if (!picture.words.alphabet && !picture.words.volume)
-        print_line("  paths: without scattering in media; --volume adds it");
+        print_line("  paths that scatter in media are excluded; --volume includes them");
 }
 
-/// "a" to "z", "aa", ...
+/// Returns the k-th letter: "a" to "z", then "aa", ...
 std::string letter_of(std::size_t k) {
     std::string text(1, static_cast<char>('a' + k % 26));
     return k < 26 ? text : letter_of(k / 26 - 1) + text;
 }
 
-/// Pairs by the path they share, the shortest first.
+/// Pairs of channels grouped by the path they share, the shortest path first.
 struct SharedBy {
     const lpe::Witness* witness = nullptr;
     std::vector<const lpe::SharedPath*> pairs;
@@ -75,7 +75,8 @@ std::vector<std::size_t> channels_of(const std::vector<const lpe::SharedPath*>& 
     return channels;
 }
 
-/// A row and a column for each channel that overlaps another; in the cells the letter of the shortest path both count.
+/// Prints a matrix with a row and a column for each channel that overlaps another. A cell holds the letter of the
+/// shortest path that both channels count.
 void print_matrix(const CheckPicture& picture, const std::vector<SharedBy>& shared,
                   const std::vector<std::size_t>& involved) {
     std::map<std::pair<std::size_t, std::size_t>, std::string> cells;
@@ -135,10 +136,10 @@ bool same_but_end(const lpe::Witness& a, const lpe::Witness& b) {
 
 void print_holes(const CheckPicture& picture) {
     const lpe::Overview& overview = picture.overview;
-    if (!overview.holes_unknown.empty()) print_note("holes were not looked for: " + overview.holes_unknown);
+    if (!overview.holes_unknown.empty()) print_note("gaps were not searched for: " + overview.holes_unknown);
     if (overview.holes.empty()) return;
     print_line("");
-    print_line("No channel counts, of the paths that begin alike the shortest:");
+    print_line("Paths that no channel counts (shortest of each kind):");
     std::size_t width = 0;
     for (const lpe::Hole& hole : overview.holes) width = std::max(width, hole.kind.size());
     for (const lpe::Hole& hole : overview.holes) {
@@ -150,14 +151,14 @@ void print_holes(const CheckPicture& picture) {
             else others.push_back(with_events(other));
         }
         print_line("  " + padded(hole.kind, width + 2) + with_events(hole.witness) +
-                   (ends.empty() ? "" : "; so to: " + ends));
+                   (ends.empty() ? "" : "; likewise to: " + ends));
         for (const std::string& other : others) print_line("  " + padded("", width + 2) + other);
     }
     const bool all_in_media = std::all_of(overview.holes.begin(), overview.holes.end(), [](const lpe::Hole& hole) {
         return hole.witness.text.find(" V,") != std::string::npos;
     });
-    if (all_in_media) print_line("  all of these scatter in media; --no-volume leaves such paths out");
-    if (!picture.rest.empty()) print_line("  all of it, as a channel: rest=\"" + picture.rest + "\"");
+    if (all_in_media) print_line("  all of these scatter in media; --no-volume excludes such paths");
+    if (!picture.rest.empty()) print_line("  all of them as a channel: rest=\"" + picture.rest + "\"");
     if (!picture.rest_note.empty()) print_line("  " + picture.rest_note);
 }
 
@@ -165,7 +166,7 @@ void print_outside(const CheckPicture& picture) {
     const auto& outside = picture.overview.outside;
     if (!outside.empty()) {
         print_line("");
-        print_line("Counted, but no part of what is split; the shortest path of each:");
+        print_line("Paths that a channel counts, but that are not part of the whole (shortest of each):");
     }
     for (std::size_t k = 0; k < std::min(outside.size(), lines_most); ++k)
         print_line("  '" + name_of(picture, outside[k].channel) + "': " + with_events(outside[k].witness));
@@ -186,7 +187,7 @@ void print_sorting(const CheckPicture& picture) {
         print_line("  a partition by " + std::string(partition.size() == 1 ? "itself: " : "themselves: ") +
                    names_text(names_of(picture, partition)));
     if (!sorting.left.empty())
-        print_line("  in none: " + names_text(names_of(picture, sorting.left)) + "; what follows is about " +
+        print_line("  in none: " + names_text(names_of(picture, sorting.left)) + "; the following is about " +
                    (sorting.left.size() == 1 ? "it" : "them") + " alone");
 }
 

@@ -1,4 +1,4 @@
-// The whole picture of a check, for people and for tools.
+// The complete result of a check, as text for people and as JSON for tools.
 #pragma once
 
 #include <optional>
@@ -12,27 +12,27 @@
 namespace raylex::experiments {
 
 struct CheckPicture {
-    std::string partition;           ///< its name where a TOML file declares it
-    std::size_t channels = 0;        ///< that were read
-    std::vector<std::string> files;  ///< they came from
+    std::string partition;           ///< its name, if a TOML file declares it
+    std::size_t channels = 0;        ///< number of channels read
+    std::vector<std::string> files;  ///< files of the channels
     Layers layers;
     lpe::Words words;
-    bool alone = false;  ///< one file of several, whose verdict together decides
+    bool alone = false;  ///< one of several files; the result of all together decides
     bool holds = false;
     std::string verdict;  ///< "partition", "missed", "counted twice", "outside", "disjoint", "overlaps"
     std::string summary;
     lpe::Witness witness;
     std::vector<std::string> warnings;
-    lpe::Overview overview;  ///< empty where it holds
-    lpe::Sorting sorting;    ///< of layers from files that overlap
-    std::string rest;        ///< an expression for what is missed, or empty
-    std::string rest_note;   ///< who reads it, or why there is none
+    lpe::Overview overview;  ///< empty if the check holds
+    lpe::Sorting sorting;    ///< of overlapping layers from files
+    std::string rest;        ///< an expression of the missed paths, or empty
+    std::string rest_note;   ///< which programs read it, or why there is none
 };
 
-/// To standard output: what was read, where it came from files; overlaps, holes; the verdict, and the path against it.
+/// Prints to standard output the files and channels, the overlaps, the gaps, the result and the counterexample.
 void print_picture(const CheckPicture& picture);
 
-/// One JSON array with an object for each picture.
+/// Returns a JSON array with one object per picture.
 std::string pictures_as_json(const std::vector<CheckPicture>& pictures);
 
 }  // namespace raylex::experiments

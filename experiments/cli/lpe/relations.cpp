@@ -1,4 +1,4 @@
-// raylex lpe equal, contains, empty: proofs about single expressions.
+// raylex lpe equal, contains, empty: prove relations between expressions.
 #include "lpe/algebra/proofs/relations.h"
 #include "experiments/program/exit_codes.h"
 
@@ -13,7 +13,7 @@ namespace {
 struct RelationOptions {
     DialectOption dialect;
     SceneOption scene;
-    lpe::Words words;  // of the scene
+    lpe::Words words;  // the paths of the scene
     std::string first, second;
 };
 
@@ -49,10 +49,10 @@ void add_relation(CLI::App& lpe, CommandContext& context, const std::string& nam
     add_scene_option(*command, options->scene);
     add_dialect_option(*command, options->dialect);
     command->footer(
-        "Every path that some scene, or the one of --scene, can produce is taken into account. Prefixes play no part: "
+        "The proof covers every path that any scene, or the one of --scene, can produce. Prefixes are ignored, because "
         "they do not change which paths match.\n"
         "Exit codes: 0 " +
-        holds + ", 1 not: the shortest path that shows it is printed, 2 bad usage or input.");
+        holds + ", 1 not so; the shortest counterexample is printed, 2 bad usage or input.");
     command->callback([options, run, &context] {
         auto scene = options->scene.load();
         if (scene) options->words = words_of(*scene);

@@ -1,4 +1,4 @@
-// --scene: proofs relative to what one scene can produce.
+// --scene: makes proofs relative to the paths that one scene can produce.
 #include "experiments/cli/lpe/commands.h"
 #include "experiments/cli/plugin_options.h"
 #include "experiments/job/channels/channel_reasons.h"
@@ -17,10 +17,9 @@ Result<std::optional<SceneWords>> SceneOption::load() const {
 CLI::Option* add_scene_option(CLI::App& command, SceneOption& scene) {
     add_plugin_option(command, scene.plugins);
     return command
-        .add_option(
-            "--scene", scene.path,
-            "only paths that this scene can produce count: its labels, lobes, lights, media and depth, as the job "
-            "labels and renders it")
+        .add_option("--scene", scene.path,
+                    "considers only paths that this scene can produce with its labels, lobes, lights, media and depth, "
+                    "under the settings of the job")
         ->option_text("SCENE.pbrt|JOB.toml");
 }
 
@@ -35,7 +34,7 @@ void warn_about_scene(std::span<const lpe::ChannelSource> channels, const std::o
         const std::string who = channel.name.empty() ? "the expression" : "channel '" + channel.name + "'";
         const auto never = why_never(channel, *scene);
         if (never && *never) {
-            print_warning(who + " can match no path of this scene: " + **never);
+            print_warning(who + " matches no path of this scene: " + **never);
             continue;
         }
         const auto unknown = unknown_labels(channel, *scene);

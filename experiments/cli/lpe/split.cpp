@@ -1,4 +1,4 @@
-// raylex lpe split: channels that are a partition by construction, proved and written.
+// raylex lpe split: writes channels that partition the light, and proves that they do.
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -27,7 +27,7 @@ struct SplitOptions {
     bool no_volume = false, all_labelled = false;
 };
 
-/// The split as a set that any format can hold; TOML records the partition too.
+/// Returns the split as a channel set, which any format can store; TOML also stores the partition.
 ChannelSet as_set(const SplitOptions& options, const lpe::Split& split) {
     ChannelSet set;
     PartitionRequest partition;
@@ -36,7 +36,7 @@ ChannelSet as_set(const SplitOptions& options, const lpe::Split& split) {
         lpe::FileChannel of;
         of.source = *split.of;
         of.source.name = split.of->name.empty() ? "whole" : split.of->name;
-        of.comment = "what the channels below split";
+        of.comment = "the light that the channels below split";
         partition.of = of.source.name;
         set.file.channels.push_back(std::move(of));
     }
@@ -50,7 +50,7 @@ ChannelSet as_set(const SplitOptions& options, const lpe::Split& split) {
     return set;
 }
 
-/// Errors: names of an option that the scene lacks, all of them with their near misses.
+/// Checks that the scene has all names of an option. Errors: all unknown names, with their closest matches.
 Status require_known(const SplitOptions& options, const char* option, const std::string& what,
                      const std::vector<std::string>& named, const std::vector<std::string>& known) {
     std::set<std::string> there(known.begin(), known.end());
@@ -60,8 +60,8 @@ Status require_known(const SplitOptions& options, const char* option, const std:
         if (!there.contains(name)) lacking += (lacking.empty() ? "'" : ", '") + name + "'" + did_you_mean(name, there);
     if (lacking.empty()) return success();
     const std::string list = there.empty() ? "none" : lpe::joined_by({there.begin(), there.end()}, ", ");
-    return error_at({option, 0, 0}, options.scene.path + " has no " + what + " " + lacking +
-                                        "; expected some of those it has: " + list);
+    return error_at({option, 0, 0},
+                    options.scene.path + " has no " + what + " " + lacking + "; expected some of: " + list);
 }
 
 int run_split(SplitOptions options) {
@@ -112,8 +112,10 @@ void add_axes(CLI::App& split, SplitOptions& options) {
             ->expected(1)
             ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     };
-    list("--by", options.by, "axes, in the order in which they make names: light-group, lobe, bounce, object, terminal",
-         "AXIS[,AXIS...]")
+    list(
+        "--by", options.by,
+        "axes of the split, in the order of the parts of a channel's name: light-group, lobe, bounce, object, terminal",
+        "AXIS[,AXIS...]")
         ->required();
     list("--groups", options.request.groups,
          "light groups, for the axis light-group; all other lights are in 'default'; default: those of --scene",
@@ -124,7 +126,7 @@ void add_axes(CLI::App& split, SplitOptions& options) {
          "coat; default RD,RS,TD,TS,V",
          "LOBE[,LOBE...]");
     list("--objects", options.request.objects,
-         "labels of the first object, for the axis object; the others are in 'other'", "NAME[,NAME...]");
+         "labels of the first object, for the axis object; all others are in 'other'", "NAME[,NAME...]");
     split.add_option("--bounces", options.request.bounces, "bins of the axis bounce, the last open-ended; default 3")
         ->option_text("N")
         ->check(CLI::Range(1, 64));
@@ -134,21 +136,23 @@ void add_axes(CLI::App& split, SplitOptions& options) {
 
 void add_lpe_split_commands(CLI::App& lpe, CommandContext& context) {
     auto options = std::make_shared<SplitOptions>();
-    CLI::App* split = lpe.add_subcommand(
-        "split", "Writes channels that sort all light by light group, lobe, bounce ..., proved to be a partition.");
+    CLI::App* split = lpe.add_subcommand("split",
+                                         "Writes channels that split all light by light group, lobe, bounce and more, "
+                                         "with a proof that they are a partition.");
     add_axes(*split, *options);
     split
-        ->add_option("--of", options->of,
-                     "what is split: an expression, or the name of a channel of --channels; default: the beauty")
+        ->add_option(
+            "--of", options->of,
+            "the light that is split: an expression, or the name of a channel in --channels; default: the beauty")
         ->option_text("BEAUTY");
-    add_channel_output(*split, options->output, "file to write; default, and -: standard output, as TOML");
+    add_channel_output(*split, options->output, "file to write; default (also -): standard output, as TOML");
     add_reader_option(*split, options->reader);
-    split->add_option("--prefix", options->request.prefix, "begins every channel's name")->option_text("TEXT");
-    split->add_option("--partition", options->partition, "the partition's name in TOML; default split")
+    split->add_option("--prefix", options->request.prefix, "prefix of every channel's name")->option_text("TEXT");
+    split->add_option("--partition", options->partition, "name of the partition in TOML; default split")
         ->option_text("NAME");
-    split->add_flag("--no-volume", options->no_volume, "no path scatters in a medium: leaves V out");
+    split->add_flag("--no-volume", options->no_volume, "excludes paths that scatter in media (event V)");
     split->add_flag("--all-labelled", options->all_labelled,
-                    "every light has a group; osl needs this, for it cannot tell lights without one apart");
+                    "every light has a group; required by osl, which cannot express lights without a group");
     add_channel_files(*split, options->channels);
     add_scene_option(*split, options->scene);
     add_dialect_option(*split, options->dialect);
@@ -156,9 +160,9 @@ void add_lpe_split_commands(CLI::App& lpe, CommandContext& context) {
         "Light seen directly is in the bin 'visible' of the axes lobe, object and bounce; emission is in the light "
         "group "
         "'default'.\n"
-        "Of --bounces 2 the bins are 'direct' and 'indirect'. The verdict goes to standard error.\n"
+        "With --bounces 2 the bins are 'direct' and 'indirect'. The result of the proof is printed to standard error.\n"
         "Example: raylex lpe split --by light-group,lobe --groups key,fill -o split.toml\n"
-        "Exit codes: 0 written and proved, 2 bad usage or input, or nothing could be proved.");
+        "Exit codes: 0 written and proved, 2 bad usage or input, or the proof failed.");
     split->callback([options, &context] { context.exit_code = run_split(*options); });
 }
 

@@ -1,4 +1,4 @@
-// raylex lpe truth: what expressions must give in a closed enclosure, where the light of every path is known.
+// raylex lpe truth: computes the values of expressions in a closed room, where the light of every path is known.
 #include <memory>
 
 #include "experiments/cli/lpe/commands.h"
@@ -20,7 +20,7 @@ struct TruthOptions {
     bool by_depth = false;
 };
 
-/// The walls and sheets that raylex's own materials make: raylex:diffuse-mirror, raylex:sheet.
+/// Returns the room with the walls and sheets of raylex's materials raylex:diffuse-mirror and raylex:sheet.
 lpe::Enclosure enclosure_of(const TruthOptions& options) {
     const lpe::LobeSlots slots;
     const auto lobe = [&](lpe::EventType type, lpe::Scatter scatter, const char* name, double albedo) {
@@ -59,38 +59,37 @@ int run_truth(const TruthOptions& options) {
 
 void add_lpe_truth_command(CLI::App& lpe, CommandContext& context) {
     auto options = std::make_shared<TruthOptions>();
-    CLI::App* truth = lpe.add_subcommand(
-        "truth",
-        "What expressions must give, everywhere in the image, in any closed room whose walls all emit and scatter "
-        "alike.");
+    CLI::App* truth = lpe.add_subcommand("truth",
+                                         "Computes the value of expressions, the same in every pixel, in any closed "
+                                         "room whose walls all emit and scatter "
+                                         "alike.");
     truth->add_option("EXPR", options->expressions, "the expressions")->required()->option_text("(required)");
     const auto albedo = [truth](const char* name, double& value, const char* help) {
         truth->add_option(name, value, help)->check(CLI::Range(0.0, 1.0))->capture_default_str();
     };
     albedo("--kd", options->diffuse, "albedo of the walls' Lambert lobe");
-    albedo("--ks", options->mirror, "albedo of their ideal mirror");
-    albedo("--kt", options->sheet, "share that every surface, or every --sheet alone, lets straight through (T S)");
+    albedo("--ks", options->mirror, "albedo of the walls' ideal mirror");
+    albedo("--kt", options->sheet, "fraction that every surface, or only every --sheet, transmits straight (T S)");
     truth
         ->add_option("--sheet", options->sheets,
-                     "a sphere within a spherical room, around its centre, that does nothing else; its radius as a "
-                     "share of the room's; the camera is in the innermost; may be repeated")
+                     "a sphere that only transmits light, concentric with a spherical room; R is its radius as a "
+                     "fraction of the room's; the camera is in the innermost sphere; may be repeated")
         ->option_text("R")
         ->allow_extra_args(false);
-    truth->add_option("--le", options->emitted, "radiance that every wall emits")
+    truth->add_option("--le", options->emitted, "radiance emitted by every wall")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    truth->add_option("--max-depth", options->max_depth, "scattering events of a path at most; any number without");
+    truth->add_option("--max-depth", options->max_depth,
+                      "maximum number of scattering events of a path; default: no limit");
     truth->add_option("--object", options->object, "label of all walls");
     truth->add_option("--group", options->group, "light group of all walls");
-    truth->add_flag("--by-depth", options->by_depth, "also what paths of 0 to 8 scattering events give");
+    truth->add_flag("--by-depth", options->by_depth, "also prints the value of paths with 0 to 8 scattering events");
     add_dialect_option(*truth, options->dialect);
     truth->footer(
-        "Radiance in such a room is the same along every ray, and a path carries the product of its albedos: the "
-        "value\n"
-        "is a linear system over the expression's automaton, and needs no image. Render the room (material\n"
-        "raylex:diffuse-mirror, an area light on every wall) with the same expression: what differs by more than "
-        "noise\n"
-        "is a mistake, of the renderer or of the expression.\n"
+        "Radiance in such a room is the same along every ray, and a path carries the product of its albedos. The "
+        "value\nis therefore the solution of a linear system over the expression's automaton. Render the room "
+        "(material\nraylex:diffuse-mirror, an area light on every wall) with the same expression: a difference larger "
+        "than noise\nis a mistake of the renderer or of the expression.\n"
         "Example: raylex lpe truth 'C<RD><RS>+L' --kd .5 --ks .3     gives 0.214285714\n"
         "Exit codes: 0 computed, 2 bad usage or input.");
     truth->callback([options, &context] { context.exit_code = run_truth(*options); });

@@ -16,20 +16,19 @@ Status AtlasOutput::prepare(Job& job, const SceneWords& scene) {
     request_ = &request;
     if (!job.settings.beauty)
         return error_at(request.location,
-                        "an atlas splits the beauty, and --no-beauty leaves none; expected a render "
-                        "with beauty");
+                        "an atlas splits the beauty, and --no-beauty renders none; expected a render with beauty");
     if (!job.settings.sample_filters.empty())
         return error_at(request.location,
-                        "an atlas keeps light as it arrives, and sample filter '" +
+                        "an atlas stores unfiltered light, and sample filter '" +
                             job.settings.sample_filters.front().type +
-                            "' changes samples: its words would not sum to the beauty",
-                        "leave out the sample filters, or the atlas");
+                            "' changes the samples, so the words would not sum to the beauty",
+                        "leave out the sample filters or the atlas");
     if (job.settings.picked_lobes)
         return error_at(request.location,
-                        "an atlas keeps exact shares, and lobes are picked here; expected a render "
+                        "an atlas stores exact shares, and this render picks one lobe at random; expected a render "
                         "without picked lobes");
     job.settings.words = request.rules;
-    // Where nothing is said, words are kept whole; few paths go on beyond 64 scatterings.
+    // By default words are stored whole. Few paths continue beyond 64 scattering events.
     constexpr int longest_unless_asked = 64;
     if (request.rules.length == 0)
         job.settings.words->length =
@@ -42,13 +41,13 @@ Status AtlasOutput::make(const Job& job, const transport::RenderPlan& plan) {
     if (request_ == nullptr) return success();
     if (plan.splat)
         return error_at(request_->location,
-                        "an atlas is made of samples that belong to one pixel, and filter mode splat shares them; "
-                        "expected filter mode importance");
+                        "an atlas needs samples that belong to one pixel, and filter mode splat shares samples between "
+                        "pixels; expected filter mode importance");
     const display::ChannelDefinition& beauty = plan.channels[static_cast<std::size_t>(plan.beauty)];
     if (beauty.rule != display::FilterRule::filter)
         return error_at(request_->location,
-                        "an atlas splits a filtered beauty, and the beauty has another rule; "
-                        "expected no rule for it");
+                        "an atlas needs a beauty made by the pixel filter, and the beauty has another rule; expected "
+                        "no rule for it");
     negative_ = plan.filter->has_negative_lobes() ? display::SignedLight::weights
                 : plan.signed_light               ? display::SignedLight::light
                                                   : display::SignedLight::none;

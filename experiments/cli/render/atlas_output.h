@@ -1,4 +1,4 @@
-// The path atlas of raylex render: its buffer among the sinks, its file, and what that file is judged by.
+// The path atlas of raylex render: its buffer (a sample sink), its file, and the check of that file.
 #pragma once
 
 #include <memory>
@@ -13,16 +13,17 @@ namespace raylex::experiments {
 
 class AtlasOutput {
   public:
-    /// Has the render keep words, if the job asks for an atlas. Errors: what the job asks for beside it and cannot
-    /// have.
+    /// Makes the render record words, if the job requests an atlas. Errors: other settings of the job that exclude an
+    /// atlas.
     Status prepare(Job& job, const SceneWords& scene);
-    /// Makes the buffer. Errors: what an atlas cannot be made of.
+    /// Makes the buffer. Errors: a render plan that excludes an atlas.
     Status make(const Job& job, const transport::RenderPlan& plan);
-    /// Null when there is no atlas.
+    /// The buffer, or null without an atlas.
     [[nodiscard]] display::PathAtlas* buffer() const { return buffer_.get(); }
-    /// To its file, or else to the folder for temporary files, as the error says.
+    /// Writes the atlas to its file. If that fails, writes it to the folder for temporary files; the error names the
+    /// new path.
     Status write(const transport::RenderOutput& output, const display::ImageDescription& description);
-    /// The file just written, its words against its beauty; nothing when there is none.
+    /// Reads the written file and checks that its words sum to its beauty. Returns nothing without an atlas.
     Result<std::optional<display::AtlasVerdict>> judge() const;
 
   private:

@@ -12,12 +12,13 @@
 namespace raylex::experiments {
 namespace {
 
-constexpr int tile = 16;                           // of the render: others lock as long as one of theirs is read
-constexpr std::uint64_t block = 16;                // samples that a pixel gets at once
-constexpr std::uint64_t most_pixels = 1ULL << 15;  // enough for the error of an error to be a few per cent of it
+constexpr int tile = 16;             // pixels; reading a tile locks it, so render threads that need it wait
+constexpr std::uint64_t block = 16;  // samples that a pixel receives at once
+constexpr std::uint64_t most_pixels = 1ULL << 15;  // enough to know an error to a few per cent of itself
 constexpr double seconds_between = 1, share_of_time = 0.01;
 
-/// Tiles all over what is rendered: every k-th of a row, each row beginning elsewhere.
+/// Returns tiles spread over the rendered region: every `step`-th tile of a row, with an offset that differs from row
+/// to row.
 std::vector<display::PixelRegion> chosen_tiles(const display::PixelRegion& whole) {
     const std::uint64_t pixels = static_cast<std::uint64_t>(whole.width()) * static_cast<std::uint64_t>(whole.height());
     const int step = static_cast<int>((pixels + most_pixels - 1) / most_pixels);
@@ -29,7 +30,7 @@ std::vector<display::PixelRegion> chosen_tiles(const display::PixelRegion& whole
     return regions;
 }
 
-/// Light and colours: positions and depths have no error that a share of their value would say.
+/// Returns whether the channel has a relative error. That is so for light and colours, not for positions and depths.
 bool has_error(const display::ChannelDefinition& channel) {
     const bool color = channel.style == display::ChannelStyle::expression || channel.type == display::ChannelType::rgb;
     return color && channel.statistics && display::takes_samples(channel);
@@ -130,7 +131,7 @@ std::optional<double> next_mark(double error) {
 
 std::string remaining_text(const transport::RenderProgress& now, const display::Forecast& samples) {
     const auto done = static_cast<double>(now.samples_done);
-    // A bound that is already passed says nothing any more.
+    // A bound that has already passed carries no information.
     const bool bound = samples.least > done;
     return (bound ? "at least " : "about ") +
            duration_text(now.seconds * ((bound ? samples.least : samples.expected) - done) / done);
@@ -143,7 +144,7 @@ std::string error_text(const LiveErrors& errors, const transport::RenderProgress
     std::string text;
     for (std::size_t i = 0; i < shown; ++i) {
         text += (i == 0 ? "" : ", ") + known[i].name + " " + percent_text(known[i].error, 2) + " %";
-        // Less would be rounding.
+        // A smaller uncertainty is rounding.
         if (known[i].uncertainty > 1e-4 * known[i].error) text += " +- " + percent_text(known[i].uncertainty, 1);
     }
     if (const std::size_t more = known.size() - shown + errors.further(); more > 0)
@@ -154,13 +155,13 @@ std::string error_text(const LiveErrors& errors, const transport::RenderProgress
     double target = 0;
     display::Forecast needed{total, static_cast<double>(now.samples_least)};
     if (now.adaptive != nullptr) {
-        target = now.adaptive->target;  // what was asked for: the total is predicted by it
+        target = now.adaptive->target;  // the requested error, which also determines the predicted total
     } else if (const auto mark = next_mark(first)) {
         target = *mark;
         needed = errors.samples_to(target);
     }
     if (target == 0 || needed.expected > total)
-        return text + "; " + percent_text(errors.error_after(total), 2) + " % in the end";
+        return text + "; " + percent_text(errors.error_after(total), 2) + " % at the end";
     if (needed.expected <= done) return text;
     return text + "; " + percent_text(target, 2) + " % in " + remaining_text(now, needed);
 }

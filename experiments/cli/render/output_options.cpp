@@ -43,7 +43,7 @@ Status apply_deep(const OutputOptions& options, DeepRequest& deep) {
     const bool any = options.deep_tidy || options.deep_samples || options.deep_tolerance ||
                      !options.deep_channels.empty() || !options.deep_storage.empty();
     if (any && deep.file.empty())
-        return error_at({"--deep", 0, 0}, "deep settings without a deep image; expected --deep FILE.exr with them");
+        return error_at({"--deep", 0, 0}, "deep settings without a deep image; expected --deep FILE.exr as well");
     if (!options.deep_channels.empty()) deep.channels = options.deep_channels;
     if (options.deep_tidy) deep.options.tidy = true;
     if (options.deep_samples) deep.options.most_samples = *options.deep_samples;
@@ -57,12 +57,12 @@ Status apply_deep(const OutputOptions& options, DeepRequest& deep) {
 
 Status apply_atlas(const OutputOptions& options, AtlasRequest& atlas) {
     if (!options.atlas.empty()) {
-        if (atlas.file.empty()) atlas.rules.length = 0;  // the job has no [atlas] that says one
+        if (atlas.file.empty()) atlas.rules.length = 0;  // the job has no [atlas] with a length
         atlas.file = options.atlas;
         atlas.location = {"--atlas", 0, 0};
     }
     if ((options.atlas_by || options.atlas_length || !options.atlas_budget.empty()) && atlas.file.empty())
-        return error_at({"--atlas", 0, 0}, "atlas settings without an atlas; expected --atlas FILE.exr with them");
+        return error_at({"--atlas", 0, 0}, "atlas settings without an atlas; expected --atlas FILE.exr as well");
     if (options.atlas_by)
         if (Status set = set_atlas_rules(*options.atlas_by, {"--atlas-by", 0, 0}, atlas); !set) return set;
     if (options.atlas_length) atlas.rules.length = *options.atlas_length;
@@ -73,7 +73,7 @@ Status apply_atlas(const OutputOptions& options, AtlasRequest& atlas) {
     return success();
 }
 
-/// The first plain preview replaces the job's.
+/// Adds the previews to the job. The first plain preview replaces the job's.
 void apply_previews(const OutputOptions& options, Job& job) {
     bool first = true;
     for (const std::string& text : options.previews) {
@@ -90,48 +90,49 @@ void apply_previews(const OutputOptions& options, Job& job) {
 void add_file_options(const OptionGroup& group, OutputOptions& options) {
     group.add_repeated(
         "--exr", options.storage, "KIND='TYPE COMPRESSION'|single",
-        "how a kind of channel (light, color, normal, position, value, id or all) is stored: half or float, and none, "
-        "rle, zips, zip or piz, for light and color also dwaa:LEVEL or dwab:LEVEL, which lose bits; or 'single': all "
-        "channels in one part, instead of one part each (multi)");
-    group.add("--deep", options.deep, "OUT.exr", "also writes a deep image: Z, ZBack, A and the beauty");
+        "number type and compression of a kind of channel (light, color, normal, position, value, id or all). Types: "
+        "half, float. Compressions: none, rle, zips, zip, piz; light and color also allow the lossy dwaa:LEVEL and "
+        "dwab:LEVEL. 'single' writes all layers into one part instead of one part each (multi)");
+    group.add("--deep", options.deep, "OUT.exr", "also writes a deep image with Z, ZBack, A and the beauty");
     group
         .add_repeated("--deep-channels", options.deep_channels, "NAME[,NAME...]",
-                      "light or filtered layers that the deep image has as well")
+                      "further layers of light, or filtered layers, for the deep image")
         ->delimiter(',');
-    group.add("--deep-samples", options.deep_samples, "N", "deep samples a pixel may have; default 32")
+    group.add("--deep-samples", options.deep_samples, "N", "maximum number of deep samples in a pixel; default 32")
         ->check(CLI::Range(1, 4096));
     group
         .add("--deep-tolerance", options.deep_tolerance, "X",
-             "relative difference of depths that become one deep sample; default 0.0039")
+             "merges deep samples whose depths differ by less than this fraction; default 0.0039")
         ->check(CLI::Range(1.2e-7, 1.0));
-    group.add_flag("--deep-tidy", options.deep_tidy, "cuts volume spans so that no deep samples overlap");
+    group.add_flag("--deep-tidy", options.deep_tidy, "splits volume spans so that no deep samples overlap");
     group.add("--deep-storage", options.deep_storage, "'TYPE COMPRESSION'",
-              "half or float colours, and none, rle or zips");
+              "colours as half or float, and compression none, rle or zips");
     group.add("--atlas", options.atlas, "OUT.atlas.exr",
-              "also keeps the light of every word, so that 'raylex ask' answers expressions after the render");
+              "also writes a path atlas: the light of every word (kind of path), from which 'raylex ask' makes new "
+              "layers without another render");
     group.add("--atlas-by", options.atlas_by, "label,lobe,group,straight,technique",
-              "what the atlas's words are told apart by, beside their types; default label,lobe,group");
+              "properties that distinguish the atlas's words besides the event types; default label,lobe,group");
     group
         .add("--atlas-length", options.atlas_length, "N",
-             "scatterings of the longest words kept whole; default: as many as the render's paths have, at most 64")
+             "longest words stored whole, in scattering events; default: the render's maximum depth, at most 64")
         ->check(CLI::Range(1, display::WordRules::most_length));
     group.add("--atlas-budget", options.atlas_budget, "SIZE",
-              "memory that the atlas may take, such as 2GiB, the default: beyond it words with least light are merged");
+              "memory limit of the atlas, default 2GiB; beyond it the words with the least light are merged");
     group.add_repeated("--tev", options.viewers, "HOST[:PORT]",
-                       "shows every layer in a running tev viewer while rendering; default port 14158");
+                       "shows every layer in a running tev viewer during the render; default port 14158");
     group.add_repeated("--driver", options.drivers, "NAME:KEY=VALUE,...", "adds a display driver: " + driver_list());
 }
 
 void add_preview_options(const OptionGroup& group, OutputOptions& options) {
     group.add_repeated("--preview", options.previews, "[LAYER=]OUT.png",
-                       "also writes the beauty, or the layer named before '=', as a PNG: light through the display's "
+                       "also writes the beauty, or the layer LAYER, as a PNG. Light is shown through the display's "
                        "view, geometry in false colours");
-    group.add("--display", options.display, "NAME", "display of the colour config for previews");
-    group.add("--view", options.view, "NAME", "view of that display; default: the config's own");
-    group.add("--exposure", options.exposure, "STOPS", "stops by which --preview shows light brighter; default 0")
+    group.add("--display", options.display, "NAME", "display in the colour config, for previews");
+    group.add("--view", options.view, "NAME", "view of that display; default: the config's default view");
+    group.add("--exposure", options.exposure, "STOPS", "exposure of previews of light, in stops; default 0")
         ->check(CLI::Range(-largest_exposure, largest_exposure));
     group.add_flag("--texture-rules", options.texture_rules,
-                   "reads the colours of image textures by the colour config's file rules; default: as pbrt does");
+                   "converts image textures by the file rules of the colour config; default: pbrt's rules");
 }
 
 void add_filter_options(const OptionGroup& group, OutputOptions& options) {
@@ -139,7 +140,7 @@ void add_filter_options(const OptionGroup& group, OutputOptions& options) {
                        "changes samples before the pixel filter, in the order given: " +
                            registry_summary(display::sample_filter_registry()));
     group.add_repeated("--display-filter", options.display_filters, "NAME:KEY=VALUE,...",
-                       "changes pixels before they are shown or written, in the order given: " +
+                       "changes pixels before display and output, in the order given: " +
                            registry_summary(display::display_filter_registry()));
 }
 

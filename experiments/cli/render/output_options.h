@@ -1,4 +1,4 @@
-// The flags of raylex render that say where the image goes and how it is stored.
+// The flags of raylex render for output files and their storage.
 #pragma once
 
 #include <optional>
@@ -23,7 +23,8 @@ struct OutputOptions {
 void add_file_options(const OptionGroup& group, OutputOptions& options);
 void add_preview_options(const OptionGroup& group, OutputOptions& options);
 void add_filter_options(const OptionGroup& group, OutputOptions& options);
-/// Flags override the job's keys; drivers, viewers and previews add to it (the first plain preview replaces its).
+/// Applies the flags to the job. They override its keys; drivers, viewers and previews are added, but the first plain
+/// preview replaces the job's.
 Status apply_output_options(const OutputOptions& options, Job& job);
 
 }  // namespace raylex::experiments

@@ -14,7 +14,7 @@ namespace {
 constexpr double seconds_between_lines = 5.0;
 constexpr int bar_width = 30;
 
-/// Of the terminal that standard error is; 0 when it does not say.
+/// Returns the width in columns of the terminal on standard error; 0 if unknown.
 std::size_t columns() {
     winsize size{};
     return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
@@ -44,7 +44,7 @@ std::string Progress::describe(const transport::RenderProgress& progress, int ba
     std::snprintf(numbers.data(), numbers.size(), "%3.0f %%  %.2f M samples/s  ", done * 100, rate);
     text += numbers.data();
     text += duration_text(progress.seconds);
-    // Half a second of rendering says too little about the rest.
+    // Half a second of rendering is too short for a prediction.
     const bool predicts = done < 1 && done > 0 && progress.seconds > 0.5;
     const std::string left = predicts ? "about " + duration_text(progress.seconds * (1 - done) / done) : std::string();
     const std::string measured = error_text(errors, progress, channels);
@@ -54,7 +54,7 @@ std::string Progress::describe(const transport::RenderProgress& progress, int ba
     }
     if (!measured.empty()) return text + ", " + measured;
     const display::AdaptiveProgress& adaptive = *progress.adaptive;
-    if (adaptive.channel.empty()) return text + ", error not known yet";
+    if (adaptive.channel.empty()) return text + ", error unknown yet";
     text += ", " + adaptive.channel + " " + number_text(100 * adaptive.error, 2) + " %";
     if (!predicts) return text;
     const display::Forecast samples{total, static_cast<double>(progress.samples_least)};
@@ -63,7 +63,7 @@ std::string Progress::describe(const transport::RenderProgress& progress, int ba
 
 std::string Progress::line(const transport::RenderProgress& progress) const {
     const std::size_t room = columns();
-    // The cursor stands behind the text: a full line would begin another one.
+    // The cursor stands after the text, so a text as wide as the terminal would begin another line.
     const auto fits = [room](const std::string& text) { return room == 0 || text.size() < room; };
     std::string text = describe(progress, bar_width, errors_);
     for (std::size_t channels = std::max<std::size_t>(errors_.errors().size(), 1); !fits(text) && channels > 0;
@@ -78,7 +78,7 @@ void Progress::update(const transport::RenderProgress& progress) {
         errors_.update(progress);
         std::string text = line(progress);
         const std::size_t length = text.size();
-        if (length < drawn_length_) text.append(drawn_length_ - length, ' ');  // what stood there before fitted too
+        if (length < drawn_length_) text.append(drawn_length_ - length, ' ');  // blanks erase the longer text before
         drawn_length_ = length;
         std::fprintf(stderr, "\r%s", text.c_str());
         std::fflush(stderr);

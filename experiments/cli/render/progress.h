@@ -1,4 +1,4 @@
-// How far a render is: a bar that redraws itself on a terminal, a plain line every few seconds elsewhere.
+// Progress of a render: a bar that redraws itself on a terminal, a plain line every few seconds elsewhere.
 #pragma once
 
 #include <string>
@@ -11,19 +11,20 @@ namespace raylex::experiments {
 class Progress {
   public:
     Progress();
-    /// Before rendering: on a terminal, the channels whose errors are shown. Elsewhere nothing is measured.
+    /// Chooses the channels whose errors are shown on a terminal. Elsewhere nothing is measured. Call it before
+    /// rendering.
     void begin(const transport::RenderPlan& plan);
     void update(const transport::RenderProgress& progress);
-    /// Ends the line of the bar. Call once the render is over.
+    /// Ends the line of the bar. Call it after the render.
     void finish();
 
-    /// The text shown, without any control character; `bar` is the width of the bar, `channels` how many errors it
-    /// names at most.
+    /// Returns the text of the line, without control characters. `bar` is the width of the bar in characters,
+    /// `channels` the maximum number of errors.
     static std::string describe(const transport::RenderProgress& progress, int bar, const LiveErrors& errors = {},
                                 std::size_t channels = SIZE_MAX);
 
   private:
-    /// The longest text that fits a line of the terminal.
+    /// Returns the longest text that fits on a line of the terminal.
     [[nodiscard]] std::string line(const transport::RenderProgress& progress) const;
     LiveErrors errors_;
     bool terminal_ = false, drawn_ = false;

@@ -1,4 +1,4 @@
-// raylex render: from flags and a job file to a Job; cli/render/render_run.cpp does the rest.
+// raylex render: makes a Job from flags and a job file. cli/render/render_run.cpp renders it.
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
@@ -28,12 +28,12 @@ SourceLocation flag(const std::string& name) {
     return {name, 0, 0};
 }
 
-/// --rule NAME=RULE, --layer NAME=CHANNEL:RULE and --statistics NAME=STATISTIC,...
+/// Reads --rule NAME=RULE, --layer NAME=CHANNEL:RULE and --statistics NAME=STATISTIC,...
 Status read_channel_settings(const RenderOptions& options, transport::RenderSettings& settings) {
     const auto split = [](const std::string& text, const char* option, const char* example) -> Result<std::size_t> {
         const std::size_t equals = text.find('=');
         if (equals != std::string::npos && equals > 0 && equals + 1 < text.size()) return equals;
-        return error_at(flag(option), "'" + text + "' says nothing of a channel; expected such as " + example);
+        return error_at(flag(option), "'" + text + "' is not a setting of a channel; expected one such as " + example);
     };
     for (const std::string& text : options.rules) {
         auto equals = split(text, "--rule", "Nn=zmin");
@@ -79,7 +79,7 @@ Status read_sampling(const RenderOptions& options, Job& job) {
     }
     if (options.spp && job.settings.adaptive) apply_sample_limit(*options.spp, *job.settings.adaptive);
     if (!options.time.empty()) {
-        auto seconds = parse_interval(options.time, flag("--time"), "time to render for");
+        auto seconds = parse_interval(options.time, flag("--time"), "render time");
         if (!seconds) return seconds.error();
         apply_time_limit(*seconds, job);
     }
@@ -95,12 +95,12 @@ Status read_sampling(const RenderOptions& options, Job& job) {
     }
     if (options.bucket_rows) bucket_settings(job).rows = *options.bucket_rows;
     job.resume = options.resume;
-    const bool is_saved = job.resume || (job.shard && job.outputs.atlas.file.empty());  // atlases are not
+    const bool is_saved = job.resume || (job.shard && job.outputs.atlas.file.empty());  // atlases are not saved
     if (is_saved && job.checkpoint_seconds == 0) job.checkpoint_seconds = 60;
     return success();
 }
 
-/// --shard PART/PARTS
+/// Reads --shard PART/PARTS
 Status read_shard(const RenderOptions& options, Job& job) {
     if (options.shard.empty()) return success();
     auto shard = parse_shard(options.shard, flag("--shard"));
@@ -112,7 +112,7 @@ Status read_shard(const RenderOptions& options, Job& job) {
 }
 
 void override_entity(const std::string& name, const char* option, std::optional<transport::SceneEntity>& entity) {
-    // The same type as in the job keeps the job's parameters.
+    // The parameters in the job stay if the type is the job's.
     if (name.empty() || (entity && entity->type == name)) return;
     transport::SceneEntity chosen;
     chosen.type = name;
@@ -129,7 +129,7 @@ Result<Job> base_job(const std::string& input) {
     return job;
 }
 
-/// --replay X,Y,SAMPLE
+/// Parses --replay X,Y,SAMPLE
 Result<transport::SampleChoice> parse_replay(const std::string& text) {
     transport::SampleChoice choice;
     const char* at = text.data();
@@ -141,7 +141,7 @@ Result<transport::SampleChoice> parse_replay(const std::string& text) {
         return true;
     };
     if (read(choice.x, false) && read(choice.y, false) && read(choice.sample, true)) return choice;
-    return error_at(flag("--replay"), "'" + text + "' is no sample of a pixel; expected X,Y,SAMPLE, such as 12,7,3");
+    return error_at(flag("--replay"), "'" + text + "' is not a sample of a pixel; expected X,Y,SAMPLE, such as 12,7,3");
 }
 
 Status read_framing(const RenderOptions& options, transport::RenderSettings& settings) {
@@ -158,7 +158,7 @@ Status read_framing(const RenderOptions& options, transport::RenderSettings& set
     return success();
 }
 
-/// Flags override the job file.
+/// Makes the job from the job file and the flags, which override it.
 Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     auto base = base_job(options.input);
     if (!base) return base;
@@ -227,11 +227,9 @@ void add_render_command(CLI::App& app, CommandContext& context) {
     auto options = std::make_shared<RenderOptions>();
     add_render_options(*command, *options);
     command->footer(
-        "Layers whose expressions share no path get a 'rest' layer with all other light, and are recorded as the "
-        "partition 'auto'\n"
-        "that 'raylex verify' checks. Ctrl-C writes what is rendered so far, marked incomplete. The keys of a TOML job "
-        "are listed in\n"
-        "experiments/README.md; flags override the job.");
+        "If the expressions of the layers share no path, a layer 'rest' with all other light is added, and the layers\n"
+        "form the partition 'auto', which 'raylex verify' checks. Ctrl-C writes the image rendered so far, marked\n"
+        "incomplete. experiments/README.md lists the keys of a TOML job; flags override the job.");
     command->callback([command, options, &context] {
         auto job = assemble(*command, *options);
         if (!job) context.exit_code = report_error(job.error());

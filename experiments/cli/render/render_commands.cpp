@@ -11,13 +11,13 @@
 namespace raylex::experiments {
 namespace {
 
-/// The command line of all shards, but for which one.
+/// Returns the command line of all shards, without the number of the shard.
 std::vector<std::string> shard_arguments(const CLI::App& command, const Job& job,
                                          const std::vector<std::string>& arguments, const std::string& output) {
     std::vector<std::string> all = standing_alone(command, arguments,
                                                   {"--commands", "--no-calibration", "--shards", "-o", "--output",
                                                    "--preview", "--driver", "--tev", "--stats", "--resume"});
-    // The colour config of this environment, where the others may have another one.
+    // Adds the colour config of this environment, because the environment of other machines can differ.
     if (const char* config = std::getenv("OCIO"); config != nullptr && *config != '\0' && job.ocio_config.empty())
         all.insert(all.end(), {"--ocio", std::filesystem::exists(config) ? absolute_path(config) : config});
     all.insert(all.end(), {"-o", output});
@@ -26,7 +26,7 @@ std::vector<std::string> shard_arguments(const CLI::App& command, const Job& job
 
 std::string left_out_note(const Job& job) {
     if (job.preview.empty() && job.statistics.empty() && job.outputs.drivers.empty()) return {};
-    return "previews, viewers and statistics are left out: 'raylex preview' and 'raylex report' show what merge writes";
+    return "previews, viewers and statistics are left out; 'raylex preview' and 'raylex report' show the merged image";
 }
 
 }  // namespace
@@ -35,11 +35,12 @@ int print_render_commands(const CLI::App& command, const RenderOptions& options,
                           const std::vector<std::string>& arguments) {
     if (options.commands.format.empty())
         return report_error(
-            "--shards without --commands; expected --commands with it, which prints the commands of "
-            "that many shards, or --shard 1/" +
-            std::to_string(options.shards) + ", which renders one of them");
-    if (options.shards == 0) return report_error("--commands without a number of shards; expected --shards N with it");
-    if (job.shard) return report_error("--shard and --commands; expected one of them: --commands is of all shards");
+            "--shards without --commands; expected --commands as well, to print the commands of that many shards, or "
+            "--shard 1/" +
+            std::to_string(options.shards) + ", to render one of them");
+    if (options.shards == 0) return report_error("--commands without a number of shards; expected --shards N as well");
+    if (job.shard)
+        return report_error("--shard and --commands exclude each other; --commands prints the commands of all shards");
     const std::string output = absolute_path(job.output), note = left_out_note(job);
     const std::vector<std::string> base = shard_arguments(command, job, arguments, output);
     const int threads = job.settings.threads;
@@ -49,8 +50,9 @@ int print_render_commands(const CLI::App& command, const RenderOptions& options,
         return *code;
     CommandPlan plan;
     plan.name = job_name(std::filesystem::path(output).stem().string());
-    plan.notes.push_back("The commands stand alone. What is done is not done again, and what was killed goes on.");
-    plan.notes.push_back("The last one merges the others' records to " + output);
+    plan.notes.push_back(
+        "Each command can run by itself. Repeated commands skip finished work and resume interrupted work.");
+    plan.notes.push_back("The last command merges the records of the others into " + output);
     if (!note.empty()) plan.notes.push_back(note);
     PlannedCommand merge;
     merge.name = "merge";

@@ -1,4 +1,4 @@
-// raylex render --shards N --commands: one render as commands for many machines.
+// raylex render --shards N --commands: splits one render into commands for many machines.
 #pragma once
 
 #include "experiments/cli/render/render_options.h"
@@ -6,7 +6,7 @@
 
 namespace raylex::experiments {
 
-/// Prints a command for each shard and one that merges them; nothing is written. The exit code.
+/// Prints one command per shard and one that merges the shards. Writes no file. Returns the exit code.
 int print_render_commands(const CLI::App& command, const RenderOptions& options, Job job,
                           const std::vector<std::string>& arguments);
 

@@ -1,4 +1,4 @@
-// The flags of raylex render, by the groups of its --help.
+// The flags of raylex render, in the groups of its --help.
 #pragma once
 
 #include <cstdint>

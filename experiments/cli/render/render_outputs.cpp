@@ -32,13 +32,14 @@ display::DriverRequest main_image(const Job& job) {
 
 }  // namespace
 
-/// Layers of equal size share a line; the largest come first.
+/// Prints the memory of the layers. Layers of equal size share a line; the largest come first.
 void print_memory(const RenderOutputs& outputs, std::uint64_t limit) {
     const std::vector<display::MemoryItem>& items = outputs.memory();
     const std::size_t layers = outputs.layers();
     std::map<std::uint64_t, std::vector<std::string>, std::greater<>> by_size;
     for (const display::MemoryItem& item : items)
-        if (item.bytes > 0) by_size[item.bytes].push_back(item.name);  // layers of statistics are in their sources
+        // layers of statistics are counted with their source layers
+        if (item.bytes > 0) by_size[item.bytes].push_back(item.name);
     std::string line = "memory: " + display::memory_text(display::total_bytes(items)) + " for " +
                        std::to_string(layers) + (layers == 1 ? " layer" : " layers");
     if (limit > 0) line += ", of at most " + display::memory_text(limit);
@@ -89,16 +90,16 @@ Status RenderOutputs::make_deep(const transport::RenderPlan& plan) {
     if (request.file.empty()) return success();
     if (plan.filter->has_negative_lobes())
         return error_at(request.location, "pixel filter '" + plan.filter->name() +
-                                              "' has negative lobes, and a deep sample cannot have negative alpha; "
+                                              "' has negative lobes, and deep samples cannot have negative alpha; "
                                               "expected box, triangle, gaussian or blackman-harris");
     if (plan.splat)
         return error_at(request.location,
-                        "a deep image is made of samples that belong to one pixel, and filter mode splat "
-                        "shares them; expected filter mode importance");
+                        "a deep image needs samples that belong to one pixel, and filter mode splat shares samples "
+                        "between pixels; expected filter mode importance");
     if (plan.raster)
         return error_at(request.location,
-                        "a deep image is made of samples that belong to one pixel, and the light paths of this "
-                        "integrator land anywhere; expected another integrator, such as path");
+                        "a deep image needs samples that belong to one pixel, and light paths of this integrator reach "
+                        "any pixel; expected another integrator, such as path");
     std::vector<display::ChannelId> chosen;
     if (plan.beauty >= 0) chosen.push_back(plan.beauty);
     std::vector<std::string> names;
@@ -112,7 +113,7 @@ Status RenderOutputs::make_deep(const transport::RenderPlan& plan) {
         if (found == names.end()) {
             return error_at(
                 request.location,
-                "the deep image names the channel '" + name + "', which is not there; expected one of: " + list,
+                "the deep image names the channel '" + name + "', which does not exist; expected one of: " + list,
                 near_miss(name, names));
         }
         const auto id = static_cast<display::ChannelId>(found - names.begin());
@@ -120,7 +121,7 @@ Status RenderOutputs::make_deep(const transport::RenderPlan& plan) {
     }
     if (chosen.empty())
         return error_at(request.location,
-                        "the deep image has no channel; expected some with --deep-channels, or a beauty");
+                        "the deep image has no channel; expected channels by --deep-channels, or a beauty");
     if (Status fits = display::DeepBuffer::check(plan.channels, chosen, request.options); !fits) {
         Error error = fits.error();
         error.file = request.location.file;
@@ -138,13 +139,13 @@ constexpr const char* without_it = "leave it out, or render without buckets";
 
 Error live_viewer_in_buckets() {
     return error_at({},
-                    std::string("a live viewer") + beside_buckets + "it may be shown any part of the image at any time",
+                    std::string("a live viewer") + beside_buckets + "it can request any part of the image at any time",
                     without_it);
 }
 
 }  // namespace
 
-/// What wants the whole image at any time is refused where no more than a bucket of it is in memory.
+/// Refuses outputs that need the whole image at once if only one bucket of it is in memory.
 Status RenderOutputs::check_buckets(const transport::RenderPlan& plan) {
     buckets_ = plan.buckets;
     bucket_rows_ = plan.bucket_rows;
@@ -181,7 +182,7 @@ Status RenderOutputs::begin(const transport::RenderPlan& plan, std::vector<displ
     if (atlas_.buffer() != nullptr) memory_.push_back({"atlas", atlas_.buffer()->expected_bytes()});
     if (deep_) memory_.push_back({"deep", deep_->expected_bytes()});
     const std::string in_buckets =
-        plan.buckets == 0 ? "--memory SIZE renders it in buckets, each saved when it is finished" : "";
+        plan.buckets == 0 ? "--memory SIZE renders it in buckets and saves each finished bucket" : "";
     if (Status fits = display::check_memory(memory_, job_->outputs.memory_limit, in_buckets); !fits) return fits;
     if (deep_) sinks.push_back(deep_.get());
     if (atlas_.buffer() != nullptr) sinks.push_back(atlas_.buffer());
@@ -195,11 +196,11 @@ Status RenderOutputs::begin(const transport::RenderPlan& plan, std::vector<displ
     image.chromaticities = primaries;
     image.partitions = partitions;
     if (Status opened = drivers_.open(image); !opened) return opened;
-    if (buckets_ > 0 && drivers_.any_live()) return live_viewer_in_buckets();  // a plugin's
+    if (buckets_ > 0 && drivers_.any_live()) return live_viewer_in_buckets();  // a live driver of a plugin
     return success();
 }
 
-/// Partitions whose layers no longer sum because a filter changes one of them, or the beauty, by itself.
+/// Removes partitions whose layers no longer sum because a filter changes one layer, or the beauty, alone.
 void RenderOutputs::drop_altered(const transport::RenderPlan& plan,
                                  std::vector<display::PartitionDeclaration>& partitions) {
     std::vector<display::ChannelId> altered = plan.altered;
@@ -219,17 +220,17 @@ void RenderOutputs::drop_altered(const transport::RenderPlan& plan,
         const std::string name = altered_member(partition);
         if (!name.empty())
             warnings_.push_back("partition '" + partition.name + "' is left out of the file: a filter changes '" +
-                                name + "' by itself, so its layers no longer sum");
+                                name + "' alone, so the layers no longer sum");
         return !name.empty();
     });
     if (!filters_.empty() && !job_->outputs.deep.file.empty())
         warnings_.push_back(
-            "the deep image is not compared with the image: display filters change the one and not the other");
+            "the deep image is not compared with the image, because display filters change only the image");
 }
 
 namespace {
 
-/// The image of a render that goes on.
+/// The image of a running render.
 class LivePixels final : public display::PixelImage {
   public:
     LivePixels(const transport::LiveImage& image, const display::FrameBufferLayout& layout,
@@ -269,14 +270,14 @@ Status RenderOutputs::close(const transport::RenderOutput& output, const display
     Status closed = success();
     try {
         closed = drivers_.close({image, output.beauty, description});
-    } catch (const display::BandFailure& failure) {  // of what no driver of ours catches
+    } catch (const display::BandFailure& failure) {  // from a driver that does not catch it
         return failure.error();
     }
     if (!closed && closed.error().file == job_->output)
         closed = rescued(closed.error(), "the image", job_->output, [&](const std::string& path) {
             return display::write_exr(path, image, output.beauty, description);
         });
-    // Of several failures one is the error of the render, and all say where their files are.
+    // Of several failures, one becomes the error of the render. Each names the place of its file.
     const auto also = [&](const Status& written) {
         if (!written && closed) closed = written;
         else if (!written) warnings_.push_back(written.error().to_string());
@@ -294,7 +295,7 @@ Status RenderOutputs::close(const transport::RenderOutput& output, const display
         warnings_.push_back(deep_file + ": " + text);
     if (const std::uint64_t rows = deep_->counts().refused_rows; rows > 0)
         warnings_.push_back(deep_file + ": the deep image lacks " + counted(rows, "row") +
-                            " of samples, with values beyond its sums or a depth below 0");
+                            " of samples: values beyond the range of its sums, or negative depths");
     return closed;
 }
 

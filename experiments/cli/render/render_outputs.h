@@ -1,4 +1,4 @@
-// Everything a render leaves beside its statistics: drivers, the deep image, and the account of memory.
+// All outputs of a render except its statistics: drivers, the deep image, the atlas, and the memory report.
 #pragma once
 
 #include <memory>
@@ -18,48 +18,49 @@
 
 namespace raylex::experiments {
 
-/// Files that a job asks for, the main image first; for the checks before a render.
+/// Returns the files that a job requests, the main image first, for checks before a render.
 std::vector<std::string> requested_files(const Job& job);
 
 class RenderOutputs;
-/// Prints what the layers will take, of at most `limit` bytes (0: no limit). After RenderOutputs::begin().
+/// Prints the memory of the layers and the limit, `limit` bytes (0: no limit). Call it after RenderOutputs::begin().
 void print_memory(const RenderOutputs& outputs, std::uint64_t limit);
 
 class RenderOutputs {
   public:
-    /// Makes the drivers; a job without an output has no main image. Errors: whatever a driver refuses. `color` must
-    /// outlive this object.
+    /// Makes the drivers. A job without an output has no main image. Errors: those of the drivers. `color` must outlive
+    /// this object.
     Status make(const Job& job, const ColorSetup& color);
 
-    /// Before memory is taken: refuses more than the limit, makes the display
-    /// filters, opens the drivers and makes the deep buffer one of the render's sinks. Partitions that filters break
-    /// are taken out of the list, with a warning.
+    /// Prepares the outputs before the frame buffer is allocated: checks the memory limit, makes the display filters,
+    /// opens the drivers and adds the deep buffer to the render's sinks. Removes partitions that filters break from the
+    /// list, with a warning.
     Status begin(const transport::RenderPlan& plan, std::vector<display::SampleSink*>& sinks,
                  const display::Chromaticities& primaries, std::vector<display::PartitionDeclaration>& partitions);
 
     void update(const transport::RenderProgress& progress);
 
-    /// Writes all. The image, the deep image or the atlas go to the folder for temporary files where they cannot be
-    /// written, as the errors say: the first of them is returned, others become warnings.
+    /// Writes all outputs. An image, deep image or atlas that cannot be written is saved to the folder for temporary
+    /// files, which its error names. Returns the first error; later ones become warnings.
     Status close(const transport::RenderOutput& output, const display::ImageDescription& description);
 
-    /// The image as files and viewers get it: through the display filters. It and this object must outlive the result.
+    /// Returns the image that files and viewers receive, after the display filters. `image` and this object must
+    /// outlive it.
     [[nodiscard]] display::FilteredImage filtered(const display::PixelImage& image) const { return {image, filters_}; }
 
-    /// Flattens the deep file against the image just written. Nothing when none was asked for, or when display filters,
-    /// which a deep image never sees, changed the image.
+    /// Flattens the deep file and compares it with the image just written. Returns nothing without a deep image, or if
+    /// display filters, which do not apply to deep images, changed the image.
     Result<std::optional<display::DeepVerdict>> judge_deep(const display::ExrImage& image) const;
 
     [[nodiscard]] AtlasOutput& atlas() { return atlas_; }
 
     [[nodiscard]] std::vector<std::string> take_warnings();
-    /// Beside the main image.
+    /// Names of the output files except the main image.
     [[nodiscard]] std::vector<std::string> files() const;
     [[nodiscard]] const std::vector<display::MemoryItem>& memory() const { return memory_; }
-    /// Of a render in buckets: how many, and how many rows one has at most; else 0.
+    /// Number of buckets and of the rows of the largest bucket; 0 if the render has no buckets.
     [[nodiscard]] std::size_t buckets() const { return buckets_; }
     [[nodiscard]] int bucket_rows() const { return bucket_rows_; }
-    /// Of the file, cryptomattes among them.
+    /// Number of layers in the file, including cryptomattes.
     [[nodiscard]] std::size_t layers() const {
         const transport::RenderSettings& settings = job_->settings;
         return channels_.size() +
@@ -84,7 +85,7 @@ class RenderOutputs {
     int bucket_rows_ = 0;
 };
 
-/// "deep: 3 layers flatten to the image (...)".
+/// Returns the result of the deep check in one line: "deep: 3 layers flatten to the image (...)".
 std::string deep_line(const display::DeepVerdict& verdict);
 
 }  // namespace raylex::experiments

@@ -39,7 +39,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The steps of one render, in order. Each returns nothing to go on, or the exit code to end with.
+/// The steps of one render, in order. A step returns nothing if the render continues, or the exit code if it ends.
 class RenderRun {
   public:
     RenderRun(Job job, const std::vector<std::string>& arguments) : job_(std::move(job)), arguments_(arguments) {}
@@ -65,7 +65,7 @@ class RenderRun {
                    : exit_does_not_hold;
     }
 
-    /// What all samples would take.
+    /// Estimates the cost of all samples.
     std::optional<int> estimate(bool calibrate, RenderEstimate& estimate) {
         quiet_ = true;
         for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
@@ -75,7 +75,8 @@ class RenderRun {
         if (!samples) return report_error(samples.error());
         estimate.samples_per_pixel = *samples;
         const std::uint64_t most_memory = job_.settings.buckets ? job_.settings.buckets->memory : 0;
-        calibrate = calibrate && !job_.settings.buckets;  // what does not fit is not rendered here either
+        // an image that does not fit into memory is not test-rendered either
+        calibrate = calibrate && !job_.settings.buckets;
         job_.settings.buckets.reset();
         constexpr double seconds = 2;
         job_.settings.limit = transport::SampleLimit{seconds, 0, 0};
@@ -83,13 +84,13 @@ class RenderRun {
         std::uint64_t image_bytes = 0;
         job_.settings.before_rendering = [&](const transport::RenderPlan& plan, std::vector<display::SampleSink*>&) {
             pixels = static_cast<double>(plan.crop.width()) * static_cast<double>(plan.crop.height());
-            image_bytes = display::total_bytes(plan.memory) / 2;  // the other half is for the limit
+            image_bytes = display::total_bytes(plan.memory) / 2;  // the plan counts the image twice, once for its limit
             return calibrate ? success() : Status(error_at({}, "nothing is rendered"));
         };
         const auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
         if (interrupt_flag().load()) return exit_interrupted;
         if (!output && pixels == 0) return report_error(output.error());
-        // What is resident now, with the image and its copy for the limit; a checkpoint, and a record, are such copies.
+        // Resident memory, plus copies of the image: the image and its copy for the limit, and a checkpoint or record.
         estimate.memory_bytes = peak_memory_bytes() + (output ? 1 : 3) * image_bytes;
         if (most_memory > 0) estimate.memory_bytes = std::min(estimate.memory_bytes, most_memory);
         if (!output || output->statistics.camera_samples == 0) return go_on;
@@ -102,7 +103,7 @@ class RenderRun {
     using Step = std::optional<int>;
     static constexpr std::nullopt_t go_on = std::nullopt;
 
-    /// Some of the samples, to a record of their sums.
+    /// Renders one shard of the samples and writes the record of their sums.
     int run_shard() {
         for (std::optional<int> (RenderRun::*step)() :
              {&RenderRun::check_outputs, &RenderRun::lock_shard, &RenderRun::load, &RenderRun::begin_shard,
@@ -120,12 +121,11 @@ class RenderRun {
         warnings_.push_back(message);
     }
 
-    /// Everything that must be writable after the render is asked for before it.
+    /// Checks before the render that all output files can be written.
     Step check_outputs() {
         take_standard_output_for(job_.statistics);
         if (fs::path(job_.output).extension() != ".exr")
-            return report_error("the output '" + job_.output +
-                                "' has no name ending in .exr; expected an OpenEXR file name");
+            return report_error("the output '" + job_.output + "' does not end in .exr; expected an OpenEXR file name");
         if (Status recovery = check_recovery(job_); !recovery) return report_error(recovery.error());
         if (Status fits = check_exr_requests(job_.outputs); !fits) return report_error(fits.error());
         if (job_.resume && !job_.shard)
@@ -133,12 +133,12 @@ class RenderRun {
         std::vector<std::string> taken{job_.scene_file, job_.job_file};
         for (const std::string& path : requested_files(job_)) {
             if (is_standard_output(path))
-                return report_error("an image cannot go to standard output, '-'; expected the name of a file");
+                return report_error("an image cannot be written to standard output, '-'; expected a file name");
             for (const std::string& other : taken) {
                 std::error_code failed;
                 if (!other.empty() && (path == other || fs::equivalent(path, other, failed)))
                     return report_error("'" + path +
-                                        "' is used twice, for input or for another output; expected a file of its own");
+                                        "' is already an input or another output; expected a different file");
             }
             taken.push_back(path);
             Status writable = display::check_writable(path);
@@ -167,7 +167,7 @@ class RenderRun {
         return interrupted_early();
     }
 
-    /// Once: the plan goes by the same tables as the render, so that no image and no grid is read again.
+    /// Builds the scene once. The plan and the render share its tables, so no image or grid is read twice.
     Step build() {
         LoadingLine loading;
         auto built = transport::BuiltScene::build(loaded_->scene,
@@ -178,7 +178,7 @@ class RenderRun {
         return interrupted_early();
     }
 
-    /// What another process saves is neither gone on with nor replaced.
+    /// Locks the checkpoint, so that no checkpoint of another running process is resumed or replaced.
     Step lock_checkpoint() {
         if (job_.checkpoint_seconds == 0 && !job_.settings.buckets) return go_on;
         auto lock = WorkLock::take(checkpoint_file(job_) + ".lock", "is rendering this image");
@@ -197,15 +197,14 @@ class RenderRun {
     Step begin_shard() {
         if (!job_.preview.empty() || !job_.outputs.drivers.empty())
             print_note(
-                "previews and viewers are of whole images and left out here; 'raylex preview' shows what "
-                "'raylex merge' writes");
+                "previews and viewers need whole images and are left out; 'raylex preview' shows the merged image");
         auto shard = ShardRender::make(job_, loaded_->scene);
         if (!shard) return report_error(shard.error());
         shard_ = *std::move(shard);
         return go_on;
     }
 
-    /// Whether the record of this shard is there. Then render() ends before a ray is traced.
+    /// Ends the render before a ray is traced if the record of this shard exists.
     Status look_for_record(const transport::RenderPlan& plan) {
         std::string warning;
         auto done = shard_->is_done(plan, warning);
@@ -228,7 +227,7 @@ class RenderRun {
         }
         warn_of_single_samples();
         if (!job_.settings.beauty && plan->channels.empty())
-            return report_error("--no-beauty leaves nothing to render; expected at least one --lpe or --aov with it");
+            return report_error("--no-beauty leaves nothing to render; expected at least one --lpe or --aov as well");
         job_.settings.channels = plan->channels;
         if (!quiet_)
             for (const std::string& line :
@@ -242,17 +241,17 @@ class RenderRun {
         return interrupted_early();
     }
 
-    /// Layers of statistics that hold nothing but zeros.
+    /// Warns of layers of statistics that contain only zeros.
     void warn_of_single_samples() {
         const auto samples = samples_of_job(job_, loaded_->scene);
         if (!samples || *samples > 1) return;
         for (const display::StatisticRequest& request : job_.settings.statistics)
             if (request.statistic != display::Statistic::even)
-                warn("one sample a pixel has no spread: the layer '" + request.channel + "_" +
+                warn("the variance of one sample per pixel is unknown: the layer '" + request.channel + "_" +
                      display::statistic_name(request.statistic) + "' will be black; expected --spp of at least 2");
     }
 
-    /// Ctrl-C before the first sample: there is nothing to write.
+    /// Handles Ctrl-C before the first sample, when there is nothing to write.
     static Step interrupted_early() {
         if (!interrupt_flag().load()) return go_on;
         std::fprintf(stderr, "raylex: interrupted before anything was rendered; no file was written\n");
@@ -270,19 +269,19 @@ class RenderRun {
         job_.settings.checkpoint = std::move(settings);
     }
 
-    /// The image is safe under its name, and so are all other files: what would bring it back is not needed any more.
+    /// Removes the checkpoint. Call it only after all files are written.
     void remove_checkpoint() {
         if (!output_->complete || (job_.checkpoint_seconds == 0 && !output_->bands)) return;
         const Status removed = output_->bands ? transport::remove_buckets(checkpoint_file(job_))
                                               : display::remove_file(checkpoint_file(job_));
         if (!removed) warn(removed.error().to_string());
-        output_->bands.reset();  // and its band in memory, before the file is read
+        output_->bands.reset();  // frees the band in memory before the file is read
     }
 
     Step render() {
         ask_for_checkpoints();
         Progress progress;
-        std::size_t warned = 0;  // before the render
+        std::size_t warned = 0;  // warnings before the render
         job_.settings.before_rendering = [&](const transport::RenderPlan& plan,
                                              std::vector<display::SampleSink*>& sinks) {
             at_once_.reset();
@@ -317,14 +316,14 @@ class RenderRun {
         if (!output_->complete && statistics.camera_samples == 0) {
             if (interrupt_flag().load()) return interrupted_early();
             print_warning(
-                "the time was up before any sample was finished; no file was written. Expected more time, or paths "
-                "that end: --max-depth bounds them");
+                "the time ended before any sample was finished; no file was written. Expected more time, or shorter "
+                "paths by --max-depth");
             return exit_does_not_hold;
         }
         return go_on;
     }
 
-    /// One sample of one pixel, told and not written. Exit code 1 when something of it is refused.
+    /// Renders one sample of one pixel and prints it; writes no file. Returns exit code 1 if a value is rejected.
     int replay() {
         const transport::SampleChoice& only = *job_.settings.only;
         auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
@@ -333,7 +332,7 @@ class RenderRun {
         const std::span<const display::ChannelDefinition> channels = output->frame_buffer.channels();
         print_line("pixel (" + std::to_string(only.x) + ", " + std::to_string(only.y) + "), sample " +
                    std::to_string(only.sample) + ", seed " + std::to_string(output->seed) + ": " +
-                   std::to_string(statistics.invalid_samples) + " contributions or values refused");
+                   std::to_string(statistics.invalid_samples) + " contributions or values rejected");
         const auto triple = [](double r, double g, double b) {
             return "(" + number_text(r) + ", " + number_text(g) + ", " + number_text(b) + ")";
         };
@@ -350,7 +349,7 @@ class RenderRun {
         return statistics.invalid_samples > 0 ? exit_does_not_hold : exit_holds;
     }
 
-    /// What the file or the record says of the image.
+    /// Returns the description that goes into the file or the record.
     display::ImageDescription describe_image() {
         attributes_ = header_attributes(job_, *output_, arguments_, loaded_->color.description);
         if (!beauties_.empty()) attributes_["raylex/is_beauty"] = lpe::joined_by(beauties_, ", ");
@@ -363,25 +362,27 @@ class RenderRun {
         std::error_code failed;
         if ((job_.checkpoint_seconds > 0 || output_->bands) && fs::exists(checkpoint_file(job_), failed))
             error.hint += "\n" + checkpoint_file(job_) + (job_.shard ? ": the same command" : ": --resume") +
-                          " goes on from here";
+                          " continues from here";
         return report_error(error);
     }
 
     Step write_shard() {
         const PhaseClock clock;
         if (!output_->complete) {
-            print_line(shard_->record() + ": " + shard_->text() + ", INTERRUPTED; the same command goes on from here");
+            print_line(shard_->record() + ": " + shard_->text() +
+                       ", INTERRUPTED; the same command continues from here");
             return exit_interrupted;
         }
         const display::ImageDescription description = describe_image();
-        // The record comes last: where it is, all of the shard is.
+        // The record is written last: its presence means that the shard is complete.
         const ShardRange& range = shard_->range();
         const auto write = [&](const std::string& path) {
             return shard_->write(path, *output_, description, job_.outputs.filters);
         };
         Status written = outputs_.atlas().write(*output_, of_samples(description, range.first, range.end));
         if (written) written = write(shard_->record());
-        if (!written) return report_unwritten(rescued(written.error(), "the shard's record", shard_->record(), write));
+        if (!written)
+            return report_unwritten(rescued(written.error(), "the record of the shard", shard_->record(), write));
         remove_checkpoint();
         phases_["write"] = clock.elapsed();
         return go_on;
@@ -398,8 +399,8 @@ class RenderRun {
         return go_on;
     }
 
-    /// Judges the file as a reader finds it, not the buffers it came from. After an interrupt somebody waits, and
-    /// reading takes as long as writing: the verdicts that were made while writing stand in the header.
+    /// Checks the file as read back from disk, not the buffers it was written from. After an interrupt the user waits,
+    /// and reading takes as long as writing, so the results stored in the header are used instead.
     Step judge() {
         auto file = display::ExrBands::open(job_.output);
         if (!file) return report_error(file.error());
@@ -436,7 +437,7 @@ class RenderRun {
 
     Job job_;
     const std::vector<std::string>& arguments_;
-    // Where an interrupt loses nothing it ends the program; from before_rendering() on it waits for the image.
+    // defers interrupts: up to before_rendering() they end the program, after it they wait for the image
     const InterruptsWait wait_;
     std::optional<InterruptsAtOnce> at_once_;
     std::unique_ptr<JobScene> loaded_;
@@ -450,7 +451,7 @@ class RenderRun {
     std::optional<transport::RenderOutput> output_;
     std::optional<display::DeepVerdict> deep_;
     std::optional<display::AtlasVerdict> atlas_;
-    display::ExrImage image_;  // its pixels only where a deep image is compared with them
+    display::ExrImage image_;  // has pixels only if a deep image is compared with them
     std::vector<display::SplitVerdict> splits_;
     std::map<std::string, PhaseTime> phases_;
     std::map<std::string, std::string> attributes_;

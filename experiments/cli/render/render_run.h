@@ -1,4 +1,4 @@
-// One render from a job to files on disk.
+// Runs one render, from a job to files on disk.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,19 @@
 
 namespace raylex::experiments {
 
-/// What all samples of a job would take.
+/// Estimated cost of all samples of a job.
 struct RenderEstimate {
     std::uint64_t samples_per_pixel = 0;
-    std::uint64_t memory_bytes = 0;  ///< resident at most, about, of a process that renders any number of them
-    double cpu_seconds = -1;         ///< of all threads; negative: not known
+    std::uint64_t memory_bytes = 0;  ///< approximate peak resident memory of a process, for any number of samples
+    double cpu_seconds = -1;         ///< of all threads together; negative: unknown
 };
 
-/// Loads, proves, and, if `calibrate`, renders for two seconds; writes nothing. The exit code to end with when that
-/// cannot be done, or when the job cannot be rendered in shards.
+/// Loads the scene and proves the partitions. If `calibrate`, also renders for two seconds. Writes no file. Returns an
+/// exit code if that fails or if the job cannot be rendered in shards; otherwise nothing, and fills `estimate`.
 std::optional<int> estimate_render(Job job, const std::vector<std::string>& arguments, bool calibrate,
                                    RenderEstimate& estimate);
 
-/// Loads, proves, renders, writes, checks the file written, and says what it did. Returns the exit code.
+/// Loads, proves, renders, writes, checks the written file, and prints a summary. Returns the exit code.
 int run_render(Job job, const std::vector<std::string>& arguments);
 
 }  // namespace raylex::experiments

@@ -21,26 +21,26 @@ void print_sampling(const RenderSummary& of) {
                    (of.output.complete ? " of " + std::to_string(samples) : std::string()) + " samples");
     if (of.job.settings.limit && of.output.complete)
         print_line("time: " + std::to_string(of.output.samples_per_pixel) + " samples per pixel; --spp " +
-                   std::to_string(of.output.samples_per_pixel) + " gives the same bits");
+                   std::to_string(of.output.samples_per_pixel) + " renders the same bits");
     if (!of.output.adaptive) return;
     const double pixels = static_cast<double>(of.output.width) * static_cast<double>(of.output.height);
     std::string line =
-        "adaptive: " + number_text(static_cast<double>(samples) / pixels, 6) + " samples per pixel in the mean";
+        "adaptive: " + number_text(static_cast<double>(samples) / pixels, 6) + " samples per pixel on average";
     if (!of.output.adaptive->channel.empty())
         line += ", error of " + of.output.adaptive->channel + " " + number_text(100 * of.output.adaptive->error) + " %";
     if (const std::uint64_t missed = of.output.unconverged_pixels; missed > 0)
         line += "; " + std::to_string(missed) + " pixels are above " + number_text(100 * of.output.adaptive->target) +
-                " % with the most samples that they may have";
+                " % at the maximum number of samples";
     print_line(line);
 }
 
-/// Verdicts of a file that was not read again.
+/// Prints the results of checks that were made during writing; the file was not read again.
 void print_written_verdicts(const RenderSummary& of) {
     if (!of.splits.empty()) return;
     for (const display::PartitionDeclaration& partition : of.image.partitions)
         if (const auto verdict = of.image.attributes.find("verdict/" + partition.name);
             verdict != of.image.attributes.end())
-            print_line("partition '" + partition.name + "', judged while it was written: " +
+            print_line("partition '" + partition.name + "', checked while it was written: " +
                        verdict->second.substr(0, verdict->second.find_last_not_of(' ') + 1));
 }
 
@@ -62,15 +62,17 @@ void print_summary(const RenderSummary& of) {
                        (of.image.layers.size() == 1 ? " layer, " : " layers, ") +
                        size_text(failed ? 0.0 : static_cast<double>(bytes));
     if (!of.output.complete)
-        line += interrupt_flag().load() ? "; INCOMPLETE: interrupted"
-                                        : "; INCOMPLETE: the time was up before all pixels had as many samples";
+        line += interrupt_flag().load()
+                    ? "; INCOMPLETE: interrupted"
+                    : "; INCOMPLETE: the time ended before all pixels had the same number of samples";
     print_line(line);
     if (!of.output.complete && (of.job.checkpoint_seconds > 0 || of.output.bands) &&
         fs::exists(checkpoint_file(of.job), failed))
-        print_line(checkpoint_file(of.job) + ": --resume goes on from here");
+        print_line(checkpoint_file(of.job) + ": --resume continues from here");
     print_sampling(of);
     if (!of.beauties.empty())
-        print_line("the beauty by another name: " + lpe::joined_by(of.beauties, ", ") + " (every path of this scene)");
+        print_line("layers equal to the beauty: " + lpe::joined_by(of.beauties, ", ") +
+                   " (they accept every path of this scene)");
     for (const std::string& path : of.files) print_line(path);
     if (!of.job.statistics.empty() && !is_standard_output(of.job.statistics)) print_line(of.job.statistics);
     const auto seconds = [&of](const char* phase) { return duration_text(of.phases.at(phase).wall_seconds); };

@@ -1,4 +1,4 @@
-// What a render says when it is done.
+// The summary that a render prints at its end.
 #pragma once
 
 #include <map>
@@ -17,20 +17,20 @@
 
 namespace raylex::experiments {
 
-/// All that is told, where it stands.
+/// All data of the summary.
 struct RenderSummary {
     const Job& job;
     const transport::RenderOutput& output;
-    const display::ExrImage& image;  ///< the file as a reader finds it
+    const display::ExrImage& image;  ///< as read back from the file
     std::span<const display::SplitVerdict> splits;
     const std::optional<display::DeepVerdict>& deep;
     const std::optional<display::AtlasVerdict>& atlas;
-    const std::vector<std::string>& beauties;  ///< layers that are every path of the scene
-    std::vector<std::string> files;            ///< beside the image
+    const std::vector<std::string>& beauties;  ///< layers that accept every path of the scene
+    std::vector<std::string> files;            ///< all files except the image
     const std::map<std::string, PhaseTime>& phases;
 };
 
-/// Verdicts, files, sampling and times, a line each.
+/// Prints the results of checks, the files, the sampling and the times, one line each.
 void print_summary(const RenderSummary& of);
 
 }  // namespace raylex::experiments

@@ -8,7 +8,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// `wanted`, or "NAME.2.exr" and so on where that is there: what an earlier render saved stays. Empty: all are there.
+/// Returns `wanted` if no such file exists, else the first free name of "NAME.2.exr" and so on, so that files of
+/// earlier renders stay. Returns an empty string if all names are taken.
 std::string unused_name(const fs::path& wanted) {
     constexpr int most = 1000;
     fs::path path = wanted;

@@ -1,4 +1,4 @@
-// What was rendered and cannot be written to its place after all: a full disk.
+// Saves a finished result elsewhere if its file cannot be written, for example on a full disk.
 #pragma once
 
 #include <functional>
@@ -8,9 +8,8 @@
 
 namespace raylex::experiments {
 
-/// Before `what` ("the image"), which was to stand at `path`, is given up, `write` is called with a name in the folder
-/// for temporary files ($TMPDIR), that of no file there. The failure comes back; its hint says where the file is now,
-/// or that it could not be saved there either.
+/// Calls `write` with an unused name in the folder for temporary files ($TMPDIR), because writing `what` ("the image")
+/// to `path` failed. Returns `failure` with a hint that names the new file, or that says that saving failed there too.
 Error rescued(Error failure, const std::string& what, const std::string& path,
               const std::function<Status(const std::string& path)>& write);
 

@@ -1,4 +1,4 @@
-// raylex scene: scenes as files and as what invariants are checked on.
+// raylex scene: describes, writes and checks scenes.
 #include <filesystem>
 #include <memory>
 
@@ -36,9 +36,10 @@ struct WriteOptions {
 int print_scene(const transport::SceneDescription& scene) {
     const transport::PbrtText text = transport::pbrt_text(scene);
     if (!text.meshes.empty())
-        return report_error(counted(text.meshes.size(), "mesh", "meshes") +
-                            " of the scene came from files, and go to files beside it; expected the name of a file "
-                            "behind -o");
+        return report_error(
+            counted(text.meshes.size(), "mesh", "meshes") +
+            " of the scene came from files and are written to files beside the scene; expected a file name "
+            "behind -o");
     for (const std::string& each : text.left_out) print_warning(each);
     const Status written = write_text("-", text.text);
     return written ? exit_holds : report_error(written.error());
@@ -52,7 +53,8 @@ int write_scene(const WriteOptions& options) {
     if (is_standard_output(options.output)) return print_scene(*scene);
     std::error_code none;
     if (fs::equivalent(options.input, options.output, none))
-        return report_error(error_at({options.output, 0, 0}, "this is the scene that is read", "another file's name"));
+        return report_error(
+            error_at({options.output, 0, 0}, "this file is the input scene", "choose another file name"));
     const auto left_out = transport::write_pbrt(*scene, options.output);
     if (!left_out) return report_error(left_out.error());
     for (const std::string& each : *left_out) print_warning(each);
@@ -62,17 +64,18 @@ int write_scene(const WriteOptions& options) {
 void add_write_command(CLI::App& scene, CommandContext& context) {
     CLI::App* command = scene.add_subcommand("write", "Writes a scene as one resolved pbrt-v4 file.");
     auto options = std::make_shared<WriteOptions>();
-    command->add_option("IN.pbrt", options->input, "the scene; what it includes and imports comes along")->required();
+    command->add_option("IN.pbrt", options->input, "the scene; its includes and imports are merged into the output")
+        ->required();
     command
         ->add_option(
             "-o,--output", options->output,
-            "the file; meshes that came from files go to FILE.meshes/. -: standard output, without such meshes")
+            "output file; meshes from files are written to FILE.meshes/. -: standard output, only without such meshes")
         ->option_text("OUT.pbrt")
         ->required();
     add_plugin_option(*command, options->plugins);
     command->footer(
-        "Includes, imports, attributes, names and transforms are resolved; numbers have the digits that read back as "
-        "themselves,\nso the file renders the same bits. Images are named by their absolute path.\n"
+        "Includes, imports, attributes, names and transforms are resolved. Numbers have enough digits to be read back "
+        "exactly,\nso the file renders the same bits. Images are referenced by absolute path.\n"
         "Exit codes: 0 written, 2 bad usage or input.");
     command->callback([options, &context] { context.exit_code = write_scene(*options); });
 }
@@ -151,7 +154,7 @@ int check_scene(const SceneCheckOptions& options) {
     const auto report = CheckingProcess(options.input, options.timeout).check(*text, options.check, &interrupt_flag());
     if (!report) return report_error(report.error());
     if (interrupt_flag().load()) return exit_interrupted;
-    if (!report->refused.empty()) return report_error("the scene is refused: " + report->refused);
+    if (!report->refused.empty()) return report_error("the scene has an error: " + report->refused);
     print_verdicts(report->verdicts);
     return report->holds() ? exit_holds : exit_does_not_hold;
 }
@@ -164,28 +167,35 @@ std::string invariant_list() {
 }
 
 void add_check_command(CLI::App& scene, CommandContext& context) {
-    CLI::App* command = scene.add_subcommand(
-        "check", "Reads a scene and looks for what can hardly be meant; checks what must hold of its images.");
+    CLI::App* command =
+        scene.add_subcommand("check", "Reports likely mistakes in a scene; can also check invariants of its images.");
     auto options = std::make_shared<SceneCheckOptions>();
     command->add_option("SCENE.pbrt", options->input, "the scene")->required();
     const OptionGroup group(*command, "Options");
     auto* invariants =
-        group.add_flag("--invariants", options->invariants, "renders it and variants of it, small, and prints a table");
-    group.add_repeated("--only", options->check.only, "NAME", "one of the invariants below")->needs(invariants);
-    group.add("--seed", options->check.seed, "N", "of samples and of the expressions that split the light; default 0");
-    group.add("--pixels", options->check.most_pixels, "N", "of an image at most; default 64");
-    group.add("--samples", options->check.most_samples, "N", "a pixel at most where bits are compared; default 4");
-    group.add("--mean-samples", options->check.samples_of_means, "N", "a pixel where means are compared; default 64");
-    group.add("--replicates", options->check.replicates, "N", "renders a mean; default 8, four times as many confirm");
-    group.add("--timeout", options->timeout, "S", "seconds after which the scene hangs; default 600");
+        group.add_flag("--invariants", options->invariants,
+                       "renders small images of the scene and of variants of it, and prints a table of invariants");
+    group.add_repeated("--only", options->check.only, "NAME", "checks only this invariant (listed below)")
+        ->needs(invariants);
+    group.add("--seed", options->check.seed, "N",
+              "seed of the samples and of the expressions that split the light; default 0");
+    group.add("--pixels", options->check.most_pixels, "N", "maximum number of pixels of an image; default 64");
+    group.add("--samples", options->check.most_samples, "N",
+              "maximum number of samples per pixel where bits are compared; default 4");
+    group.add("--mean-samples", options->check.samples_of_means, "N",
+              "samples per pixel where means are compared; default 64");
+    group.add("--replicates", options->check.replicates, "N",
+              "renders per mean; default 8. A failure is confirmed with four times as many");
+    group.add("--timeout", options->timeout, "S", "seconds after which the scene counts as hanging; default 600");
     add_plugin_option(*command, options->plugins);
     command->footer(
-        "Without --invariants: normals and texture coordinates that are of no use, lights "
-        "that give nothing,\nand what is defined and never used, each at its line of the file.\n"
+        "Without --invariants: reports useless normals and texture coordinates, lights without power,\nand unused "
+        "definitions, each with its line in the file.\n"
         "Invariants:\n" +
         invariant_list() +
-        "Means are compared by Student's t at a level of 1e-9 each, a thousandth for a million of them.\n"
-        "Exit codes: 0 all holds and nothing is in doubt, 1 something is, 2 bad usage or input.");
+        "Means are compared by Student's t test at a level of 1e-9: in a million comparisons, a false alarm has "
+        "probability 0.001.\n"
+        "Exit codes: 0 no failure and no likely mistake, 1 a failure or likely mistake, 2 bad usage or input.");
     command->callback([options, &context] { context.exit_code = check_scene(*options); });
 }
 

@@ -1,4 +1,4 @@
-// Subcommands of `raylex scene`; commands.h says what each of them does with its arguments.
+// Subcommands of `raylex scene`. commands.h describes their arguments.
 #pragma once
 
 #include "experiments/cli/commands.h"

@@ -1,4 +1,4 @@
-// raylex scene info: what a scene holds, and what it looks like.
+// raylex scene info: prints the contents of a scene, and renders a small picture of it.
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -27,7 +27,7 @@ struct SceneInfoOptions {
     bool without_build = false;
 };
 
-/// The image's shape, its longer side at most `side`.
+/// Returns a picture size with the image's aspect ratio and a longer side of at most `side` pixels.
 std::array<int, 2> picture_size(const SceneFacts& facts, int side) {
     const double scale = std::min(1.0, double(side) / std::max({facts.width, facts.height, 1}));
     const auto scaled = [scale](int size) { return std::max(1, static_cast<int>(size * scale + 0.5)); };
@@ -69,7 +69,7 @@ int tell_of(const SceneInfoOptions& options) {
     }
     if (built)
         if (const Status can = transport::check_render(*built, {}); !can)
-            facts.warnings.push_back("cannot be rendered as it is: " + can.error().to_string());
+            facts.warnings.push_back("cannot be rendered: " + can.error().to_string());
     loading.finish();
     for (const std::string& line : lines_of(facts)) print_line(line);
     for (const std::string& warning : facts.warnings) print_warning(warning);
@@ -89,21 +89,23 @@ int tell_of(const SceneInfoOptions& options) {
 }  // namespace
 
 void add_scene_info_command(CLI::App& scene, CommandContext& context) {
-    CLI::App* command = scene.add_subcommand("info", "Says what a scene holds: counts, bounds, memory, effects.");
+    CLI::App* command =
+        scene.add_subcommand("info", "Prints the contents of a scene: counts, bounds, memory, effects.");
     auto options = std::make_shared<SceneInfoOptions>();
     command->add_option("SCENE.pbrt", options->input, "the scene")->required();
     command
         ->add_option("--json", options->json,
-                     "the same for programs; -: to standard output, and the text to standard error")
+                     "also writes the contents as JSON; -: to standard output, and the text to standard error")
         ->option_text("FILE");
-    auto* picture = command->add_option("--picture", options->picture, "what its camera sees, small: a PNG file")
-                        ->option_text("FILE.png")
-                        ->check([](const std::string& name) {
-                            return std::filesystem::path(name).extension() == ".png"
-                                       ? std::string()
-                                       : "picture '" + name + "' has no name ending in .png; expected a PNG file name";
-                        });
-    command->add_option("--picture-side", options->picture_side, "its longer side in pixels; default 400")
+    auto* picture =
+        command->add_option("--picture", options->picture, "writes a small picture from the scene's camera as PNG")
+            ->option_text("FILE.png")
+            ->check([](const std::string& name) {
+                return std::filesystem::path(name).extension() == ".png"
+                           ? std::string()
+                           : "picture '" + name + "' does not end in .png; expected a PNG file name";
+            });
+    command->add_option("--picture-side", options->picture_side, "longer side of the picture in pixels; default 400")
         ->option_text("N")
         ->check(CLI::Range(1, 8192))
         ->needs(picture);
@@ -113,13 +115,14 @@ void add_scene_info_command(CLI::App& scene, CommandContext& context) {
         ->needs(picture);
     command
         ->add_flag("--no-build", options->without_build,
-                   "only what the file says: no acceleration structure, no images, so no bounds either")
+                   "reads only the scene files; builds no acceleration structure and reads no images, so the bounds "
+                   "are missing")
         ->excludes(picture);
     add_plugin_option(*command, options->plugins);
     command->footer(
-        "Primitives are counted as the file has them, displaced meshes before they are divided; "
-        "rays meet those of an object once for every instance.\n"
-        "Exit codes: 0 told, 2 bad usage or input, 130 after Ctrl-C.");
+        "Primitives are counted as in the file: displaced meshes before subdivision, and an object once, however many "
+        "instances it has.\n"
+        "Exit codes: 0 success, 2 bad usage or input, 130 after Ctrl-C.");
     command->callback([options, &context] { context.exit_code = tell_of(*options); });
 }
 

@@ -1,4 +1,4 @@
-// raylex experiment: one subcommand per step from a config to a report.
+// raylex experiment: one subcommand for each step from a config to a report.
 #include <algorithm>
 #include <functional>
 #include <memory>
@@ -30,13 +30,13 @@ struct ExperimentOptions {
     CommandOutputOptions commands;
 };
 
-/// Reads the config and does something with it; the exit code.
+/// Reads the config, calls `work` with it and returns the exit code.
 template <class Work>
 int with_config(const ExperimentOptions& options, Work work) {
     install_interrupt_handler();
     auto config = read_experiment_config(options.config, options.overrides);
     if (!config) return report_error(config.error());
-    // Where and with how many threads is no matter of what is rendered: neither changes a bit, nor the config's hash.
+    // The folder of references and the number of threads change neither the rendered bits nor the hash of the config.
     if (!options.references.empty()) config->reference.cache = absolute_path(options.references);
     if (options.threads > 0) config->base.settings.threads = static_cast<int>(options.threads);
     Shard shard;
@@ -49,13 +49,13 @@ int with_config(const ExperimentOptions& options, Work work) {
     return work(std::move(*config), shard);
 }
 
-/// raylex experiment plan --commands
+/// Runs raylex experiment plan --commands and returns the exit code.
 int print_study_commands(const CLI::App& command, const ExperimentOptions& options,
                          const std::vector<std::string>& arguments) {
     return with_config(options, [&](const ExperimentConfig& config, const Shard& shard) {
         if (options.output.empty())
-            return report_error("--commands without a directory of the results; expected -o DIR with it");
-        if (shard.parts > 1) return report_error("--shard and --commands; expected --shards N: commands are of all");
+            return report_error("--commands without a directory for the results; expected -o DIR as well");
+        if (shard.parts > 1) return report_error("--shard and --commands exclude each other; expected --shards N");
         std::vector<std::string> words = standing_alone(
             command, arguments,
             {"--commands", "--no-calibration", "--shards", "--split-cells", "--threads", "-o", "--output", "--shard"});
@@ -78,8 +78,7 @@ int run_plan(const CLI::App& command, const ExperimentOptions& options, const st
     if (!options.commands.format.empty()) return print_study_commands(command, options, arguments);
     if (options.shards > 0)
         return report_error(
-            "--shards without --commands; expected --commands with it, which prints the commands of "
-            "that many shards");
+            "--shards without --commands; expected --commands as well, to print the commands of that many shards");
     return with_config(options, [&](const ExperimentConfig& config, const Shard& shard) {
         const InterruptsWait wait;
         const Status printed =
@@ -89,25 +88,25 @@ int run_plan(const CLI::App& command, const ExperimentOptions& options, const st
     });
 }
 
-/// What was begun as something else is not begun over.
+/// Returns an error if the directory contains a run with other settings.
 Status check_same_run(const std::string& directory, const RunMark& mark) {
     const auto there = begun_mark(directory);
     if (!there || (there->config_hash == mark.config_hash && there->shard.part == mark.shard.part &&
                    there->shard.parts == mark.shard.parts && there->shard.split_cells == mark.shard.split_cells))
         return success();
     return error_at({directory, 0, 0},
-                    "this was begun from another config, with another --set, --shard or --split-cells",
-                    "choose another directory with -o, or give what it was begun with");
+                    "this directory contains a run of another config, --set, --shard or --split-cells",
+                    "choose another directory with -o, or the settings of that run");
 }
 
-/// What a run of before says of the whole of this one, if it finished.
+/// Returns the exit code of an earlier run in this directory that finished the whole study; nothing if there is none.
 std::optional<int> done_before(const ExperimentOptions& options, const RunMark& mark) {
     const auto there = finished_mark(options.output);
     if (!there || options.retry || there->config_hash != mark.config_hash || there->shard.part != mark.shard.part ||
         there->shard.parts != mark.shard.parts || there->shard.split_cells != mark.shard.split_cells ||
         there->only_references != mark.only_references)
         return std::nullopt;
-    print_line(options.output + ": done already, " + counted(there->done, "cell") +
+    print_line(options.output + ": already done, " + counted(there->done, "cell") +
                (there->failed > 0 ? ", " + std::to_string(there->failed) + " FAILED" : ""));
     return there->failed > 0 ? exit_bad_input : exit_holds;
 }
@@ -116,7 +115,7 @@ int run_cells(const ExperimentOptions& options, bool resume) {
     return with_config(options, [&](const ExperimentConfig& config, const Shard& shard) {
         const bool begin = options.resume || options.only_references;
         if (options.retry && !begin && !resume)
-            return report_error("--retry without --resume; expected both: what failed before is run again");
+            return report_error("--retry without --resume; expected both, to run failed cells again");
         RunMark mark{config.hash, shard, options.only_references};
         if (begin) {
             if (const auto code = done_before(options, mark)) return *code;
@@ -158,12 +157,12 @@ int run_replay(const ExperimentOptions& options) {
         std::string compared;
         for (const std::string& each : outcome->compared) compared += (compared.empty() ? "" : ", ") + each;
         print_line(options.cell +
-                   (outcome->same ? ": the same bits again, in " + compared : ": DIFFERS in " + outcome->difference));
+                   (outcome->same ? ": the same bits, in " + compared : ": DIFFERS in " + outcome->difference));
         return outcome->same ? exit_holds : exit_does_not_hold;
     });
 }
 
-/// The config says what the results must be of; it is not read beyond that.
+/// Writes the report. The config is only compared with the results.
 int run_report(const ExperimentOptions& options) {
     return with_config(options, [&](const ExperimentConfig& config, const Shard&) {
         auto results = read_experiment(options.output);
@@ -182,8 +181,8 @@ void add_config(CLI::App& command, ExperimentOptions& options) {
     command
         .add_option(
             "--set", options.overrides,
-            "sets a value of the config, as KEY=VALUE: replicates=2, reference.spp=64, method.NAME.max_depth=4, "
-            "scene.*.resolution=64x64; tables of a list go by their names; may be repeated")
+            "overrides a value of the config, as KEY=VALUE: replicates=2, reference.spp=64, method.NAME.max_depth=4, "
+            "scene.*.resolution=64x64; NAME selects a table of a list; may be repeated")
         ->option_text("KEY=VALUE")
         ->expected(1)
         ->allow_extra_args(false)
@@ -191,13 +190,14 @@ void add_config(CLI::App& command, ExperimentOptions& options) {
 }
 
 void add_output(CLI::App& command, ExperimentOptions& options, bool required) {
-    auto* option = command.add_option("-o,--output", options.output, "directory of the results");
+    auto* option = command.add_option("-o,--output", options.output, "directory for the results");
     option->option_text(required ? "DIR (required)" : "DIR");
     if (required) option->required();
 }
 
 void add_threads(CLI::App& command, ExperimentOptions& options) {
-    command.add_option("--threads", options.threads, "threads in place of the config's; the bits are the same")
+    command
+        .add_option("--threads", options.threads, "number of threads, instead of the config's; the bits stay the same")
         ->option_text("N")
         ->check(CLI::Range(1U, 4096U));
 }
@@ -206,31 +206,32 @@ void add_merge_options(CLI::App& command, ExperimentMergeOptions& options) {
     command.add_option("DIR", options.directories, "directories of results, in any order")
         ->required()
         ->option_text("...");
-    command.add_option("-o,--output", options.output, "directory of the results")
+    command.add_option("-o,--output", options.output, "directory for the merged results")
         ->required()
         ->option_text("DIR (required)");
     command
         .add_option("--shards", options.shards,
-                    "merges DIR/1 to DIR/N, all of which must be finished: what 'run --resume --shard' leaves there")
+                    "merges DIR/1 to DIR/N, the results of 'run --resume --shard', all of which must be finished")
         ->option_text("N")
         ->check(CLI::Range(1U, 100000U));
-    command.add_flag("--wait", options.wait,
-                     "waits for shards that processes on this machine are at, and ten seconds for one to begin");
-    command.add_flag("--replace", options.replace, "takes the place of what was merged to the same directory before");
-    command.add_flag("--report", options.report, "and then the report, as 'raylex experiment report' does");
+    command.add_flag(
+        "--wait", options.wait,
+        "waits for shards that processes on this machine are running, and ten seconds for a process to begin");
+    command.add_flag("--replace", options.replace, "replaces the results of an earlier merge in the same directory");
+    command.add_flag("--report", options.report, "then writes the report, like 'raylex experiment report'");
 }
 
 void add_shard(CLI::App& command, ExperimentOptions& options) {
     command
         .add_option("--shard", options.shard,
-                    "only every PARTS-th cell of the plan, beginning with the PART-th; merge makes one of them again")
+                    "runs only every PARTS-th cell of the plan, beginning with the PART-th; 'experiment merge' "
+                    "combines the parts")
         ->option_text("PART/PARTS");
     command
-        .add_option(
-            "--split-cells", options.split_cells,
-            "renders the samples of each cell in N parts, which --shard shares out like cells; merge makes the cell of "
-            "them, the same bits. Cells that end by time or by error, of external commands, of Markov chains or of few "
-            "samples stay whole")
+        .add_option("--split-cells", options.split_cells,
+                    "renders the samples of each cell in N parts, which --shard distributes like cells; 'experiment "
+                    "merge' combines them with the same bits. Cells that end by time or error, run external commands, "
+                    "use Markov chains or have few samples stay whole")
         ->option_text("N")
         ->check(CLI::Range(1U, 4096U));
 }
@@ -239,13 +240,12 @@ void add_plan_options(CLI::App& command, ExperimentOptions& options) {
     add_config(command, options);
     add_output(command, options, false);
     add_shard(command, options);
-    command
-        .add_option("--shards", options.shards, "with --commands: shards that the cells are shared out to; default 1")
+    command.add_option("--shards", options.shards, "with --commands: number of shards of the cells; default 1")
         ->option_text("N")
         ->check(CLI::Range(1U, 100000U));
     add_threads(command, options);
     command.add_flag("--no-calibration", options.commands.no_calibration,
-                     "renders nothing: times that only a render can tell are not known");
+                     "renders nothing; times that need a test render are unknown");
     add_command_output_options(command, options.commands, "");
 }
 
@@ -253,12 +253,12 @@ void add_run_options(CLI::App& command, ExperimentOptions& options) {
     add_config(command, options);
     add_output(command, options, true);
     add_shard(command, options);
-    command.add_flag("--report", options.report, "and then the report, as 'raylex experiment report' does");
+    command.add_flag("--report", options.report, "then writes the report, like 'raylex experiment report'");
     add_threads(command, options);
     command
         .add_option("--references", options.references,
-                    "folder of references that runs share: one makes each, the others wait; default: as the config "
-                    "says, else in the results")
+                    "folder of references that several runs share; one run renders a reference while the others wait; "
+                    "default: the config's folder, else in the results")
         ->option_text("DIR");
     command.add_flag("--retry", options.retry, "runs failed cells again");
     command.footer(
@@ -268,9 +268,9 @@ void add_run_options(CLI::App& command, ExperimentOptions& options) {
 }  // namespace
 
 void add_experiment_command(CLI::App& app, CommandContext& context) {
-    CLI::App* command = app.add_subcommand("experiment",
-                                           "Runs methods x scenes x settings x budgets x seeds from one config, and "
-                                           "keeps every image and its statistics.");
+    CLI::App* command = app.add_subcommand(
+        "experiment",
+        "Runs methods x scenes x settings x budgets x seeds from one config, and stores all images and statistics.");
     command->require_subcommand(1);
     auto options = std::make_shared<ExperimentOptions>();
     const auto add = [&](const char* name, const char* description, std::function<int()> work) {
@@ -279,33 +279,34 @@ void add_experiment_command(CLI::App& app, CommandContext& context) {
         return step;
     };
     CLI::App* plan =
-        add("plan", "Prints the cells, the expected time and how it was got, and the memory; writes nothing.", {});
+        add("plan", "Prints the cells, the expected time with its source, and the memory; writes no file.", {});
     plan->callback([plan, options, &context] { context.exit_code = run_plan(*plan, *options, context.arguments); });
     add_plan_options(*plan, *options);
     CLI::App* run =
-        add("run", "Makes the references, then runs the cells.", [options] { return run_cells(*options, false); });
-    CLI::App* resume = add("resume", "Goes on with results that are there, at the cell and inside it.",
+        add("run", "Renders the references, then runs the cells.", [options] { return run_cells(*options, false); });
+    CLI::App* resume = add("resume", "Continues an interrupted run, even inside a cell.",
                            [options] { return run_cells(*options, true); });
     for (CLI::App* each : {run, resume}) add_run_options(*each, *options);
-    run->add_flag("--resume", options->resume, "begins, or goes on with what is there; does nothing when it is done");
-    run->add_flag("--only-references", options->only_references, "makes the references alone; begins or goes on");
+    run->add_flag("--resume", options->resume, "begins or continues; does nothing if the run is finished");
+    run->add_flag("--only-references", options->only_references, "renders only the references; begins or continues");
     auto merging = std::make_shared<ExperimentMergeOptions>();
-    CLI::App* merge = add("merge", "Makes one directory of several with cells of one config.",
+    CLI::App* merge = add("merge", "Merges several directories with cells of one config.",
                           [merging] { return merge_study(*merging); });
     add_merge_options(*merge, *merging);
     CLI::App* replay =
         add("replay", "Renders a finished cell again and compares every bit; exit code 1 when one differs.",
             [options] { return run_replay(*options); });
     add_config(*replay, *options);
-    replay->add_option("CELL", options->cell, "the cell, as cells/ has it")->required()->option_text("(required)");
+    replay->add_option("CELL", options->cell, "name of the cell in cells/")->required()->option_text("(required)");
     add_output(*replay, *options, true);
     CLI::App* report =
-        add("report", "Writes report.html, results.csv, results.jsonl and plots/*.svg of the cells that are done.",
+        add("report", "Writes report.html, results.csv, results.jsonl and plots/*.svg for the finished cells.",
             [options] { return run_report(*options); });
     add_config(*report, *options);
     add_output(*report, *options, true);
     report
-        ->add_option("--to", options->report_directory, "directory of the report's files; default: that of the results")
+        ->add_option("--to", options->report_directory,
+                     "directory for the report; default: the directory of the results")
         ->option_text("DIR");
 }
 

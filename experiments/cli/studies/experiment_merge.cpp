@@ -17,29 +17,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The lock of the run whose finished_file() this is.
+/// Returns the lock file of the run with this finished_file().
 std::string run_lock(const std::string& finished) {
     const std::string directory = fs::path(finished).parent_path().string();
     const auto mark = begun_mark(directory);
     return directory + "/.running" + (mark && mark->shard.parts > 1 ? "-" + std::to_string(mark->shard.part) : "");
 }
 
-/// The directories of --shards, each of which must be finished.
+/// Returns the directories of --shards. Errors: a shard is not finished.
 Result<std::vector<std::string>> finished_shards(const ExperimentMergeOptions& options) {
     if (options.directories.size() != 1)
-        return error_at({"--shards", 0, 0}, "--shards with several directories; expected one, which has 1 to " +
-                                                std::to_string(options.shards) + " in it");
+        return error_at({"--shards", 0, 0},
+                        "--shards with several directories; expected one with subdirectories 1 to " +
+                            std::to_string(options.shards) + " in it");
     std::vector<std::string> directories, files;
     for (unsigned part = 1; part <= options.shards; ++part) {
         directories.push_back(options.directories.front() + "/" + std::to_string(part));
         files.push_back(finished_file(directories.back()));
     }
-    constexpr double patience = 10;  // a shard's process is sooner at its lock
+    constexpr double patience = 10;  // seconds; the process of a shard takes its lock sooner
     if (Status all = wait_for_files(files, run_lock, options.wait ? patience : 0); !all) return all.error();
     return directories;
 }
 
-/// Cells to equal time say something only on equal machines.
+/// Warns of cells with a time budget on different kinds of machines, because their errors are not comparable.
 void warn_of_machines(const Experiment& results) {
     std::set<std::string> machines;
     for (const Cell& each : results.cells)
@@ -47,11 +48,11 @@ void warn_of_machines(const Experiment& results) {
     if (machines.size() < 2) return;
     std::string list;
     for (const std::string& each : machines) list += "\n  " + each;
-    print_warning("cells with a budget of seconds are of " + std::to_string(machines.size()) +
-                  " kinds of machines, so that their errors do not compare:" + list);
+    print_warning("cells with a budget in seconds ran on " + std::to_string(machines.size()) +
+                  " kinds of machines, so their errors are not comparable:" + list);
 }
 
-/// Under a name of its own until it is whole, so that what was merged before survives every failure.
+/// Merges into a temporary directory and renames it at the end, so that an earlier merge survives every failure.
 Result<MergeOutcome> merge_whole(const std::vector<std::string>& directories, const ExperimentMergeOptions& options) {
     std::error_code failed;
     if (!options.replace || (fs::exists(options.output, failed) && !fs::exists(options.output + "/experiment.json")))
@@ -63,7 +64,8 @@ Result<MergeOutcome> merge_whole(const std::vector<std::string>& directories, co
     fs::remove_all(old, failed);
     if (fs::exists(options.output, failed)) fs::rename(options.output, old, failed);
     if (!failed) fs::rename(partial, options.output, failed);
-    if (failed) return directory_error(options.output, "cannot rename '" + partial + "' to this: " + failed.message());
+    if (failed)
+        return directory_error(options.output, "cannot rename '" + partial + "' to this name: " + failed.message());
     fs::remove_all(old, failed);
     return outcome;
 }

@@ -9,11 +9,11 @@ namespace raylex::experiments {
 struct ExperimentMergeOptions {
     std::vector<std::string> directories;
     std::string output;
-    unsigned shards = 0;  ///< DIR/1 to DIR/N of the one directory that is named; 0: the directories themselves
+    unsigned shards = 0;  ///< merge DIR/1 to DIR/N of the only directory; 0: merge the directories themselves
     bool wait = false, replace = false, report = false;
 };
 
-/// The exit code.
+/// Merges and returns the exit code.
 int merge_study(const ExperimentMergeOptions& options);
 
 }  // namespace raylex::experiments

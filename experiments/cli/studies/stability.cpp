@@ -1,4 +1,4 @@
-// raylex stability: hard cases, what must hold of each, and what was measured.
+// raylex stability: runs hard cases and checks each result.
 #include <filesystem>
 #include <memory>
 
@@ -93,7 +93,7 @@ int run_stability(StabilityOptions& options) {
         return exit_holds;
     }
     if (!options.beside.program.empty() && options.output.empty())
-        return report_error("--beside needs -o: the page shows both side by side");
+        return report_error("--beside needs -o FOLDER, because its results appear on the page");
     if (!options.output.empty()) {
         std::error_code failed;
         fs::create_directories(options.output, failed);
@@ -107,7 +107,7 @@ int run_stability(StabilityOptions& options) {
         if (Status written = write_results(options, *families, *results); !written)
             return report_error(written.error());
     if (results->lines.empty() && !results->interrupted)
-        return report_error("no case is left to run; 'raylex stability --list' names them");
+        return report_error("the options select no case; 'raylex stability --list' names them");
     const std::size_t good = results->count(LineVerdict::holds), absent = results->count(LineVerdict::not_applicable),
                       bad = results->lines.size() - good - absent;
     print_verdict(counted(good, "line holds", "lines hold") + ", " + std::to_string(bad) + " not" +
@@ -122,47 +122,49 @@ int run_stability(StabilityOptions& options) {
 
 void add_stability_command(CLI::App& app, CommandContext& context) {
     CLI::App* command = app.add_subcommand(
-        "stability",
-        "Hard numerical cases: what must hold of each, what was measured, how near the tolerance it came.");
+        "stability", "Runs hard numerical cases and compares each measurement with its expected value and tolerance.");
     auto options = std::make_shared<StabilityOptions>();
-    command->add_option("SUITE", options->files, "files of cases, or folders of them; default: the shipped suite")
+    command
+        ->add_option("SUITE", options->files, "files of cases, or folders with such files; default: raylex's own suite")
         ->option_text("...");
     command
         ->add_option("-o,--output", options->output,
-                     "folder for results.json, results.csv, pictures and page.html, which has it all")
+                     "folder for results.json, results.csv, pictures and page.html, which shows everything")
         ->option_text("FOLDER");
-    command->add_flag(
-        "--fast", options->suite.fast,
-        "leaves out the cases that say they are slow, and values that are not among the 'fast' of others");
-    command->add_option("--case", options->suite.names, "only the cases of this name; * and ? match; may be repeated")
+    command->add_flag("--fast", options->suite.fast,
+                      "leaves out cases marked 'slow', and of other cases the values that are not listed as 'fast'");
+    command
+        ->add_option("--case", options->suite.names,
+                     "runs only cases with this name, which may contain * and ?; may be repeated")
         ->option_text("NAME")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    command->add_option("--row", options->suite.rows, "only cases of this row of the hard cases; may be repeated")
+    command
+        ->add_option("--row", options->suite.rows,
+                     "runs only cases for this row of the list of hard cases; may be repeated")
         ->option_text("N")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    command->add_option("--threads", options->suite.threads, "lines side by side; default: all the machine offers")
+    command->add_option("--threads", options->suite.threads, "number of lines that run at once; default: all cores")
         ->option_text("N")
         ->check(CLI::Range(1, 1024));
     command
         ->add_option("--beside", options->beside,
-                     "another raylex, such as one built with -DRAYLEX_TRANSPORT_DOUBLE=ON: runs the same cases, whose "
-                     "errors and times stand beside these on the page")
+                     "another raylex program, such as one built with -DRAYLEX_TRANSPORT_DOUBLE=ON; it runs the same "
+                     "cases, and the page shows the errors and times of both")
         ->option_text("PROGRAM");
     command
-        ->add_option(
-            "--scene", options->beside.scenes,
-            "with --beside: a pbrt file that both programs render with the same random numbers, to see how far "
-            "the images differ and what each took; may be repeated")
+        ->add_option("--scene", options->beside.scenes,
+                     "with --beside: a pbrt file that both programs render with the same random numbers, to compare "
+                     "images and times; may be repeated")
         ->option_text("SCENE.pbrt")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    command->add_option("--scene-spp", options->beside.samples, "samples a pixel of those scenes; default 16")
+    command->add_option("--scene-spp", options->beside.samples, "samples per pixel of these scenes; default 16")
         ->option_text("N");
-    command->add_flag("--list", options->list, "only names the cases");
+    command->add_flag("--list", options->list, "lists the cases and ends");
     add_plugin_option(*command, options->plugins);
-    command->footer("experiments/docs/stability.md says how to add a case. Exit code 1: a line does not hold.");
+    command->footer("experiments/docs/stability.md explains how to add a case. Exit code 1: a line does not hold.");
     command->callback([options, &context] { context.exit_code = run_stability(*options); });
 }
 

@@ -1,4 +1,4 @@
-// raylex submit and raylex status: a study on a queue.
+// raylex submit and raylex status: run a study on a queue.
 #include <filesystem>
 #include <memory>
 #include <numeric>
@@ -25,7 +25,7 @@ struct SubmitOptions {
     bool slurm = false, again = false, no_calibration = false, no_report = false;
 };
 
-/// Whether the directory can be submitted: for the first time, or again once nothing of it is in the queue.
+/// Returns success if the directory can be submitted: for the first time, or again if none of its jobs is in the queue.
 Status check_first_submission(const SubmitOptions& options, const std::string& directory) {
     auto earlier = read_submission(directory);
     if (!earlier) return earlier.error();
@@ -36,22 +36,22 @@ Status check_first_submission(const SubmitOptions& options, const std::string& d
     if (!options.again)
         return error_at({directory, 0, 0},
                         "a study was submitted into this directory at " + there.submitted + " (jobs " + jobs + ")",
-                        "'raylex status' tells how far it is; --again submits what is not done, once none of its jobs "
+                        "'raylex status' shows its progress; --again submits the unfinished work if none of its jobs "
                         "is in the queue; or choose another directory with -o");
     auto queue = slurm_queue(there.ids());
     if (!queue) return queue.error();
     if (!queue->empty())
         return error_at({directory, 0, 0},
                         "its jobs are still in the queue: " + queue->begin()->first + " is " + queue->begin()->second,
-                        "wait for them, or end them: scancel " + jobs);
+                        "wait for them, or cancel them: scancel " + jobs);
     if (there.count != options.shards)
         return error_at({"--shards", 0, 0},
-                        "it was submitted in " + std::to_string(there.count) + " shards; expected as many");
+                        "it was submitted in " + std::to_string(there.count) + " shards; expected the same number");
     return success();
 }
 
-/// The shards that are not done, or have cells that failed. An Error when one was begun from another config or in other
-/// parts.
+/// Returns the shards that are not finished or have failed cells. Error: a shard was begun with another config or
+/// number of parts.
 Result<std::vector<unsigned>> shards_to_run(const ExperimentConfig& config, const SubmitOptions& options,
                                             const StudyFolders& folders) {
     std::vector<unsigned> wanted;
@@ -60,8 +60,8 @@ Result<std::vector<unsigned>> shards_to_run(const ExperimentConfig& config, cons
         if (begun && (begun->config_hash != config.hash || begun->shard.parts != options.shards ||
                       begun->shard.split_cells != options.split_cells))
             return error_at({folders.part(part), 0, 0},
-                            "this shard was begun from another config, with another --set, --shards or --split-cells",
-                            "choose another directory with -o, or give what it was begun with");
+                            "this shard belongs to a run of another config, --set, --shards or --split-cells",
+                            "choose another directory with -o, or the settings of that run");
         if (!is_done(folders.part(part))) wanted.push_back(part);
     }
     return wanted;
@@ -69,9 +69,9 @@ Result<std::vector<unsigned>> shards_to_run(const ExperimentConfig& config, cons
 
 int submit(const CLI::App& command, const SubmitOptions& options, const std::vector<std::string>& arguments) {
     install_interrupt_handler();
-    if (!options.slurm) return report_error("no queue is named; expected --slurm");
+    if (!options.slurm) return report_error("no queue; expected --slurm");
     if (options.shards == 0)
-        return report_error("no number of shards; expected --shards N: tasks that run side by side");
+        return report_error("no number of shards; expected --shards N, the number of tasks that run at once");
     auto config = read_experiment_config(options.config, options.overrides);
     if (!config) return report_error(config.error());
     const std::string directory = absolute_path(options.directory);
@@ -88,7 +88,7 @@ int submit(const CLI::App& command, const SubmitOptions& options, const std::vec
         print_line(directory + ": all shards are done, and merged to " + folders.results);
         return exit_holds;
     }
-    if (wanted->empty()) wanted->push_back(options.shards);  // done already: the array must not be empty
+    if (wanted->empty()) wanted->push_back(options.shards);  // everything is done, but the array must not be empty
     std::vector<std::string> words =
         standing_alone(command, arguments,
                        {"--slurm", "-o", "--output", "--shards", "--split-cells", "--cores", "--option", "--template",
@@ -144,45 +144,47 @@ int show_status(const std::string& given) {
 
 void add_submit_command(CLI::App& app, CommandContext& context) {
     CLI::App* command = app.add_subcommand(
-        "submit", "Hands a study to a queue: its references, its cells as an array of tasks, and what merges them.");
+        "submit", "Submits a study to a queue: the references, the cells as an array of tasks, and the merge.");
     auto options = std::make_shared<SubmitOptions>();
     command->add_option("CONFIG.toml", options->config, "the experiment")->required()->option_text("(required)");
-    command->add_flag("--slurm", options->slurm, "to Slurm, by its sbatch");
-    command->add_option("-o,--output", options->directory, "directory of all that the study leaves; tasks must see it")
+    command->add_flag("--slurm", options->slurm, "submits to Slurm, by its sbatch");
+    command
+        ->add_option("-o,--output", options->directory,
+                     "directory for all files of the study; all tasks must be able to access it")
         ->required()
         ->option_text("DIR (required)");
-    command->add_option("--shards", options->shards, "tasks that the cells are shared out to")
+    command->add_option("--shards", options->shards, "number of tasks for the cells")
         ->option_text("N (required)")
         ->check(CLI::Range(1U, 100000U));
-    command->add_option("--split-cells", options->split_cells, "renders the samples of each cell in so many parts")
+    command->add_option("--split-cells", options->split_cells, "renders the samples of each cell in N parts")
         ->option_text("N")
         ->check(CLI::Range(1U, 4096U));
-    command->add_option("--cores", options->cores, "cores of a task; default 1")
+    command->add_option("--cores", options->cores, "cores per task; default 1")
         ->option_text("N")
         ->check(CLI::Range(1U, 4096U));
     command
         ->add_option("--set", options->overrides,
-                     "sets a value of the config, as 'raylex experiment' does; may be repeated")
+                     "overrides a value of the config, like --set of 'raylex experiment'; may be repeated")
         ->option_text("KEY=VALUE")
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     command
         ->add_option("--option", options->slurm_options,
-                     "an option of sbatch for all jobs, such as --option=--partition=long; may be repeated")
+                     "option of sbatch for all jobs, such as --option=--partition=long; may be repeated")
         ->option_text("OPTION")
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    command->add_option("--template", options->form, "a job file's template of your own; default: slurm.sh of raylex")
+    command->add_option("--template", options->form, "your own template of the job files; default: raylex's slurm.sh")
         ->option_text("FILE");
     command->add_flag("--again", options->again,
-                      "submits what is not done of an earlier submission, and runs failed cells again");
+                      "submits the unfinished work of an earlier submission, and runs failed cells again");
     command->add_flag("--no-calibration", options->no_calibration,
-                      "renders nothing here: no memory is asked for, and times are not known");
-    command->add_flag("--no-report", options->no_report, "merges without making the report");
+                      "renders nothing for estimates: jobs request no memory, and times are unknown");
+    command->add_flag("--no-report", options->no_report, "does not make the report after the merge");
     command->footer(
-        "Exit codes: 0 submitted; 2 bad input, or there is no queue: the job files are written then, to be used by "
+        "Exit codes: 0 submitted; 2 bad input, or no queue is found: then the job files are written, for use by "
         "hand.");
     command->callback(
         [command, options, &context] { context.exit_code = submit(*command, *options, context.arguments); });
@@ -190,12 +192,13 @@ void add_submit_command(CLI::App& app, CommandContext& context) {
 
 void add_status_command(CLI::App& app, CommandContext& context) {
     CLI::App* command =
-        app.add_subcommand("status", "Tells how far a study on many machines is: done, running, failed, missing.");
+        app.add_subcommand("status", "Shows the progress of a study on many machines: done, running, failed, missing.");
     auto directory = std::make_shared<std::string>();
     command->add_option("DIR", *directory, "the -o of 'raylex submit', or of 'raylex experiment plan --commands'")
         ->required()
         ->option_text("(required)");
-    command->footer("Exit codes: 0 all is done and merged; 1 not yet; 2 something failed, or nothing was begun there.");
+    command->footer(
+        "Exit codes: 0 everything is done and merged; 1 not yet; 2 something failed, or the directory has no study.");
     command->callback([directory, &context] { context.exit_code = show_status(*directory); });
 }
 

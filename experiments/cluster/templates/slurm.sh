@@ -1,6 +1,6 @@
 #!/bin/bash
-# {{job}}, made by raylex {{version}} from the template slurm.sh: what your site asks for may be written there
-# (share/raylex/cluster/slurm.sh), or given to 'raylex submit' by --option.
+# {{job}}, made by raylex {{version}} from the template slurm.sh. Add options of your site to the template
+# (share/raylex/cluster/slurm.sh), or pass them to 'raylex submit' by --option.
 #SBATCH --job-name="{{job}}"
 #SBATCH --output="{{log}}"
 #SBATCH --open-mode=append
@@ -17,7 +17,7 @@
 {{#exclusive}}
 #SBATCH --exclusive
 {{/exclusive}}
-# A minute before its time is up a task is told, and saves what it has.
+# Slurm signals a task one minute before its time limit, so that it can save its work.
 #SBATCH --signal=B:TERM@60
 {{#options}}
 {{options}}

@@ -1,4 +1,4 @@
-// A set of channels as a text of each format.
+// Writes a set of channels in each format.
 #include <algorithm>
 #include <map>
 #include <optional>
@@ -14,7 +14,7 @@
 namespace raylex::experiments {
 namespace {
 
-/// Names that layers may have; others are changed into ones that they may.
+/// Maps channel names to valid layer names.
 class LayerNames {
   public:
     std::string fit(const std::string& name) {
@@ -46,7 +46,7 @@ std::string list_text(const std::vector<std::string>& names) {
     return "[" + text + "]";
 }
 
-/// A key of TOML, in quotes where it needs them.
+/// Returns a TOML key, with quotes if necessary.
 std::string key_text(const std::string& name) {
     const bool bare = std::all_of(name.begin(), name.end(), [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -60,7 +60,7 @@ std::string techniques_text(const TechniqueRequest& request) {
     return "pyramid:" + names;
 }
 
-/// The keys of [channels].
+/// Returns the keys of [channels].
 std::string asked_text(const Job& job, const std::map<std::string, std::string>& rules) {
     std::vector<std::string> aovs, mattes;
     for (const AovRequest& each : job.aovs) aovs.push_back(each.name);
@@ -82,8 +82,8 @@ std::string asked_text(const Job& job, const std::map<std::string, std::string>&
 
 using SettingsOf = std::map<std::string, std::vector<std::string>>;
 
-/// Channels and layers, each with an empty line before it. What stands in a channel's own table is taken off
-/// `statistics` and `rules`.
+/// Returns the tables of channels and layers, each after an empty line. Settings that go into a channel's own table are
+/// removed from `statistics` and `rules`.
 std::string channel_texts(const ChannelSet& set, const Job& job, LayerNames& names, SettingsOf& statistics,
                           std::map<std::string, std::string>& rules) {
     std::string text;
@@ -112,7 +112,7 @@ std::string channel_texts(const ChannelSet& set, const Job& job, LayerNames& nam
     return text;
 }
 
-/// What a render of the set would be asked for, as tables of a job.
+/// Returns the set as tables of a job.
 Result<std::string> toml_text(const ChannelSet& set, std::vector<std::string>& warnings) {
     Job job;
     if (Status added = add_to_job(set, job, warnings); !added) return added.error();
@@ -154,28 +154,29 @@ Result<std::string> toml_text(const ChannelSet& set, std::vector<std::string>& w
         if (!partition.rest.empty()) text += "rest = " + lpe::quoted(partition.rest) + "\n";
     }
     if (names.changed() > 0)
-        warnings.push_back(std::to_string(names.changed()) + " names of channels cannot be layers; they are changed");
+        warnings.push_back(std::to_string(names.changed()) +
+                           " channel names are not valid layer names and are changed");
     return text;
 }
 
-/// What is called a channel's type in RIB.
+/// Returns the name of a channel type in RIB.
 std::string rib_type(display::ChannelType type) {
     return type == display::ChannelType::rgb ? "color" : display::type_name(type);
 }
 
-/// What other formats have no place for, each by its name and where it stands.
+/// Warns of everything that the format cannot store, by name and place.
 void name_left_out(const ChannelSet& set, lpe::ChannelFormat format, std::vector<std::string>& warnings) {
     const std::string target = format == lpe::ChannelFormat::rib    ? "RIB"
                                : format == lpe::ChannelFormat::usda ? "USD"
                                                                     : "rendermn.ini";
     const auto leave = [&](const SourceLocation& where, const std::string& what) {
         warnings.push_back(where.file + (where.line > 0 ? ":" + std::to_string(where.line) : "") + ": " + target +
-                           " has no place for " + what + "; it is left out");
+                           " cannot store " + what + "; it is left out");
     };
     for (const PartitionRequest& each : set.partitions) leave(each.location, "the partition '" + each.name + "'");
     for (const Job& job : set.tables) {
         const auto table = parse_toml(job.job_text, job.job_file);
-        if (!table) continue;  // it was read before
+        if (!table) continue;  // read above
         const TomlSource source(job.job_file, job.job_text);
         for (const char* key : {"shipped_partition", "light_groups", "techniques", "cryptomatte"})
             if (const auto node = (*table)["channels"][key]; node && node.value_or(true))
@@ -183,7 +184,7 @@ void name_left_out(const ChannelSet& set, lpe::ChannelFormat format, std::vector
     }
 }
 
-/// The channels with macros written out, for formats that have none. Each macro is named.
+/// Expands macros for formats without macros, with a warning for each macro.
 void write_out_macros(lpe::ChannelFile& file, std::vector<std::string>& warnings) {
     lpe::MacroTable macros;
     for (const lpe::ChannelSource& macro : file.macros)
@@ -196,15 +197,15 @@ void write_out_macros(lpe::ChannelFile& file, std::vector<std::string>& warnings
     for (const lpe::ChannelSource& macro : file.macros)
         if (!channels.contains(macro.name))
             warnings.push_back(macro.origin + ":" + std::to_string(macro.origin_line) + ": the macro '" + macro.name +
-                               "' is written out where channels use it, since the format has no macros");
+                               "' is expanded in the channels, because the format has no macros");
 }
 
 std::string filter_parameter(display::FilterRule rule) {
     return "\"string filter\" [\"" + std::string(display::rule_name(rule)) + "\"]";
 }
 
-/// The set for formats that hold channels alone: what TOML keeps in tables of statistics, AOVs, rules and layers are
-/// channels there.
+/// Returns the set for formats that have only channels. Statistics, AOVs, rules and layers of TOML tables become
+/// channels.
 lpe::ChannelFile as_channels(const ChannelSet& set, lpe::ChannelFormat format, std::vector<std::string>& warnings) {
     lpe::ChannelFile file = set.file;
     if (format != lpe::ChannelFormat::ini) write_out_macros(file, warnings);

@@ -66,7 +66,7 @@ class Planner {
         return success();
     }
 
-    /// Whether a channel of that name with the same meaning is planned: both are one layer.
+    /// Returns whether a channel of that name and meaning is already planned; both are then one layer.
     [[nodiscard]] bool is_there(const lpe::ChannelSource& source) const {
         const auto known = index_.find(source.name);
         return known != index_.end() && mean_the_same(sources_[known->second], source, job_.macros);
@@ -106,12 +106,13 @@ class Planner {
         return success();
     }
 
-    /// A job for another scene has such channels by the dozen: the first are explained, the others named.
+    /// Notes a channel without paths. A job for another scene can have dozens of them, so only the first ones are
+    /// explained.
     void note_black(const std::string& name, const std::string& reason) {
         constexpr int most_explained = 8;
         if (++black_ <= most_explained)
             plan_.notes.push_back("channel '" + name +
-                                  "' can match no path of this scene, and its layer will be black: " + reason);
+                                  "' matches no path of this scene, so its layer will be black: " + reason);
         else unexplained_.push_back(name);
     }
     void note_unexplained() {
@@ -119,18 +120,18 @@ class Planner {
         std::string names;
         for (const std::string& name : unexplained_) names += (names.empty() ? "'" : ", '") + name + "'";
         plan_.notes.push_back(std::to_string(unexplained_.size()) +
-                              " more channels can match no path of this scene, and their layers will be black: " +
-                              names + "; raylex lpe explain EXPR --scene SCENE says why");
+                              " more channels match no path of this scene, so their layers will be black: " + names +
+                              "; raylex lpe explain EXPR --scene SCENE prints the reason");
     }
 
-    /// Channels that will be black are named before the render, with the reason; those that are the beauty are known.
+    /// Notes channels that will be black, with the reason, and records channels that equal the beauty.
     void note_reach(const lpe::ChannelSource& source, bool holdouts) {
         const std::string who = "channel '" + source.name + "'";
         const auto never = why_never(source, scene_);
         if (never && *never) note_black(source.name, **never);
         else if (holdouts && !scene_.holdouts)
             plan_.notes.push_back(who +
-                                  " takes what is seen first at holdouts, and no object is one: its layer will be "
+                                  " shows objects behind holdouts, and no object is a holdout, so its layer will be "
                                   "black; expected a [[label]] rule with holdout = true");
         const auto unknown = unknown_labels(source, scene_);
         if (unknown && !(never && *never))
@@ -139,7 +140,7 @@ class Planner {
         if (beauty && *beauty && !rule_of(source.name)) plan_.beauties.push_back(source.name);
     }
 
-    /// The layer that takes what `channels` leave.
+    /// Adds a layer with all light that `channels` do not accept.
     Status add_rest(const std::string& name, const std::vector<std::string>& channels, const SourceLocation& where) {
         ChannelDefinition rest;
         rest.name = name;
@@ -150,8 +151,8 @@ class Planner {
         return add_channel(std::move(rest), where);
     }
 
-    /// What the rest layer holds, as an expression for its header, where a short one holds in every scene or in this
-    /// one.
+    /// Returns an expression of the rest layer for its header, if there is a short one that holds in every scene or in
+    /// this scene.
     [[nodiscard]] std::string rest_text(const std::vector<std::string>& channels) const {
         const std::vector<lpe::ChannelSource> sources = sources_of(channels);
         for (const lpe::Words& words : {lpe::Words{}, words_}) {
@@ -182,12 +183,12 @@ class Planner {
             }
             if (request.of.empty() && !job_.settings.beauty)
                 return error_at(request.location, "partition '" + request.name +
-                                                      "' splits the beauty, which this render does not make; "
-                                                      "expected of = \"channel\", or no --no-beauty");
+                                                      "' splits the beauty, which this render does not have; expected "
+                                                      "of = \"channel\", or no --no-beauty");
             if (!request.rest.empty() && !request.of.empty())
-                return error_at(request.location, "partition '" + request.name +
-                                                      "' has both 'of' and 'rest'; expected a rest layer only "
-                                                      "where the beauty is split");
+                return error_at(request.location,
+                                "partition '" + request.name +
+                                    "' has both 'of' and 'rest'; expected 'rest' only for a partition of the beauty");
             Status proved = prove(request);
             if (!proved || !plan_.refuted.empty()) return proved;
         }
@@ -212,7 +213,7 @@ class Planner {
             return error_at(
                 request.location,
                 "partition '" + request.name + "' names the channel '" + name +
-                    "', which is not there; expected one of: " + (list.empty() ? "(no channel is declared)" : list),
+                    "', which does not exist; expected one of: " + (list.empty() ? "(no channel is declared)" : list),
                 near_miss(name, known));
         }
         if (const auto other = no_part_.find(name); other != no_part_.end())
@@ -250,7 +251,7 @@ class Planner {
         return success();
     }
 
-    /// Channels of the job that stand in no declared partition get a `rest` layer when no path is in two of them.
+    /// Adds a `rest` layer for channels of the job that belong to no declared partition, if no path is in two of them.
     Status automatic_rest() {
         if (!job_.settings.beauty) return success();
         std::vector<std::string> members;
@@ -276,7 +277,7 @@ class Planner {
         return success();
     }
 
-    /// A generated set of channels with its partition; proved like any other.
+    /// Adds a generated set of channels with its partition, which is proved like any other.
     Status add_generated(const std::string& partition, const std::vector<ExpressionRequest>& requests) {
         PartitionRequest declared;
         declared.name = partition;
@@ -296,7 +297,7 @@ class Planner {
             if (!added) return added;
             sources_.back() = std::move(source);
         }
-        if (!job_.settings.beauty) return success();  // nothing to sum to
+        if (!job_.settings.beauty) return success();  // no layer to sum to
         return prove(declared);
     }
 
@@ -337,13 +338,13 @@ class Planner {
         return add_generated("light_groups", requests);
     }
 
-    /// Of every channel asked for a layer for each technique, weighted and not, down to words of `most_vertices`, and
-    /// one for what is longer. The weighted ones sum to the channel by construction: each contribution has one
-    /// technique.
+    /// Adds for every requested channel a layer per technique, weighted and unweighted, for words of up to
+    /// `most_vertices`, and one layer for longer words. The weighted layers sum to the channel by construction, because
+    /// each contribution has one technique.
     Status techniques() {
         if (!job_.techniques) return success();
         constexpr std::uint32_t most_vertices = 8;
-        // Paths through bodies scatter as often as it takes, whatever "maxdepth" is: no depth is known then.
+        // Paths through subsurface bodies can scatter more often than "maxdepth", so the depth is then unknown.
         const auto depth =
             words_.max_depth ? static_cast<std::uint32_t>(std::max(*words_.max_depth, 1)) : most_vertices;
         const std::uint32_t vertices = std::min(depth + 2, most_vertices);
@@ -379,7 +380,7 @@ class Planner {
         return success();
     }
 
-    /// What a channel's layers by technique read behind their prefix.
+    /// Returns the expression of the channel that its layers by technique use after their prefix.
     [[nodiscard]] Result<std::string> technique_source(const std::string& name) const {
         if (name == "beauty") return std::string("C.*");
         const auto found = index_.find(name);
@@ -387,8 +388,8 @@ class Planner {
         if (found == index_.end() || plan_.channels[found->second].style != ChannelStyle::expression)
             return error_at(job_.techniques->location,
                             asked +
-                                "there is no such channel with a light path expression; expected beauty or one of the "
-                                "job's [[channel]] or --lpe channels");
+                                "no channel with a light path expression has this name; expected beauty or a "
+                                "[[channel]] or --lpe channel of the job");
         const ChannelDefinition& channel = plan_.channels[found->second];
         if (channel.dialect != lpe::Dialect::renderman || !channel.rest_of.empty() || no_part_.contains(name))
             return error_at(job_.techniques->location,
@@ -425,7 +426,7 @@ class Planner {
         return success();
     }
 
-    /// What a rule picks does not add up.
+    /// Checks rules: layers of a rule that selects samples do not sum.
     Status check_rules() {
         for (const display::PartitionDeclaration& partition : plan_.partitions) {
             std::vector<std::string> members = partition.layers;
@@ -435,7 +436,7 @@ class Planner {
                     return error_at(rule->location, "channel '" + name + "' has the rule '" +
                                                         display::rule_name(rule->rule) +
                                                         "' and cannot be part of partition '" + partition.name +
-                                                        "', whose layers add up under the pixel filter only");
+                                                        "', whose layers sum only with the pixel filter");
         }
         return success();
     }
@@ -445,11 +446,11 @@ class Planner {
     const transport::SceneAlphabet& alphabet_;
     lpe::Words words_;
     ChannelPlan plan_;
-    std::vector<lpe::ChannelSource> sources_;  // beside plan_.channels
+    std::vector<lpe::ChannelSource> sources_;  // parallel to plan_.channels
     std::map<std::string, std::size_t> index_;
-    std::map<std::string, std::string> no_part_;  // channel -> what keeps it out of splits: why_no_part()
+    std::map<std::string, std::string> no_part_;  // channel -> why it cannot be part of a split: why_no_part()
     std::map<std::string, bool> in_partition_;
-    int black_ = 0;  // channels without paths, and those of them without a note of their own
+    int black_ = 0;  // number of channels without paths, and of those that have no note of their own
     std::vector<std::string> unexplained_;
 };
 

@@ -1,4 +1,4 @@
-// Which channels a render gets and which of them partition what, proved on the automata before a ray is traced.
+// Plans the channels and partitions of a render. Partitions are proved on automata before a ray is traced.
 #pragma once
 
 #include <string>
@@ -14,17 +14,16 @@ namespace raylex::experiments {
 
 struct ChannelPlan {
     std::vector<display::ChannelDefinition> channels;       ///< for RenderSettings::channels
-    std::vector<display::PartitionDeclaration> partitions;  ///< proved ones, for the file's header
+    std::vector<display::PartitionDeclaration> partitions;  ///< proved partitions, for the file's header
     std::vector<std::string>
-        notes;  ///< what a user should know before the render: no `rest` layer and why, dead channels
-    std::vector<std::string>
-        beauties;         ///< expression channels that take every path of the scene, however they are written
-    std::string refuted;  ///< not empty: a declared partition is none; says which path shows it
+        notes;  ///< notes for the user before the render: why there is no `rest` layer, channels without paths
+    std::vector<std::string> beauties;  ///< expression channels that accept every path of the scene
+    std::string refuted;                ///< not empty: a declared partition does not hold; has the counterexample
 };
 
-/// Layers, in order: the job's expressions, the automatic or declared rest layers, the shipped partition, light groups,
-/// geometric AOVs. Errors: names used twice or not usable, expressions that do not parse, unknown AOVs or channels,
-/// partitions of channels that have prefixes. A partition that does not hold is no Error but `refuted`.
+/// Makes the layers, in this order: the job's expressions, automatic or declared rest layers, the shipped partition,
+/// light groups, geometric AOVs. Errors: duplicate or invalid names, expressions that do not parse, unknown AOVs or
+/// channels, partitions of channels with prefixes. A partition that does not hold is not an Error; it sets `refuted`.
 Result<ChannelPlan> plan_channels(const Job& job, const SceneWords& scene);
 
 }  // namespace raylex::experiments

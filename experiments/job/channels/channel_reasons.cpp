@@ -20,20 +20,21 @@ namespace {
 using enum NamedLabel::Role;
 using Role = NamedLabel::Role;
 
-/// What the scene has in each role.
+/// Returns the labels in the scene, by role.
 std::array<std::set<std::string>, 3> known_labels(const SceneWords& scene) {
     std::array<std::set<std::string>, 3> known;
     known[object].insert(scene.alphabet.object_labels.begin(), scene.alphabet.object_labels.end());
     known[group].insert(scene.alphabet.light_groups.begin(), scene.alphabet.light_groups.end());
     for (const lpe::Event& event : scene.alphabet.scattering)
-        if (event.type == lpe::EventType::volume) known[object].insert(event.labels[0]);  // media go by their names
+        // labels of media are their names
+        if (event.type == lpe::EventType::volume) known[object].insert(event.labels[0]);
     for (const auto* events : {&scene.alphabet.scattering, &scene.user})
         for (const lpe::Event& event : *events)
             if (event.labels.size() > 1) known[lobe].insert(event.labels[1]);
     return known;
 }
 
-/// Wider and wider worlds: each adds something that this scene lacks to what the ones before have.
+/// Increasingly larger worlds. Each adds something that this scene lacks to the previous one.
 enum Lack : int { depth, user_events, objects, groups, lobes, background, emission, media, lack_count };
 
 class Relaxed {
@@ -41,7 +42,7 @@ class Relaxed {
     Relaxed(const SceneWords& scene, const std::vector<NamedLabel>& labels)
         : scene_(scene), user_(scene.user), words_(scene.words) {
         for (const NamedLabel& each : labels) {
-            // A glob's label that nothing has: the glob with its marks filled in.
+            // A label for a glob that matches nothing: the glob with its wildcards replaced.
             std::string label;
             for (const char c : each.text)
                 if (!each.glob || (c != '*' && c != '\\')) label += each.glob && c == '?' ? 'x' : c;
@@ -100,7 +101,7 @@ class Relaxed {
         result.insert("");
         return result;
     }
-    /// Every kind of event that some object has, on an object of each named label too.
+    /// Gives every object label all kinds of event that any object has.
     void relabel(std::vector<lpe::Event>& events) const {
         std::vector<lpe::Event> kinds;
         for (lpe::Event event : events) {
@@ -142,7 +143,7 @@ bool has(const std::vector<lpe::Event>& events, const lpe::Event& event) {
     return std::find(events.begin(), events.end(), event) != events.end();
 }
 
-/// Events of an alphabet of the same kind, whatever the object.
+/// Returns whether an event of the same kind exists, for any object.
 bool has_lobe(const std::vector<lpe::Event>& events, const lpe::Event& wanted) {
     return std::any_of(events.begin(), events.end(), [&](const lpe::Event& event) {
         return event.type == wanted.type && event.scatter == wanted.scatter &&
@@ -151,12 +152,12 @@ bool has_lobe(const std::vector<lpe::Event>& events, const lpe::Event& wanted) {
     });
 }
 
-/// What the scene lacks of one event, or nothing.
+/// Returns the part of an event that the scene lacks, or nothing.
 std::string lack_of(lpe::Event event, const SceneWords& scene) {
     const std::array<std::set<std::string>, 3> known = known_labels(scene);
     const bool terminal = event.type == lpe::EventType::light || event.type == lpe::EventType::background ||
                           event.type == lpe::EventType::emission;
-    event.labels.resize(terminal ? 1 : 2);  // a witness leaves out trailing empty labels
+    event.labels.resize(terminal ? 1 : 2);  // a witness omits trailing empty labels
     if (event.type == lpe::EventType::camera) return {};
     const auto of_object = [&] { return event.labels[0].empty() ? std::string() : " on '" + event.labels[0] + "'"; };
     if (terminal) {
@@ -164,9 +165,9 @@ std::string lack_of(lpe::Event event, const SceneWords& scene) {
         if (event.type == lpe::EventType::emission) {
             const bool glows = std::any_of(scene.alphabet.terminals.begin(), scene.alphabet.terminals.end(),
                                            [](const lpe::Event& e) { return e.type == lpe::EventType::emission; });
-            return glows
-                       ? "emission (O) with the label '" + event.labels[0] + "', and what glows in this scene has none"
-                       : "emission (O), and nothing in this scene glows";
+            return glows ? "emission (O) with the label '" + event.labels[0] +
+                               "', and emitting objects of this scene have none"
+                         : "emission (O), and nothing in this scene emits";
         }
         const bool infinite = event.type == lpe::EventType::background;
         if (infinite ? !scene.alphabet.has_background : !scene.alphabet.has_lights)
@@ -209,7 +210,7 @@ std::string lack_of(lpe::Event event, const SceneWords& scene) {
     return what + of_object() + ", which its material does not give";
 }
 
-/// "it needs X and Y": what separates the scene from a path that matches.
+/// Returns what the scene lacks for a path that matches: "it needs X and Y".
 std::string reason(const lpe::Witness& witness, const SceneWords& scene) {
     std::vector<std::string> lacks;
     int scatterings = 0;
@@ -249,7 +250,7 @@ Result<std::vector<std::string>> unknown_labels(const lpe::ChannelSource& channe
                        : candidates.contains(label.text);
         if (found) continue;
         std::string note = label.glob ? "'" + label.text + "' matches no " + roles + " of this scene"
-                                      : "'" + label.text + "' is no " + roles + " of this scene";
+                                      : "'" + label.text + "' is not a known " + roles + " of this scene";
         note += did_you_mean(label.text, candidates);
         if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
     }
@@ -263,7 +264,7 @@ Result<std::optional<std::string>> why_never(const lpe::ChannelSource& channel, 
     if (word->has_value()) return std::optional<std::string>();
     auto labels = labels_of(channel);
     if (!labels) return labels.error();
-    // One addition that suffices is the reason; else all of them up to the one that does.
+    // The reason is a single addition if one suffices; otherwise all additions up to the first that suffices.
     for (int lack = 0; lack < lack_count; ++lack) {
         Relaxed wider(scene, *labels);
         wider.add(static_cast<Lack>(lack));
@@ -279,8 +280,7 @@ Result<std::optional<std::string>> why_never(const lpe::ChannelSource& channel, 
         if (word->has_value()) return std::optional(reason(**word, scene));
     }
     const std::string slip = likely_slip(channel, wider.words());
-    return std::optional<std::string>("no path at all matches it, whatever the scene" +
-                                      (slip.empty() ? std::string() : ": " + slip));
+    return std::optional<std::string>("no path of any scene matches it" + (slip.empty() ? std::string() : ": " + slip));
 }
 
 }  // namespace raylex::experiments

@@ -1,5 +1,5 @@
-// What a user should know of a channel before the render: that it can match nothing here and why, and labels of its
-// expression that nothing in the scene has.
+// Notes for the user about a channel before the render: why it matches no path of this scene, and which labels of its
+// expression nothing in the scene has.
 #pragma once
 
 #include <optional>
@@ -12,12 +12,13 @@
 
 namespace raylex::experiments {
 
-/// Labels of the expression that nothing in the scene has where the expression asks for them, each with a near miss
-/// when there is one: "'flor' is no object label of this scene; did you mean 'floor'?"
+/// Returns a sentence for each label of the expression that nothing in the scene has in that role, with the closest
+/// match if there is one: "'flor' is not a known object label of this scene; did you mean 'floor'?"
 Result<std::vector<std::string>> unknown_labels(const lpe::ChannelSource& channel, const SceneWords& scene);
 
-/// Nothing when some path of the scene matches, else why none does, told by the shortest path that would match if the
-/// scene had more objects, lobes, lights, media or depth: "it needs light of the group 'kee', and ...".
+/// Returns nothing if a path of the scene matches. Otherwise returns the reason, derived from the shortest path that
+/// would match if the scene had more objects, lobes, lights, media or depth: "it needs light of the group 'kee', and
+/// ...".
 Result<std::optional<std::string>> why_never(const lpe::ChannelSource& channel, const SceneWords& scene);
 
 }  // namespace raylex::experiments

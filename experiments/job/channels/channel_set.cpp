@@ -56,7 +56,7 @@ Status add_file(const std::string& path, const std::string& format, lpe::Dialect
         auto told = lpe::channel_format(path, *text);
         if (!told) {
             Error error = told.error();
-            error.hint = "name the kind with --write-as";
+            error.hint = "choose the format with --write-as";
             return error;
         }
         kind = *told;
@@ -66,7 +66,7 @@ Status add_file(const std::string& path, const std::string& format, lpe::Dialect
     auto file = lpe::parse_channels(*text, path, *kind, set.errors);
     if (!file) return file.error();
     for (lpe::FileChannel& channel : file->channels) {
-        // RIB and rendermn.ini are RenderMan's own; USD says nothing of the language.
+        // RIB and rendermn.ini use RenderMan's dialect; USD files do not declare one.
         if (*kind == lpe::ChannelFormat::usda) channel.source.dialect = dialect;
         set.file.channels.push_back(std::move(channel));
     }
@@ -80,10 +80,10 @@ Status add_file(const std::string& path, const std::string& format, lpe::Dialect
     return success();
 }
 
-/// Whether a channel takes every path there is, or all that meet no medium: what renderers call the beauty.
+/// Returns whether a channel accepts every path, or all paths without media: the beauty of most renderers.
 bool is_all_light(const lpe::ChannelSource& source, const lpe::MacroTable& macros) {
     auto expansion = lpe::expand_names(source, macros);
-    if (!expansion) return false;  // told where the channel is planned
+    if (!expansion) return false;  // reported when the channel is planned
     lpe::Words surfaces;
     surfaces.volume = false;
     for (const lpe::Words& words : {lpe::Words{}, surfaces})
@@ -91,7 +91,7 @@ bool is_all_light(const lpe::ChannelSource& source, const lpe::MacroTable& macro
     return false;
 }
 
-/// Whether nobody asked for it yet.
+/// Adds a request unless it exists. Returns whether it was added.
 bool add_once(display::StatisticRequest request, std::vector<display::StatisticRequest>& asked) {
     for (const display::StatisticRequest& each : asked)
         if (each.channel == request.channel && each.statistic == request.statistic) return false;
@@ -99,8 +99,8 @@ bool add_once(display::StatisticRequest request, std::vector<display::StatisticR
     return true;
 }
 
-/// A channel of a file that holds the spread of another one: the layer of statistics of the channel with its
-/// expression.
+/// Adds a channel of a file that contains statistics of another channel, as a statistics layer of the channel with the
+/// same expression.
 void add_statistic(const ChannelSet& set, const lpe::FileChannel& channel, Job& job,
                    std::vector<std::string>& warnings) {
     const lpe::ChannelSource& source = channel.source;
@@ -113,9 +113,9 @@ void add_statistic(const ChannelSet& set, const lpe::FileChannel& channel, Job& 
     for (const ExpressionRequest& other : job.expressions)
         if (of.empty() && other.expression == source.expression && other.dialect == source.dialect) of = other.name;
     if (of == "beauty" && !job.settings.beauty) of.clear();
-    const std::string who = "channel '" + source.name + "' of " + source.origin + " holds statistics (" + statistic;
+    const std::string who = "channel '" + source.name + "' of " + source.origin + " contains statistics (" + statistic;
     if (of.empty()) {
-        warnings.push_back(who + ") of an expression that no other channel has, and is left out");
+        warnings.push_back(who + ") of an expression that no other channel has; it is left out");
         return;
     }
     auto request =
@@ -126,9 +126,9 @@ void add_statistic(const ChannelSet& set, const lpe::FileChannel& channel, Job& 
     if (twice || layer != source.name) warnings.push_back(who + ") of '" + of + "': it is the layer '" + layer + "'");
 }
 
-/// What a file says of a channel beside its source and statistics. A filter that is a rule becomes that of the job's
-/// channel `name`, or with `beside` a further layer of it; whatever else there is is left out. Returns whether there is
-/// a further layer.
+/// Adds the parameters of a channel other than expression and statistics. A filter that is a rule becomes the rule of
+/// the job's channel `name`, or with `beside` a further layer of the channel. All other parameters are left out.
+/// Returns whether it added a further layer.
 bool add_parameters(const lpe::FileChannel& channel, const std::string& name, Job& job, lpe::LeftOut& left,
                     bool beside = false) {
     const lpe::ChannelSource& source = channel.source;
@@ -157,7 +157,7 @@ bool add_parameters(const lpe::FileChannel& channel, const std::string& name, Jo
     return further;
 }
 
-/// What TOML files ask for beside channels, statistics and partitions.
+/// Adds the tables of TOML files other than channels, statistics and partitions.
 void add_tables(const ChannelSet& set, Job& job) {
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     for (const Job& from : set.tables) {
@@ -175,7 +175,7 @@ void add_tables(const ChannelSet& set, Job& job) {
     }
 }
 
-/// Channels without an expression: AOVs that raylex has, the image and its statistics; the others are named.
+/// Adds channels without an expression: raylex's AOVs, the image and its statistics. Warns of all others.
 void add_others(const ChannelSet& set, Job& job, lpe::LeftOut& settings, std::vector<std::string>& warnings) {
     std::string left;
     for (const lpe::FileChannel& channel : set.file.other_channels) {
@@ -196,7 +196,7 @@ void add_others(const ChannelSet& set, Job& job, lpe::LeftOut& settings, std::ve
             left += (left.empty() ? "'" : ", '") + source.name + "'";
         }
     }
-    if (!left.empty()) warnings.push_back("channels of what raylex has no name for are left out: " + left);
+    if (!left.empty()) warnings.push_back("channels of data that raylex does not have are left out: " + left);
 }
 
 }  // namespace
@@ -305,7 +305,7 @@ Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& war
         }
         if (!check_layer_name(source.name, {}) && is_all_light(source, job.macros)) {
             warnings.push_back("channel '" + source.name + "' of " + source.origin +
-                               " is the image itself, and is not made a layer beside it");
+                               " is the image itself; no further layer is made");
             add_parameters(channel, "", job, settings);
             continue;
         }
@@ -323,7 +323,7 @@ Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& war
     std::vector<std::string> of_others;
     add_others(set, job, settings, of_others);
     if (!settings.empty())
-        warnings.push_back("what channels say beside their expression has no place in a job, and is left out: " +
+        warnings.push_back("parameters of channels that a job cannot store are left out: " +
                            lpe::left_out_text(settings));
     warnings.insert(warnings.end(), of_others.begin(), of_others.end());
     const bool asks = std::any_of(set.tables.begin(), set.tables.end(), [](const Job& each) {
@@ -332,7 +332,7 @@ Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& war
     });
     if (set.file.channels.empty() && !asks && job.aovs.size() == aovs)
         return error_at({"--channels", 0, 0},
-                        "the file declares no channel with an expression, and no AOV that raylex has; expected one");
+                        "the file declares no channel with an expression and no AOV of raylex; expected at least one");
     return success();
 }
 

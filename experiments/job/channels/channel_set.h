@@ -1,4 +1,4 @@
-// Channels from files of any format (TOML, RIB, USD ASCII, rendermn.ini), and back into them.
+// Reads channels from files of any format (TOML, RIB, USD ASCII, rendermn.ini), and writes them.
 #pragma once
 
 #include <optional>
@@ -11,57 +11,56 @@
 
 namespace raylex::experiments {
 
-/// What the files say, taken together. Expressions stand as the files have them; expanded_channels() resolves names.
+/// The contents of all channel files. Expressions are unchanged; expanded_channels() resolves names.
 struct ChannelSet {
     lpe::ChannelFile file;                              ///< channels, macros, lobe options, warnings
-    std::vector<PartitionRequest> partitions;           ///< of TOML files
-    std::vector<display::StatisticRequest> statistics;  ///< of TOML files; RIB and USD have channels of them
-    std::vector<AovRequest> aovs;              ///< of TOML files; RIB and USD have channels without expressions
-    bool of_renderman = false;                 ///< some file is RIB or rendermn.ini, and none is of another kind
+    std::vector<PartitionRequest> partitions;           ///< from TOML files
+    std::vector<display::StatisticRequest> statistics;  ///< from TOML files; RIB and USD have channels for them
+    std::vector<AovRequest> aovs;              ///< from TOML files; RIB and USD have channels without expressions
+    bool of_renderman = false;                 ///< all files are RIB or rendermn.ini, and there is at least one
     std::vector<std::string> renderman_files;  ///< RIB, rendermn.ini, and USD read in the dialect renderman
-    /// Channels that stand in a further file too, with the same meaning: their names and that file.
+    /// Channels that a further file declares with the same meaning: their names and that file.
     std::vector<std::pair<std::string, std::string>> also_in;
-    std::vector<Job> tables;    ///< TOML files: rules, layers, typed channels, what [channels] asks for
-    std::vector<Error> errors;  ///< of single channels, which are not in `file`
+    std::vector<Job> tables;    ///< from TOML files: rules, layers, typed channels, settings of [channels]
+    std::vector<Error> errors;  ///< errors of single channels, which are not in `file`
 };
 
-/// Whether two channels have the same prefixes and count the same paths.
+/// Returns whether two channels have the same prefixes and match the same paths.
 bool mean_the_same(const lpe::ChannelSource& a, const lpe::ChannelSource& b, const lpe::MacroTable& macros);
 
-/// Channels of one name that mean the same are one from here on. A name that stands for two meanings, and a macro that
-/// cannot be one, is added to the set's errors.
+/// Removes duplicate channels of equal name and meaning. Adds an error to the set for a name with two meanings and for
+/// an invalid macro.
 void take_same_once(ChannelSet& set);
 
-/// The channel with the macros in place of their names, where it has any; else as it stands.
+/// Returns the channel with its macros expanded.
 lpe::ChannelSource without_macros(const lpe::ChannelSource& source, const lpe::MacroTable& macros);
 
-/// rib, usda or ini.
+/// Returns the format of a name: rib, usda or ini.
 std::optional<lpe::ChannelFormat> channel_format_named(const std::string& name);
-/// Names of formats: toml, rib, usda, ini.
+/// Returns the names of formats: toml, rib, usda, ini.
 const std::vector<std::string>& channel_format_names();
 
-/// `format` is a name of the list above, or empty: by each file's name and content. `dialect` is that of expressions
-/// whose file does not say. When no file has a channel, the macros of rendermn.ini are the channels. The first error of
-/// a single channel is the result, or with `every_error` all are in the set.
+/// Reads channel files. `format` is one of these names, or empty to decide by each file's name and content. `dialect`
+/// is the dialect of files that do not declare one. If no file has a channel, the macros of rendermn.ini become
+/// channels. Returns the first error of a channel, or with `every_error` a set with all errors.
 Result<ChannelSet> read_channel_files(const std::vector<std::string>& paths, const std::string& format,
                                       lpe::Dialect dialect, bool every_error = false);
 
-/// The channels with their names replaced by what they stand for; what is worth knowing is added to `warnings`.
+/// Returns the channels with names in expressions expanded. Adds notes to `warnings`.
 Result<std::vector<lpe::ChannelSource>> expanded_channels(const ChannelSet& set, std::vector<std::string>& warnings);
 
-/// Makes the set's channels, names, lobe slots and partitions a job's, after those it has; channels without an
-/// expression become the AOVs that raylex has by their sources, and filters that are rules become rules. A channel with
-/// the name of the image itself ("beauty") that takes all light of surfaces is what the image is anyway, and left out.
-/// What is left out, settings that only other renderers know included, is named in `warnings`. Errors: no channel at
-/// all, a name or slot that is there twice.
+/// Adds the set's channels, macros, lobe slots and partitions to the job, after the job's own. Channels without an
+/// expression become raylex's AOVs, and filters that are rules become rules. A channel with the name of the image
+/// ("beauty") that accepts all light of surfaces equals the image and is left out. `warnings` names everything left
+/// out, also settings of other renderers. Errors: no channel, a duplicate name or slot.
 Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& warnings);
 
-/// The set as a text of the format; an empty format is told by the end of `path`. What the format cannot hold is left
-/// out and named in `warnings`. Errors: for RenderMan (`reader`) an expression that it does not read.
+/// Returns the set as text in the format; an empty format is decided by the end of `path`. `warnings` names everything
+/// that the format cannot store. Errors: an expression that RenderMan cannot read, if it is the `reader`.
 Result<std::string> channel_set_text(const ChannelSet& set, const std::string& path, const std::string& format,
                                      std::vector<std::string>& warnings, lpe::Reader reader);
 
-/// Writes the text to a file that appears whole or not at all; an empty path is standard output, as "-" is.
+/// Writes the text atomically to a file. An empty path, like "-", is standard output.
 Status write_channel_text(const std::string& text, const std::string& path);
 
 }  // namespace raylex::experiments

@@ -14,7 +14,7 @@ namespace {
 
 using enum NamedLabel::Role;
 
-/// A label of the expressions: what it can be about, and the channels that name it.
+/// A label of the expressions: its possible roles, and the channels that use it.
 struct Use {
     std::set<NamedLabel::Role> roles;
     bool glob = false;
@@ -26,8 +26,8 @@ std::string without_digits(std::string text) {
     return text;
 }
 
-/// Whether one slip makes `a` of `b`: a letter too many, too few, wrong, two exchanged, or another case. Numbers and
-/// one-letter endings (key_L, key_R) tell names apart on purpose.
+/// Returns whether one typing error turns `a` into `b`: a letter too many, missing, wrong or in another case, or two
+/// exchanged. Names that differ in a number or a one-letter ending (key_L, key_R) are different on purpose.
 bool one_slip(const std::string& a, const std::string& b) {
     if (a == b || without_digits(a) == without_digits(b)) return false;
     if (lower_case(a) == lower_case(b)) return true;
@@ -61,7 +61,7 @@ bool is_known(const std::string& label, const Use& use, const std::set<std::stri
                        [&](const std::string& name) { return lpe::glob_matches(label, name); });
 }
 
-/// Against the lists; nothing where no list speaks of what the label can be.
+/// Checks a label against the lists. Returns nothing if there is no list for its roles.
 std::optional<std::string> unknown_text(const std::string& label, const Use& use, const KnownLabels& known) {
     std::set<std::string> names;
     std::string what;
@@ -73,17 +73,17 @@ std::optional<std::string> unknown_text(const std::string& label, const Use& use
             std::string(what.empty() ? "" : " or ") + (role == group ? "light group of --groups" : "label of --labels");
     }
     if (what.empty() || is_known(label, use, names)) return std::nullopt;
-    return "'" + label + "' (" + named_in(use) + ") " + (use.glob ? "matches no " : "is no ") + what +
+    return "'" + label + "' (" + named_in(use) + ") " + (use.glob ? "matches no " : "is not a ") + what +
            did_you_mean(label, names);
 }
 
 std::optional<std::string> slip_text(const std::string& label, const Use& use, const std::map<std::string, Use>& uses) {
     if (use.glob || use.roles == std::set<NamedLabel::Role>{lobe}) return std::nullopt;
     for (const auto& [other, others] : uses) {
-        // Half of the other's channels or fewer, and the other in two at least: less is no evidence.
+        // Half of the other name's channels at most, and at least two of those: less is not enough evidence.
         const bool rare = others.channels.size() >= 2 && others.channels.size() >= 2 * use.channels.size();
         if (!rare || others.glob || !share_a_role(use, others) || !one_slip(label, other)) continue;
-        return "'" + label + "' (" + named_in(use) + ") stands beside '" + other + "' in " +
+        return "'" + label + "' (" + named_in(use) + ") occurs beside '" + other + "' in " +
                std::to_string(others.channels.size()) + " channels; did you mean '" + other + "'?";
     }
     return std::nullopt;

@@ -1,5 +1,5 @@
-// Labels that are likely slips of the pen, found without a scene: not among those that are known to exist, or once
-// beside a name that differs by one slip and stands in many channels.
+// Finds probably misspelt labels without a scene: labels that are not in the list of known ones, or that differ by one
+// typing error from a name that more channels use.
 #pragma once
 
 #include <optional>
@@ -13,12 +13,12 @@
 namespace raylex::experiments {
 
 struct KnownLabels {
-    std::optional<std::vector<std::string>> groups;  ///< of lights; none: not known
+    std::optional<std::vector<std::string>> groups;  ///< of lights; none: unknown
     std::optional<std::vector<std::string>> labels;  ///< of objects and media
 };
 
-/// One sentence for each doubtful label, the channels that name it with it. Lobe names are not doubted. Errors: a
-/// channel that does not parse.
+/// Returns one sentence for each suspicious label, with the channels that use it. Lobe names are not checked. Errors: a
+/// channel does not parse.
 Result<std::vector<std::string>> label_doubts(std::span<const lpe::ChannelSource> channels, const KnownLabels& known);
 
 }  // namespace raylex::experiments

@@ -11,7 +11,7 @@
 namespace raylex::experiments {
 namespace {
 
-/// Prefixes ("lpe:", "noclamp;") and what follows them.
+/// Splits an expression into its prefixes ("lpe:", "noclamp;") and the rest.
 std::pair<std::string, std::string> parts_of(const std::string& expression) {
     std::size_t begin = expression.rfind(';');
     begin = begin == std::string::npos ? 0 : begin + 1;
@@ -19,7 +19,7 @@ std::pair<std::string, std::string> parts_of(const std::string& expression) {
     return {expression.substr(0, begin), expression.substr(begin)};
 }
 
-/// Alternatives at the top level, each in parentheses: '|' binds tighter than sequence.
+/// Returns the expression with each top-level alternative in parentheses, because '|' binds tighter than sequence.
 std::string parenthesised(const std::string& text) {
     std::string result = "(";
     int depth = 0;
@@ -34,8 +34,8 @@ std::string parenthesised(const std::string& text) {
     return several ? result + ")" : text;
 }
 
-/// L'key' for <L.'key'>, as other events are labelled. By hand, as std::regex calls itself for each character within
-/// the quotes: the stack ends before the longest expression does (lpe/limits.h).
+/// Replaces L'key' by <L.'key'>, the syntax of other labelled events. Not done by std::regex, which recurses for each
+/// character within quotes and would exceed the stack for long expressions (lpe/limits.h).
 std::string labelled_lights(std::string_view text) {
     constexpr auto none = std::string_view::npos;
     std::string result;
@@ -65,9 +65,9 @@ std::string likely_slip(const lpe::ChannelSource& channel, const lpe::Words& wor
         {"it does not end at a light (L, B or O)", text + "L"},
         {"it does not begin at the camera (C)", "C" + text},
         {"it has neither the camera (C) nor a light (L, B or O)", "C" + text + "L"},
-        {"a light's group stands in its event", labelled},
-        {"a light's group stands in its event, and a path begins at the camera", "C" + labelled},
-        {"'|' joins the item before and the item behind it alone", parenthesised(text)}};
+        {"a light's group belongs into its event", labelled},
+        {"a light's group belongs into its event, and a path begins at the camera", "C" + labelled},
+        {"'|' joins only the items directly before and after it", parenthesised(text)}};
     for (const Slip& slip : slips) {
         lpe::ChannelSource corrected;
         corrected.expression = prefixes + slip.meant;

@@ -1,4 +1,4 @@
-// Expressions that no path can match, whatever the scene: the usual slips, each told by the expression that was meant.
+// Finds common mistakes in expressions that match no path of any scene, and suggests the correct expression.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace raylex::experiments {
 
-/// "it does not end at a light; did you mean 'CDL'?": the first of the usual slips whose correction some word of
-/// `words` matches; empty when none is.
+/// Returns the first common mistake whose correction matches a word in `words`: "it does not end at a light; did you
+/// mean 'CDL'?". Empty if there is none.
 std::string likely_slip(const lpe::ChannelSource& channel, const lpe::Words& words);
 
 }  // namespace raylex::experiments

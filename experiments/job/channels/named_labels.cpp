@@ -12,7 +12,7 @@ namespace {
 using enum NamedLabel::Role;
 using Role = NamedLabel::Role;
 
-/// A core that events have: <.S'x'> is about what scatters, not about lights, which do not.
+/// Returns whether an event can occur. <.S'x'> means scattering, because lights do not scatter.
 bool happens(const lpe::Event& event) {
     const bool scatters = event.type == lpe::EventType::reflection || event.type == lpe::EventType::transmission;
     return scatters == (event.scatter != lpe::Scatter::none);
@@ -39,8 +39,8 @@ std::set<Role> roles_of(const lpe::CoreSet& cores, std::size_t slot) {
     return roles;
 }
 
-/// osl compares a label with every symbol of an event, the letters of its type and scattering included: it may be about
-/// anything that such events have.
+/// Returns the possible roles of a label. osl compares a label with every symbol of an event, also the letters of its
+/// type and scattering, so any role of such events is possible.
 std::set<Role> roles_of(const lpe::EventPattern& pattern, std::size_t slot, lpe::Dialect dialect) {
     if (dialect == lpe::Dialect::renderman) return roles_of(pattern.cores, slot);
     std::set<Role> roles = roles_of(pattern.cores, 0);

@@ -1,4 +1,4 @@
-// The labels that an expression names, and what each can be about.
+// Lists the labels in an expression and their possible roles.
 #pragma once
 
 #include <array>
@@ -12,9 +12,9 @@
 
 namespace raylex::experiments {
 
-/// A label test of an expression.
+/// A test for a label in an expression.
 struct NamedLabel {
-    /// What a label can be of: an object, a lobe of its material, a light's group.
+    /// The role of a label: an object, a lobe of its material, or a light's group.
     enum Role : std::uint8_t { object, lobe, group };
     static constexpr std::array<const char*, 3> role_names{"object label", "lobe", "light group"};
 
@@ -23,10 +23,10 @@ struct NamedLabel {
     std::set<Role> roles;
 };
 
-/// In the order of the expression, with repetitions.
+/// Returns the labels in the order of the expression, with repetitions.
 Result<std::vector<NamedLabel>> labels_of(const lpe::ChannelSource& channel);
 
-/// "; did you mean 'floor'?", or nothing.
+/// Returns "; did you mean 'floor'?", or an empty string.
 std::string did_you_mean(const std::string& label, const std::set<std::string>& candidates);
 
 }  // namespace raylex::experiments

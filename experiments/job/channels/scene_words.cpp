@@ -33,7 +33,7 @@ Result<SceneWords> scene_words(const Job& job, const transport::SceneDescription
     SceneWords result;
     result.alphabet = std::move(*alphabet);
     result.words.alphabet = lpe::Alphabet{result.alphabet.scattering, result.alphabet.terminals};
-    // What happens inside a subsurface body is in words, and "maxdepth" does not count it.
+    // Words contain the scattering events inside subsurface bodies, but "maxdepth" does not count them.
     const bool bounded = std::none_of(scene.materials.begin(), scene.materials.end(), transport::is_subsurface);
     if (traits.max_depth && bounded)
         result.words.max_depth =

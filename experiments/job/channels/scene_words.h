@@ -1,4 +1,5 @@
-// The paths that a scene can produce, as a job renders it: what proofs and warnings are relative to. No ray is traced.
+// The paths that a scene can produce under the settings of a job. Proofs and warnings are relative to them. No ray is
+// traced.
 #pragma once
 
 #include <string>
@@ -13,20 +14,21 @@ namespace raylex::experiments {
 
 struct SceneWords {
     transport::SceneAlphabet alphabet;
-    lpe::Words words;              ///< W: the alphabet's events, at most so many scatterings as the integrator follows
-    std::vector<lpe::Event> user;  ///< what surfaces say of themselves (U2, U6): in channels' words, in none of W
-    bool holdouts = false;         ///< some object is one
+    lpe::Words words;  ///< W: the alphabet of events, and the integrator's maximum number of scattering events
+    std::vector<lpe::Event> user;  ///< user events of surfaces (U2, U6): in words of channels, but not in W
+    bool holdouts = false;         ///< some object is a holdout
 
-    /// W and the words with user events in them.
+    /// Returns W extended by words with user events.
     [[nodiscard]] lpe::Words with_user_events() const;
 };
 
-/// Of a scene whose labels are given (apply_label_rules), by its tables if it is `built` already. Errors: materials,
-/// textures or an integrator that do not build.
+/// Returns the words of a scene with labels (after apply_label_rules); uses the tables of `built` if it exists. Errors:
+/// materials, textures or an integrator that cannot be built.
 Result<SceneWords> scene_words(const Job& job, const transport::SceneDescription& scene,
                                const transport::BuiltScene* built = nullptr);
 
-/// Of a file: a pbrt-v4 scene, or a TOML job (.toml) with its scene, labels, light groups, lobe slots and depth limit.
+/// Returns the words of a file: a pbrt-v4 scene, or a TOML job (.toml) with its scene, labels, light groups, lobe slots
+/// and depth limit.
 Result<SceneWords> read_scene_words(const std::string& path);
 
 }  // namespace raylex::experiments

@@ -1,4 +1,4 @@
-// The colour side of a render: the OpenColorIO config, the rendering space and its primaries.
+// The colour settings of a render: the OpenColorIO config, the rendering space and its primaries.
 #pragma once
 
 #include <memory>
@@ -11,23 +11,23 @@
 
 namespace raylex::experiments {
 
-/// Primaries of the spaces a pbrt scene can name.
+/// Returns the primaries of a colour space that pbrt scenes can name.
 display::Chromaticities chromaticities_of(transport::ColorSpace space);
 
 struct ColorSetup {
-    std::optional<display::ColorManager> manager;  ///< absent when the config cannot be read and nothing needs it
+    std::optional<display::ColorManager> manager;  ///< absent if the config cannot be read and is not needed
     std::string description;                       ///< for headers: the config, or why there is none
-    std::string warning;  ///< not empty: the config cannot be read, or has rules that never fit
-    /// "FILE: SPACE; ..." of the textures read by file rules so far; filled while a scene is built.
+    std::string warning;  ///< not empty: the config cannot be read, or has rules that never apply
+    /// "FILE: SPACE; ..." of the textures converted by file rules so far. It is filled while a scene is built.
     std::shared_ptr<std::string> texture_spaces = std::make_shared<std::string>();
 };
 
-/// Opens the config that the job, $OCIO or raylex itself names. An Error when it cannot be read and the job needs it (a
-/// preview, a rendering space, a config named outright), or when the job's display or view is not in it.
+/// Opens the config of the job, $OCIO or raylex itself. Returns an Error if it cannot be read and the job needs it (for
+/// a preview, a rendering space, or a config named explicitly), or if it lacks the job's display or view.
 Result<ColorSetup> open_color(const Job& job);
 
-/// `color` must outlive the scene when the job wants texture rules. Sets `scene.color` for the job's rendering space
-/// and returns the primaries of the image to come.
+/// Sets `scene.color` for the job's rendering space and returns the primaries of the image. `color` must outlive the
+/// scene if the job uses texture rules.
 Result<display::Chromaticities> choose_rendering_space(const Job& job, const ColorSetup& color,
                                                        transport::SceneDescription& scene);
 

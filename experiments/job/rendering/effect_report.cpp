@@ -18,7 +18,8 @@ const EffectFinding& finding_of(const EffectFindings& found, const EffectInfo& i
     return found[static_cast<std::size_t>(info.effect)];
 }
 
-/// Forcing on what nothing calls for adds nothing to the image.
+/// Returns whether the effect is simulated. Forcing on an effect that the scene does not have changes nothing in the
+/// image.
 bool simulated(const EffectFinding& finding, const std::optional<bool>& forced) {
     return finding.called_for && forced.value_or(true);
 }
@@ -28,7 +29,7 @@ std::string state_text(const EffectFinding& finding, const std::optional<bool>& 
     return *forced ? "on, forced" : "off, forced";
 }
 
-/// A list after its title, on lines that fit most terminals.
+/// A title and a list, wrapped to fit most terminals.
 class Listing {
   public:
     explicit Listing(std::string title) : line_(std::move(title)) {}
@@ -58,10 +59,10 @@ std::string column(std::string text, std::size_t width) {
     return text;
 }
 
-/// What AOVs can ask for. Kinds of first hits are the columns that describe them.
+/// The kinds of data that AOVs need. For first hits, a kind is one column of data.
 struct AovKind {
     const char* name;
-    geoaovs::Inputs input;  ///< 0: of rays or samples, as `asks` finds
+    geoaovs::Inputs input;  ///< 0: the kind concerns rays or samples, as `asks` determines
     bool (*asks)(const geoaovs::GeometricAovs& aov) = nullptr;
 };
 
@@ -88,7 +89,7 @@ constexpr std::array aov_kinds{
     AovKind{"times of samples", 0, [](const geoaovs::GeometricAovs& aov) { return aov.wants_time(); }},
 };
 
-/// [kind] the channels that ask for it.
+/// Returns for each kind the channels that need it.
 std::array<std::vector<std::string>, aov_kinds.size()> askers(std::span<const display::ChannelDefinition> channels) {
     std::array<std::vector<std::string>, aov_kinds.size()> found;
     for (const display::ChannelDefinition& channel : channels) {
@@ -102,12 +103,12 @@ std::array<std::vector<std::string>, aov_kinds.size()> askers(std::span<const di
     return found;
 }
 
-/// What a choice that goes against the scene does.
+/// Returns the consequence of a forced effect that differs from the scene's needs.
 std::string consequence(const EffectInfo& info, const EffectFinding& finding, const std::optional<bool>& forced) {
     if (!forced || *forced == finding.called_for) return {};
     if (!*forced) return std::string("; instead: ") + info.without;
     const std::string code = info.general_code;
-    return "; to no effect: " + (code.empty() ? std::string("it has no code in the way of others") : code);
+    return "; without effect: " + (code.empty() ? std::string("it has no code in the way of others") : code);
 }
 
 }  // namespace
@@ -117,7 +118,8 @@ Status add_effect_choice(const std::string& text, const SourceLocation& where, E
     const std::string name = text.substr(0, equals),
                       value = equals == std::string::npos ? std::string() : text.substr(equals + 1);
     if (value != "on" && value != "off")
-        return error_at(where, "'" + text + "' forces nothing; expected NAME=on or NAME=off, such as media=off");
+        return error_at(where,
+                        "'" + text + "' is not a forced effect; expected NAME=on or NAME=off, such as media=off");
     auto effect = transport::effect_named(name, where);
     if (!effect) return effect.error();
     choices[*effect] = value == "on";
@@ -161,7 +163,7 @@ std::vector<std::string> effect_table(const EffectFindings& found, const EffectC
 
 std::vector<std::string> aov_summary(std::span<const display::ChannelDefinition> channels) {
     const auto found = askers(channels);
-    Listing on("AOVs ask for:");
+    Listing on("AOVs need:");
     for (std::size_t i = 0; i < found.size(); ++i)
         if (!found[i].empty()) on.add(std::string(aov_kinds[i].name) + " (" + lpe::joined_by(found[i], ", ") + ")");
     std::vector<std::string> lines;
@@ -175,7 +177,7 @@ std::vector<std::string> aov_table(std::span<const display::ChannelDefinition> c
     for (std::size_t i = 0; i < found.size(); ++i) {
         const bool asked = !found[i].empty();
         lines.push_back(column(aov_kinds[i].name, 26) + column(asked ? "on" : "off", 13) +
-                        (asked ? "for " + lpe::joined_by(found[i], ", ") : "nobody asks"));
+                        (asked ? "for " + lpe::joined_by(found[i], ", ") : "not requested"));
     }
     return lines;
 }

@@ -1,4 +1,4 @@
-// Which effects a render simulates, and why, as lines for people and as JSON.
+// Lists the effects that a render simulates, with reasons, as text for people and as JSON.
 #pragma once
 
 #include <span>
@@ -11,24 +11,25 @@
 
 namespace raylex::experiments {
 
-/// NAME=on or NAME=off, as --effect takes it. Errors at `where`: no such effect, neither on nor off.
+/// Adds a choice from the text of --effect, NAME=on or NAME=off. Errors at `where`: an unknown effect; neither on nor
+/// off.
 Status add_effect_choice(const std::string& text, const SourceLocation& where, transport::EffectChoices& choices);
 
-/// What is simulated and what is not, in a few lines; the last say what is forced.
+/// Returns a few lines about simulated and omitted effects; the last lines list forced effects.
 std::vector<std::string> effect_summary(const transport::EffectFindings& found,
                                         const transport::EffectChoices& choices);
-/// A line for every effect, with why; then what raylex does not simulate.
+/// Returns a line for every effect with the reason, then the effects that raylex does not support.
 std::vector<std::string> effect_table(const transport::EffectFindings& found, const transport::EffectChoices& choices);
 
 /// {NAME: {"simulated", "called_for", "forced" (null, true, false), "why"}}
 Json effects_json(const transport::EffectFindings& found, const transport::EffectChoices& choices);
 
-/// Which kinds of geometric AOV are asked for, of first hits, camera rays and samples, and by whom, in a line or two;
-/// what nobody asks for is not computed. Empty where there is no such AOV.
+/// Returns one or two lines about the requested kinds of geometric AOVs (of first hits, camera rays and samples) and
+/// the channels that need them. Other kinds are not computed. Empty if there is no such AOV.
 std::vector<std::string> aov_summary(std::span<const display::ChannelDefinition> channels);
-/// A line for every kind.
+/// Returns a line for every kind of AOV.
 std::vector<std::string> aov_table(std::span<const display::ChannelDefinition> channels);
-/// {KIND: [NAME...]}, of what is asked for.
+/// Returns {KIND: [NAME...]} of the requested kinds.
 Json aovs_json(std::span<const display::ChannelDefinition> channels);
 
 }  // namespace raylex::experiments

@@ -24,7 +24,7 @@ std::string file_hash(const std::string& path) {
     return hash_text(hash64(std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()}));
 }
 
-/// What does not depend on the scene.
+/// Makes the parts that do not depend on the scene.
 Result<std::unique_ptr<JobScene>> begin_job_scene(const Job& job) {
     if (Status known = check_parameters(job); !known) return known.error();
     auto loaded = std::make_unique<JobScene>();
@@ -77,12 +77,12 @@ std::optional<std::string> ask_for_film_clamp(const transport::SceneDescription&
     const Parameter* limit = scene.film.parameters.find("maxcomponentvalue");
     if (limit == nullptr || !job.settings.sample_filters.empty()) return std::nullopt;
     const std::string ignored = "the film's maxcomponentvalue is ignored: ";
-    if (!job.settings.beauty) return ignored + "samples are bounded by their beauty, which is left out";
-    if (!job.outputs.atlas.file.empty()) return ignored + "an atlas keeps light as it is";
+    if (!job.settings.beauty) return ignored + "it limits the beauty of a sample, and there is no beauty";
+    if (!job.outputs.atlas.file.empty()) return ignored + "an atlas stores unfiltered light";
     const auto chosen = transport::choose_integrator(
         transport::integrator_for(job.settings.integrator, scene.integrator), job.settings.max_depth);
     if (chosen && chosen->integrator->traits().raster_splats && !chosen->integrator->traits().pixel_samples)
-        return ignored + "light that paths splat has no samples";
+        return ignored + "splatted light has no samples";
     transport::SceneEntity clamp;
     clamp.type = "clamp";
     clamp.location = clamp.parameters.location = limit->location;

@@ -1,4 +1,4 @@
-// What every render of a job begins and ends with, whoever runs it: `raylex render` and the cells of experiments.
+// The steps before and after every render of a job, for `raylex render` and for cells of experiments.
 #pragma once
 
 #include <map>
@@ -16,34 +16,33 @@
 
 namespace raylex::experiments {
 
-/// A job's scene with its labels, its colours and the effects that the job leaves it. The scene refers to `color`, so
-/// this stays where it is.
+/// The scene of a job with labels, colours and effects. The scene refers to `color`, so this object must not move.
 struct JobScene {
     ColorSetup color;
     transport::SceneDescription scene;
     display::Chromaticities primaries;
-    transport::EffectFindings effects;  ///< what the scene calls for, before the job's choices are applied
+    transport::EffectFindings effects;  ///< effects that the scene needs, before the job's choices are applied
     std::vector<std::string> warnings;
 };
 
-/// Errors: parameters of the job that nothing has, a colour config or a scene that cannot be read, labels that match
-/// nothing.
+/// Loads the scene of a job. Errors: unknown parameters in the job, a colour config or scene that cannot be read,
+/// labels that match nothing.
 Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job, transport::LoadingProgress* progress = nullptr);
 
-/// The same of a scene that is there already; the job's file is not read.
+/// Prepares a loaded scene for a job; does not read the job's scene file.
 Result<std::unique_ptr<JobScene>> prepare_job_scene(const Job& job, transport::SceneDescription scene);
 
-/// Adds what the scene's film would write beside the image to the job's AOVs, but for names that the job gives itself.
+/// Adds the further layers of the scene's film to the job's AOVs, except for names that the job uses itself.
 void ask_for_film_layers(const transport::SceneEntity& film, Job& job);
 
-/// Adds the clamp that the scene's film asks for, "maxcomponentvalue", to the job's sample filters, as pbrt clamps
-/// samples; a job with sample filters of its own ("none" among them) has its way. Why not, where it cannot be.
+/// Adds the clamp of the scene's film, "maxcomponentvalue", to the job's sample filters, as pbrt clamps samples. Sample
+/// filters in the job ("none" too) take precedence. Returns the reason if the clamp is impossible.
 std::optional<std::string> ask_for_film_clamp(const transport::SceneDescription& scene, Job& job);
 
-/// What a checkpoint is of, beyond what the renderer sees: the program, and what colours and lobe numbers come from.
+/// Returns the identity of a checkpoint beyond the renderer's: the program, and the source of colours and lobe numbers.
 display::RecordIdentity checkpoint_identity(const Job& job, const ColorSetup& color);
 
-/// The image file's description. `output` must outlive it.
+/// Returns the description of the image file. `output` must outlive it.
 display::ImageDescription image_description(const Job& job, const JobScene& scene,
                                             const transport::RenderOutput& output,
                                             const std::vector<display::PartitionDeclaration>& partitions,

@@ -116,14 +116,13 @@ std::string text_of_invalid(const Job& job, const transport::RenderOutput& outpu
                             const std::vector<std::string>& arguments) {
     const transport::RenderStatistics& statistics = output.statistics;
     std::string text = std::to_string(statistics.invalid_samples) +
-                       " contributions or values were not finite, or too large to be summed, and were left out of "
-                       "beauty and layers alike; the AOV "
-                       "invalidSamples shows where, --stats lists the first ones";
+                       " contributions or values were not finite or too large to sum; they are missing from beauty and "
+                       "layers alike. The AOV invalidSamples shows where, --stats lists the first ones";
     if (statistics.invalid_log.empty()) return text;
     const display::InvalidSample& first = statistics.invalid_log.front();
     return text + ".\n  The first: pixel (" + std::to_string(first.pixel_x) + ", " + std::to_string(first.pixel_y) +
            "), sample " + std::to_string(first.sample) + ", seed " + std::to_string(output.seed) +
-           "; to see that sample alone:\n  " + replay_command(job, output, arguments, first);
+           "; to render only this sample:\n  " + replay_command(job, output, arguments, first);
 }
 
 }  // namespace raylex::experiments

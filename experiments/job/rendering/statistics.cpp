@@ -31,13 +31,13 @@ Json phases_json(const RunRecord& record) {
     return phases;
 }
 
-/// Every rejected contribution that was logged, with what renders that sample again.
+/// Returns every logged rejected contribution with the command that renders its sample again.
 Json invalid_json(const RunRecord& record) {
     const transport::RenderStatistics& statistics = record.output->statistics;
     Json log = Json::array();
     const auto channels = record.output->frame_buffer.channels();
     for (const display::InvalidSample& each : statistics.invalid_log) {
-        // Non-finite numbers have no form in JSON: text keeps them.
+        // JSON has no form for non-finite numbers, so they are stored as text.
         log.push_back(
             {{"pixel", {each.pixel_x, each.pixel_y}},
              {"sample", each.sample},
@@ -113,7 +113,7 @@ PhaseTime PhaseClock::elapsed() const {
 std::uint64_t peak_memory_bytes() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts kilobytes
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux reports kilobytes
 }
 
 std::string statistics_json(const RunRecord& record) {
@@ -173,7 +173,7 @@ std::string statistics_json(const RunRecord& record) {
     json["cryptomatte"] = cryptomatte_json(output);
     json["warnings"] = record.warnings;
     json["provenance"] = record.attributes;
-    // Paths and scene text may hold bytes that are no UTF-8: replaced, not thrown over.
+    // Paths and scene text may contain bytes that are not UTF-8. They are replaced; nothing is thrown.
     return json_text(json, 2) + "\n";
 }
 

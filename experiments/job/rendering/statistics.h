@@ -1,4 +1,4 @@
-// What a render cost and what it met, as JSON.
+// Costs and counts of a render as JSON.
 #pragma once
 
 #include <map>
@@ -11,12 +11,12 @@
 
 namespace raylex::experiments {
 
-/// Wall and CPU seconds (all threads) of one phase.
+/// Wall seconds and CPU seconds (of all threads) of one phase.
 struct PhaseTime {
     double wall_seconds = 0, cpu_seconds = 0;
 };
 
-/// Both clocks since construction.
+/// Measures both times since its construction.
 class PhaseClock {
   public:
     PhaseClock();
@@ -26,7 +26,7 @@ class PhaseClock {
     double wall_, cpu_;
 };
 
-/// Largest resident set of this process so far, bytes.
+/// Returns the peak resident memory of this process so far, in bytes.
 std::uint64_t peak_memory_bytes();
 
 struct RunRecord {
@@ -36,13 +36,13 @@ struct RunRecord {
     std::map<std::string, PhaseTime> phases;  ///< load, build, render, write
     std::vector<std::string> warnings;
     std::vector<display::SplitVerdict> splits;
-    std::map<std::string, std::string> attributes;  ///< as in the image header
-    std::vector<display::MemoryItem> memory;        ///< of the image, layer by layer, as estimated before rendering
-    const display::DeepBuffer* deep = nullptr;      ///< null when there is none
-    transport::EffectFindings effects{};            ///< what the scene calls for
+    std::map<std::string, std::string> attributes;  ///< the attributes of the image header
+    std::vector<display::MemoryItem> memory;        ///< of the image, by layer, as estimated before rendering
+    const display::DeepBuffer* deep = nullptr;      ///< null without a deep image
+    transport::EffectFindings effects{};            ///< effects that the scene needs
 };
 
-/// experiments/README.md lists the keys.
+/// Returns the statistics as JSON. experiments/README.md lists the keys.
 std::string statistics_json(const RunRecord& record);
 
 }  // namespace raylex::experiments

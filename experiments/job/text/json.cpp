@@ -20,7 +20,7 @@ Result<Json> read_json_file(const std::string& path, const std::string& what) {
 }
 
 void Whole::fail() const {
-    throw Json::type_error::create(302, "expected a whole number that fits, found " + json_text(json_), &json_);
+    throw Json::type_error::create(302, "expected an integer in range, found " + json_text(json_), &json_);
 }
 
 std::string json_text(const Json& json, int indent) {

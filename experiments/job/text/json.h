@@ -1,4 +1,4 @@
-// JSON. Compiled once: headers that are all templates would be compiled anew wherever a number is written.
+// JSON functions, compiled once because the library's headers are expensive templates.
 #pragma once
 
 #include <concepts>
@@ -12,22 +12,23 @@
 
 namespace raylex::experiments {
 
-/// Objects keep the order in which their members were set.
+/// JSON values. Objects keep the order in which their members were set.
 using Json = nlohmann::ordered_json;
 
-/// Throws Json::exception, which says where the text is not JSON.
+/// Parses a text. Throws Json::exception with the position of an error.
 Json parse_json(std::string_view text);
 
-/// A file of JSON; `what` it is: "a reference.json". Errors name the file: Budget::record_bytes, what is not JSON.
+/// Reads a JSON file; `what` describes it in errors, such as "a reference.json". Errors name the file: it exceeds
+/// Budget::record_bytes, or it is not JSON.
 Result<Json> read_json_file(const std::string& path, const std::string& what);
 
-/// A number of a record as whatever integer it is asked to be. JSON's own conversion has no defined result for a number
-/// that does not fit or is no whole one; here it throws Json::exception.
+/// Converts a JSON number to any integer type. JSON's own conversion is undefined for a number that is out of range or
+/// not an integer; this one throws Json::exception.
 class Whole {
   public:
     explicit Whole(const Json& json) : json_(json) {}
     template <std::integral T>
-    operator T() const {  // NOLINT(google-explicit-constructor): stands where the number stood
+    operator T() const {  // NOLINT(google-explicit-constructor): replaces the JSON number
         if (json_.is_number_unsigned()) {
             const auto value = json_.get<std::uint64_t>();
             if (std::in_range<T>(value)) return static_cast<T>(value);
@@ -46,7 +47,7 @@ inline Whole whole(const Json& json) {
     return Whole(json);
 }
 
-/// In one line without a blank when `indent` is -1. Bytes that are no UTF-8 become U+FFFD.
+/// Returns the JSON as text, on one line without blanks if `indent` is -1. Bytes that are not UTF-8 become U+FFFD.
 std::string json_text(const Json& json, int indent = -1);
 
 }  // namespace raylex::experiments

@@ -1,5 +1,5 @@
-// Where the characters of a TOML string stand in its file. toml++ gives a string's value and where it begins; here its
-// text is read once more (TOML 1.0, section String) to follow the escapes.
+// Finds the source position of each character of a TOML string. toml++ gives a string's value and its beginning, so
+// this code reads the text again (TOML 1.0, section String) to follow escapes.
 #include <algorithm>
 
 #include "experiments/job/text/toml_table.h"
@@ -26,7 +26,7 @@ void append_utf8(std::string& text, std::uint32_t code_point) {
     }
 }
 
-/// Reads one string from its opening quote on.
+/// Reads one string, starting at its opening quote.
 class StringFollower {
   public:
     StringFollower(const std::shared_ptr<const lpe::TextFile>& file, std::size_t opening) : file_(file), at_(opening) {}
@@ -52,7 +52,7 @@ class StringFollower {
     }
 
   private:
-    /// What is decoded next stands here.
+    /// Records the source position of the next decoded character.
     void place() {
         const auto& spans = map_.spans;
         if (!spans.empty() && spans.back().position + (decoded_.size() - spans.back().offset) == at_) return;
@@ -62,7 +62,7 @@ class StringFollower {
     bool take_escape() {
         const std::string& text = file_->text;
         const char c = at_ + 1 < text.size() ? text[at_ + 1] : '\0';
-        if (c == '\n' || c == '\r' || c == ' ' || c == '\t') {  // a line's end and the blanks after it
+        if (c == '\n' || c == '\r' || c == ' ' || c == '\t') {  // the end of a line and the blanks after it
             at_ = std::min(text.find_first_not_of(" \t\r\n", at_ + 1), text.size());
             return true;
         }

@@ -31,7 +31,7 @@ const char* kind_of(const toml::node& node) {
     return "nothing";
 }
 
-/// A value as a parameter: booleans, integers, reals and strings, alone or in arrays of one type.
+/// Converts a value to a parameter: a boolean, integer, real or string, or an array of one of these types.
 bool to_parameter(const toml::node& node, Parameter& parameter) {
     if (const auto* flag = node.as_boolean()) {
         parameter.type = ParameterType::boolean;
@@ -77,11 +77,12 @@ TomlSource::TomlSource(std::string file, std::string_view text)
 }
 
 SourceLocation TomlSource::location(const toml::source_region& region) const {
-    if (region.path && *region.path != file_) return {*region.path, 0, 0};  // put in from elsewhere: a command line
+    // inserted from elsewhere, such as a command line
+    if (region.path && *region.path != file_) return {*region.path, 0, 0};
     const auto line = static_cast<std::size_t>(region.begin.line);
     std::size_t column = region.begin.column;
     if (line >= 1 && line <= lines_.size()) {
-        // Every byte of UTF-8 that continues a character before the column moves it on by one.
+        // Adds one to the column for each UTF-8 continuation byte before it.
         const std::string& text = lines_[line - 1];
         for (std::size_t byte = 0; byte + 1 < column && byte < text.size(); ++byte)
             if ((static_cast<unsigned char>(text[byte]) & 0xC0U) == 0x80U) ++column;

@@ -1,5 +1,5 @@
-// Strict reading of TOML tables: every key is known or refused with its near miss, every value has the type it must
-// have, every error names file, line and column. The first error in the order of the text wins.
+// Strict reading of TOML tables. An unknown key is an error with the closest match, every value must have its type, and
+// every error names file, line and column. The first error in the order of the text is reported.
 #pragma once
 
 #include <cstdint>
@@ -13,27 +13,28 @@
 #include "lpe/language/source_map.h"
 #include "lpe/result.h"
 
-// The compiled libtomlplusplus is used, so that this header stays cheap.
+// Uses the compiled libtomlplusplus to keep this header cheap.
 #include <toml++/toml.h>
 
 namespace raylex::experiments {
 
-/// The text a job came from and the earliest error found in it.
+/// The source text of a job and the first error in it.
 class TomlSource {
   public:
     TomlSource(std::string file, std::string_view text);
 
-    /// toml++ counts columns in characters, Error in bytes: this converts.
+    /// Returns a source position. Converts columns from toml++'s characters to bytes, which Error uses.
     [[nodiscard]] SourceLocation location(const toml::source_region& region) const;
     [[nodiscard]] SourceLocation location(const toml::node& node) const { return location(node.source()); }
-    /// Where the characters of a string value begin: after its opening quotes.
+    /// Returns the position of the first character of a string value, after its opening quotes.
     [[nodiscard]] SourceLocation content_location(const toml::node& node) const;
 
-    /// Where each byte of a string value stands, its escapes resolved; null when the text cannot be followed.
+    /// Returns the source position of each byte of a string value, with escapes resolved; null if the text cannot be
+    /// followed.
     [[nodiscard]] std::shared_ptr<const lpe::SourceMap> string_map(const toml::node& node) const;
 
     void fail(const SourceLocation& where, std::string message, std::string hint = {});
-    void fail(Error error);  ///< an error made elsewhere, about this text; gets its excerpt here
+    void fail(Error error);  ///< records an error about this text and adds its excerpt
     [[nodiscard]] const std::optional<Error>& error() const { return error_; }
 
   private:
@@ -43,24 +44,24 @@ class TomlSource {
     std::optional<Error> error_;
 };
 
-/// One table. A look-up marks its key as known; close() refuses the rest.
+/// A table of the text. A look-up marks its key as known; close() reports all other keys.
 class TomlTable {
   public:
-    /// `description` is how errors call the table: "[render]", "a [[label]] table".
+    /// `description` names the table in errors: "[render]", "a [[label]] table".
     TomlTable(TomlSource& source, const toml::table& table, std::string description);
 
-    /// Each returns whether the key was there with the right type; `value` is changed only then.
+    /// Each read() returns whether the key exists with the right type, and changes `value` only then.
     bool read(std::string_view key, std::string& value);
     bool read(std::string_view key, bool& value);
     bool read(std::string_view key, std::int64_t& value, std::int64_t least, std::int64_t most);
     bool read(std::string_view key, std::vector<std::string>& value, std::vector<SourceLocation>* locations = nullptr);
-    /// A string that must be there and must not be empty.
+    /// Reads a string that must exist and must not be empty.
     bool require(std::string_view key, std::string& value);
 
-    /// The key's node, or null; any type.
+    /// Returns the node of the key with any type, or null.
     const toml::node* take(std::string_view key);
     const toml::table* take_table(std::string_view key);
-    /// The tables of `[[key]]`; an error when it is anything else.
+    /// Returns the tables of `[[key]]`. Any other value is an error.
     std::vector<const toml::table*> take_tables(std::string_view key);
 
     [[nodiscard]] SourceLocation location() const { return source_.location(table_); }
@@ -71,9 +72,9 @@ class TomlTable {
     [[nodiscard]] TomlSource& source() { return source_; }
     [[nodiscard]] const std::string& description() const { return description_; }
 
-    /// Every key that was not read, turned into parameters: what an integrator, a sampler or a filter takes.
+    /// Returns all keys that were not read as parameters, for an integrator, a sampler or a filter.
     ParameterSet take_parameters();
-    /// An error for the first key that nobody asked for.
+    /// Reports an error for the first key that was not read.
     void close();
 
   private:

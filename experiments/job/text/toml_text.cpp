@@ -7,13 +7,13 @@ namespace raylex::experiments {
 
 namespace {
 
-/// Walks the text once without understanding it: how deep brackets, braces and dotted keys nest. A number's dot counts
-/// like a key's, one at most, which is far below any budget that is of use.
+/// Measures the nesting depth of brackets, braces and dotted keys without parsing. The dot of a number counts like that
+/// of a key, but adds at most one, far below any useful budget.
 class DepthMeter {
   public:
     explicit DepthMeter(std::string_view text) : text_(text) {}
 
-    /// The place where `most` is exceeded, or npos.
+    /// Returns the position where the depth exceeds `most`, or npos.
     std::size_t exceeds(std::size_t most) {
         while (at_ < text_.size()) {
             const std::size_t here = at_;
@@ -61,7 +61,7 @@ class DepthMeter {
 
     std::string_view text_;
     std::size_t at_ = 0, dots_ = 0, enclosing_ = 0;
-    std::vector<std::size_t> open_;  ///< what each open bracket adds: itself and the dots of its key
+    std::vector<std::size_t> open_;  ///< depth of each open bracket: itself and the dots of its key
 };
 
 }  // namespace
@@ -76,7 +76,7 @@ Status check_toml_depth(std::string_view text, const std::string& path) {
     const std::string_view before = text.substr(0, at);
     const std::size_t line_start = before.rfind('\n') == std::string_view::npos ? 0 : before.rfind('\n') + 1;
     const auto line = static_cast<int>(1 + std::count(before.begin(), before.end(), '\n'));
-    return over_budget(Budget::toml_depth, "tables and arrays inside one another too deep", path, line,
+    return over_budget(Budget::toml_depth, "tables and arrays nested too deeply", path, line,
                        static_cast<int>(at - line_start) + 1);
 }
 
@@ -86,7 +86,7 @@ Result<toml::table> parse_toml(std::string_view text, const std::string& path) {
         return toml::parse(text, std::string_view(path));
     } catch (const toml::parse_error& error) {
         TomlSource source(path, text);
-        source.fail(source.location(error.source()), "this is no valid TOML: " + std::string(error.description()));
+        source.fail(source.location(error.source()), "this is not valid TOML: " + std::string(error.description()));
         return *source.error();
     }
 }

@@ -1,5 +1,5 @@
-// TOML text into a table, with what toml++ does not guard against: tables inside one another without end, in which its
-// tree, built and walked by recursion, takes the whole stack.
+// Parses TOML text. Limits the nesting depth first, because toml++ builds and walks its tree recursively and would
+// exhaust the stack.
 #pragma once
 
 #include <string>
@@ -10,13 +10,14 @@
 
 namespace raylex::experiments {
 
-/// A TOML file of at most Budget::toml_bytes.
+/// Reads a TOML file of at most Budget::toml_bytes.
 Result<std::string> read_toml_file(const std::string& path, NamedBy by, const std::string& expected);
 
-/// `text` of `path`. Errors with line and column: no TOML, tables and arrays deeper than Budget::toml_depth.
+/// Parses `text` from the file `path`. Errors with line and column: not valid TOML, tables and arrays deeper than
+/// Budget::toml_depth.
 Result<toml::table> parse_toml(std::string_view text, const std::string& path);
 
-/// Only the second: nothing when it is fit to be parsed.
+/// Checks only the nesting depth; returns success if the text can be parsed safely.
 Status check_toml_depth(std::string_view text, const std::string& path);
 
 }  // namespace raylex::experiments

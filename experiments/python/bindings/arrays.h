@@ -1,5 +1,5 @@
-// NumPy arrays in and out. Out: the array owns what C++ made, no number is copied. In: arrays of the right type and
-// order are read where they are; others are converted once.
+// Conversion between C++ values and NumPy arrays. Returned arrays own the values of C++, without a copy. Arguments of
+// the right type and order are read in place; others are converted once.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -18,7 +18,7 @@ namespace raylex::python {
 template <class T>
 using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
 
-/// The values as an array of this shape, which keeps them alive.
+/// Returns an array of this shape that owns the values.
 template <class T>
 py::array_t<T> owning_array(std::vector<T> values, std::vector<py::ssize_t> shape) {
     auto kept = std::make_unique<std::vector<T>>(std::move(values));
@@ -27,7 +27,7 @@ py::array_t<T> owning_array(std::vector<T> values, std::vector<py::ssize_t> shap
     return py::array_t<T>(std::move(shape), data, owner);
 }
 
-/// Values that `owner`, a Python object, keeps alive; they cannot be written to.
+/// Returns a read-only array of values that the Python object `owner` keeps alive.
 template <class T>
 py::array_t<T> view_of(const std::vector<T>& values, std::vector<py::ssize_t> shape, const py::handle& owner) {
     py::array_t<T> array(std::move(shape), values.data(), owner);
@@ -35,14 +35,15 @@ py::array_t<T> view_of(const std::vector<T>& values, std::vector<py::ssize_t> sh
     return array;
 }
 
-/// "(128, 3)".
+/// Returns the shape as text: "(128, 3)".
 inline std::string shape_text(const py::array& array) {
     std::string text = "(";
     for (py::ssize_t i = 0; i < array.ndim(); ++i) text += (i > 0 ? ", " : "") + std::to_string(array.shape(i));
     return text + (array.ndim() == 1 ? ",)" : ")");
 }
 
-/// Errors: other than `rows` rows of `columns` numbers (0: one number a row, shape (rows,)). `what` it is stands in it.
+/// Checks that the array has `rows` rows of `columns` numbers (0: one number per row, shape (rows,)). `what` names it
+/// in the error.
 template <class T>
 void check_shape(const Array<T>& array, std::size_t rows, std::size_t columns, const std::string& what) {
     const bool right = columns == 0 ? array.ndim() == 1 && array.shape(0) == static_cast<py::ssize_t>(rows)
@@ -53,17 +54,17 @@ void check_shape(const Array<T>& array, std::size_t rows, std::size_t columns, c
          (columns == 0 ? ",)" : ", " + std::to_string(columns) + ")"));
 }
 
-/// An argument as an array of T. Errors: what is no array of numbers; `what` it is stands in the message.
+/// Converts an argument to an array of T. Error: it is not an array of numbers; `what` names it in the error.
 template <class T>
 Array<T> array_of(const py::handle& object, const std::string& what) {
     Array<T> array = Array<T>::ensure(object);
     if (array) return array;
     PyErr_Clear();
     fail(what + " is " + std::string(py::str(py::type::handle_of(object).attr("__name__"))) +
-         ", which is no array of numbers; expected a NumPy array");
+         ", which is not an array of numbers; expected a NumPy array");
 }
 
-/// Rows of three, or one number for all, or one row for all, as (rows, 3).
+/// Values of shape (rows, 3): one row per row, one number for all, or one row for all.
 class Triples {
   public:
     Triples(const py::handle& object, std::size_t rows, const std::string& what)

@@ -1,4 +1,4 @@
-// raylex.Atlas: the light of every word of a render, asked from Python as `raylex ask` asks it.
+// raylex.Atlas: makes layers from the atlas of a render, like `raylex ask`.
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -22,10 +22,10 @@ using namespace pybind11::literals;
 
 namespace {
 
-/// (name, expression, dialect).
+/// A requested layer: (name, expression, dialect).
 using Question = std::tuple<std::string, std::string, std::string>;
 
-/// Numbers of all pixels and words, as NumPy has them.
+/// The values of all pixels and words as arrays.
 struct Entries {
     std::vector<std::int64_t> begin;  ///< [pixel + 1]
     std::vector<std::int32_t> word;
@@ -40,7 +40,8 @@ class Atlas {
     [[nodiscard]] const display::AtlasFile& file() const { return *file_; }
     [[nodiscard]] const display::WordTable& table() const { return file_->table(); }
 
-    /// One question at a time, for what is read of rows is a setting of the file; each may read rows by many threads.
+    /// Runs one request at a time, because the parts to be read are a setting of the file. A request may read rows with
+    /// many threads.
     template <class Work>
     auto read(Work&& work) {
         return unlocked([&] {
@@ -80,7 +81,7 @@ std::shared_ptr<Image> ask(Atlas& atlas, const std::vector<Question>& channels, 
                            bool intervals, bool errors) {
     const experiments::Job job = job_of(channels, shipped, light_groups);
     if (channels.empty() && !shipped && !light_groups)
-        fail("nothing is asked for; expected lpe={name: expression}, shipped=True or light_groups=True");
+        fail("no layer is requested; expected lpe={name: expression}, shipped=True or light_groups=True");
     return atlas.read([&](display::AtlasFile& file) {
         const auto answer = std::make_shared<const experiments::AtlasAnswer>(
             take(experiments::answer_question(file, job, {intervals, errors})));
@@ -149,7 +150,7 @@ void merge(const std::vector<std::string>& paths, const std::string& output) {
     for (const std::string& path : paths) {
         std::error_code failed;
         if (std::filesystem::equivalent(path, output, failed))
-            fail("'" + path + "' is merged and would be replaced; expected a file of its own");
+            fail("'" + path + "' is an input and would be overwritten; expected a different file");
     }
     unlocked([&] {
         const auto merged = take(experiments::MergedAtlas::open(paths));
@@ -161,36 +162,37 @@ void add_answers(py::module_& module) {
     using experiments::BrightPixel;
     using experiments::BrightWord;
     using experiments::SuggestedLayer;
-    py::class_<BrightPixel>(module, "PixelWords", "The words that make a pixel bright, the brightest first.")
+    py::class_<BrightPixel>(module, "PixelWords", "The brightest words of a pixel, in order.")
         .def_property_readonly(
             "rgba", [](const BrightPixel& p) { return py::make_tuple(p.rgba[0], p.rgba[1], p.rgba[2], p.rgba[3]); },
-            "of the render: scene-linear red, green, blue, and alpha")
+            "value in the render: scene-linear red, green, blue, and alpha")
         .def_readonly("mean", &BrightPixel::mean, "(R + G + B) / 3")
-        .def_readonly("error", &BrightPixel::error, "its standard error; inf when there is no telling")
+        .def_readonly("error", &BrightPixel::error, "standard error of the mean; inf if unknown")
         .def_readonly("samples", &BrightPixel::samples, "camera samples of the pixel")
-        .def_readonly("more", &BrightPixel::more, "words beside these")
+        .def_readonly("more", &BrightPixel::more, "number of further words")
         .def_readonly("words", &BrightPixel::words, "list of AtlasWord");
     py::class_<BrightWord>(module, "AtlasWord", "The light of one word in one pixel.")
-        .def_readonly("number", &BrightWord::word, "in Atlas.words")
+        .def_readonly("number", &BrightWord::word, "index in Atlas.words")
         .def_property_readonly(
             "rgb", [](const BrightWord& w) { return py::make_tuple(w.rgb[0], w.rgb[1], w.rgb[2]); }, "scene-linear")
         .def_readonly("mean", &BrightWord::mean, "(R + G + B) / 3")
-        .def_readonly("error", &BrightWord::error, "its standard error; inf when there is no telling");
+        .def_readonly("error", &BrightWord::error, "standard error of the mean; inf if unknown");
     py::class_<SuggestedLayer>(module, "SuggestedLayer", "A layer that isolates a kind of noise.")
         .def_readonly("name", &SuggestedLayer::name)
-        .def_readonly("expression", &SuggestedLayer::expression, "renderman; '' of the rest")
-        .def_readonly("light", &SuggestedLayer::light, "share of the image's light, 0 to 1")
-        .def_readonly("noise", &SuggestedLayer::noise, "share of the image's variance, 0 to 1")
+        .def_readonly("expression", &SuggestedLayer::expression, "expression in the dialect renderman; '' for the rest")
+        .def_readonly("light", &SuggestedLayer::light, "fraction of the image's light, 0 to 1")
+        .def_readonly("noise", &SuggestedLayer::noise, "fraction of the image's variance, 0 to 1")
         .def("__repr__", [](const SuggestedLayer& layer) {
             return "SuggestedLayer(" + layer.name + ": " + (layer.expression.empty() ? "rest" : layer.expression) +
                    ", noise " + std::to_string(layer.noise) + ", light " + std::to_string(layer.light) + ")";
         });
     py::class_<display::AtlasVerdict>(module, "AtlasVerdict", "Whether all words sum to the beauty, pixel by pixel.")
         .def_readonly("holds", &display::AtlasVerdict::holds)
-        .def_readonly("largest_relative", &display::AtlasVerdict::largest,
-                      "largest |sum - beauty| / (sum of |words| + |beauty|) of a pixel; at most 2^-23 where it holds")
-        .def_readonly("exceeding", &display::AtlasVerdict::exceeding, "pixels beyond that")
-        .def_readonly("entries", &display::AtlasVerdict::samples, "words of all pixels together")
+        .def_readonly(
+            "largest_relative", &display::AtlasVerdict::largest,
+            "largest |sum - beauty| / (sum of |words| + |beauty|) of any pixel; at most 2^-23 if the check holds")
+        .def_readonly("exceeding", &display::AtlasVerdict::exceeding, "number of pixels beyond 2^-23")
+        .def_readonly("entries", &display::AtlasVerdict::samples, "number of words of all pixels together")
         .def("__bool__", [](const display::AtlasVerdict& verdict) { return verdict.holds; });
 }
 
@@ -200,7 +202,7 @@ void add_atlas(py::module_& module) {
     add_answers(module);
     py::class_<Atlas>(
         module, "Atlas",
-        "What `raylex render --atlas` or render(atlas=) wrote: per pixel the light of each distinct word.")
+        "A path atlas from `raylex render --atlas` or render(atlas=): the light of each distinct word in every pixel.")
         .def(py::init<const std::filesystem::path&>(), "path"_a)
         .def_property_readonly("path", [](const Atlas& atlas) { return atlas.file().path(); })
         .def_property_readonly(
@@ -208,21 +210,22 @@ void add_atlas(py::module_& module) {
         .def_property_readonly(
             "height", [](const Atlas& atlas) { return atlas.file().height(); }, "pixels")
         .def_property_readonly("words", &word_texts,
-                               "what each word is, by number: 'C <R.D.'floor'> ... L'; '...' is one scattering or more")
+                               "the words by index: 'C <R.D.'floor'> ... L'; '...' means one or more scattering events")
         .def_property_readonly(
-            "by", [](const Atlas& atlas) { return to_string(atlas.table().rules); }, "what words are told apart by")
+            "by", [](const Atlas& atlas) { return to_string(atlas.table().rules); },
+            "properties that distinguish words")
         .def_property_readonly(
             "length", [](const Atlas& atlas) { return atlas.table().rules.length; },
-            "scatterings of the longest word kept whole")
+            "number of scattering events of the longest complete words")
         .def_property_readonly(
             "merged", [](const Atlas& atlas) { return atlas.table().merged; },
-            "words that gave up a scattering for the budget")
+            "number of words shortened to stay within the budget")
         .def_property_readonly(
             "attributes", [](const Atlas& atlas) { return atlas.file().description().attributes; },
-            "what the header says of the render: dict of str")
+            "attributes of the header: dict of str")
         .def_property_readonly(
             "complete", [](const Atlas& atlas) { return atlas.file().description().complete; },
-            "False when the render was stopped early")
+            "False if the render was stopped early")
         .def("_at", &words_at, "x"_a, "y"_a, "top"_a)
         .def("_suggest", &suggest, "count"_a)
         .def("_ask", &ask, "channels"_a, "shipped"_a, "light_groups"_a, "intervals"_a, "errors"_a)

@@ -1,7 +1,7 @@
-// What the files of the Python module share: one function a part of it, and errors as exceptions.
+// Shared declarations of the Python module: one function for each part, and errors as exceptions.
 //
-// Bindings are thin: they turn arguments into what the toolkit's own functions take, call those that the program calls,
-// and hand out what these give. Work that takes time is done without Python's global lock.
+// Bindings are thin: they convert arguments, call the functions that the program calls, and return their results. Long
+// work runs without Python's global lock.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -16,7 +16,7 @@ namespace raylex::python {
 
 namespace py = pybind11;
 
-// Each adds its classes and functions to the module `raylex._raylex`.
+// Each function adds its classes and functions to the module `raylex._raylex`.
 void add_errors(py::module_& module);
 void add_lpe(py::module_& module);
 void add_lpe_relations(py::module_& module);
@@ -31,12 +31,12 @@ void add_plugins(py::module_& module);
 void add_integrators(py::module_& module);
 void add_points(py::module_& module);
 
-/// An Error on its way through C++ code that pybind11 calls; Python sees raylex.RaylexError.
+/// An Error as a C++ exception, which pybind11 converts to raylex.RaylexError.
 struct Failure {
     Error error;
 };
 
-/// The value, or the Error as an exception.
+/// Returns the value, or throws the Error.
 template <class T>
 T take(Result<T> result) {
     if (!result) throw Failure{std::move(result).error()};
@@ -52,14 +52,14 @@ inline void take(const Status& status) {
     throw Failure{std::move(error)};
 }
 
-/// What `work` gives, done while other Python threads run. It must not touch Python objects.
+/// Returns the result of `work`, which runs while other Python threads run. It must not use Python objects.
 template <class Work>
 auto unlocked(Work&& work) {
     const Unlocked released;
     return work();
 }
 
-/// The pending Python exception as an Error, its traceback in the hint; `where` says which callback threw it.
+/// Returns the pending Python exception as an Error with its traceback in the hint; `where` names the callback.
 Error error_of(const py::error_already_set& exception, const std::string& where);
 
 }  // namespace raylex::python

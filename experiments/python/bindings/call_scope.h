@@ -1,4 +1,4 @@
-// Objects that Python gets for one call and may keep for longer: what they point to is gone once the call has returned.
+// Python objects that are valid during one call. Python may keep them longer, but their data is gone after the call.
 #pragma once
 
 #include <atomic>
@@ -9,14 +9,14 @@ namespace raylex::python {
 
 class CallScope {
   public:
-    /// `over` is the error of a use after the call.
+    /// `over` is the error message for a use after the call.
     explicit CallScope(const char* over) : over_(over) {}
     void check() const {
         if (ended_) fail(over_);
     }
 
-    /// A use that lets go of Python's lock at some point. Python's other threads may have one when the call returns:
-    /// end() waits for it. Made and destroyed with the lock held.
+    /// A use that may release Python's lock. Other Python threads may be inside a use when the call returns; end()
+    /// waits for them. Construct and destroy it with the lock held.
     class Use {
       public:
         explicit Use(const CallScope& scope) : scope_(scope) {
@@ -48,10 +48,10 @@ class CallScope {
     mutable std::atomic<int> uses_{0};
 };
 
-/// What `work` gives, done on what `scope` points to while other Python threads run.
+/// Returns the result of `work` on the data of `scope`, which runs while other Python threads run.
 template <class Work>
 auto unlocked(const CallScope& scope, Work&& work) {
-    const Call call;  // the first: a thread that it keeps has no use for end() to wait for
+    const Call call;  // first, because end() need not wait for a thread that this blocks
     const CallScope::Use use(scope);
     const py::gil_scoped_release released;
     return work();

@@ -16,18 +16,18 @@ namespace {
 struct Calls {
     std::mutex mutex;
     std::condition_variable over;
-    std::multiset<std::atomic<bool>*> stops;  // of the calls that go on; null for those that watch nothing
+    std::multiset<std::atomic<bool>*> stops;  // of calls in progress; null for calls that cannot be stopped
     std::optional<std::thread::id> ender;     // the thread that ends the interpreter
-    bool ending = false;                      // it waits for `stops`; what calls it makes later are its own
+    bool ending = false;                      // that thread waits for `stops`; later calls are its own
 };
 
-/// Never destroyed: threads may outlive the end of main().
+/// Never destroyed, because threads may outlive main().
 Calls& calls() {
     static auto* const all = new Calls;
     return *all;
 }
 
-/// Where the interpreter is ending, keeps every thread that nobody waits for, without Python's lock.
+/// If the interpreter is ending, blocks every thread that nobody waits for, without Python's lock.
 void stay_if_ending(std::unique_lock<std::mutex>& lock) {
     if (Callback::here() || !calls().ender || *calls().ender == std::this_thread::get_id()) return;
     lock.unlock();
@@ -40,7 +40,7 @@ void stay_if_ending(std::unique_lock<std::mutex>& lock) {
 Call::Call(std::atomic<bool>* stop) : stop_(stop) {
     std::unique_lock lock(calls().mutex);
     if (Callback::here() && calls().ending)
-        fail("the interpreter is ending, which stops this render; expected no more calls of raylex in it");
+        fail("the interpreter is ending, which stops this render; expected no further calls of raylex");
     stay_if_ending(lock);
     calls().stops.insert(stop_);
 }

@@ -1,5 +1,5 @@
-// Calls that let go of Python's lock, and the end of the interpreter: a daemon thread that takes the lock back then is
-// ended amid C++ code, which aborts the whole program.
+// Calls that release Python's lock, and the end of the interpreter. Python ends a daemon thread that then takes the
+// lock again in the middle of C++ code, which would abort the program.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -8,23 +8,24 @@
 
 namespace raylex::python {
 
-/// From before the lock is let go to after it is taken back. When the interpreter ends, it sets `*stop` and waits for
-/// all calls; a call of a daemon thread then never returns. Calls within a Callback do return, since a call that the
-/// interpreter waits for waits for them. Errors: a call that begins in a Callback meanwhile, so that the callback ends.
+/// Exists from before the lock is released until after it is taken again. At the end of the interpreter, end_all() sets
+/// `*stop` and waits for all calls; a call of a daemon thread then never returns. Calls within a Callback return,
+/// because the call that the interpreter waits for needs them. Error: a call that begins in a Callback at that time, so
+/// that the callback ends.
 class Call {
   public:
     explicit Call(std::atomic<bool>* stop = nullptr);
     ~Call();
     Call(const Call&) = delete;
     Call& operator=(const Call&) = delete;
-    /// What atexit runs.
+    /// The function that atexit runs.
     static void end_all();
 
   private:
     std::atomic<bool>* stop_;
 };
 
-/// Python's lock on a thread of C++ that calls Python amid a Call.
+/// Holds Python's lock on a C++ thread that calls Python during a Call.
 class Callback {
   public:
     Callback() { ++depth_; }
@@ -38,7 +39,7 @@ class Callback {
     inline static thread_local int depth_ = 0;
 };
 
-/// Without Python's lock for as long as it lives.
+/// Releases Python's lock while it exists.
 struct Unlocked {
     Call call;
     pybind11::gil_scoped_release released;

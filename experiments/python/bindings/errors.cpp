@@ -4,7 +4,7 @@ namespace raylex::python {
 
 namespace {
 
-/// raylex.errors.RaylexError, with the parts of the Error as attributes.
+/// Raises raylex.errors.RaylexError with the parts of the Error as attributes.
 void raise(const Error& error) {
     const py::object type = py::module_::import("raylex.errors").attr("RaylexError");
     const py::object exception =

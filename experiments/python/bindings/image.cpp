@@ -14,12 +14,12 @@ using namespace pybind11::literals;
 
 namespace {
 
-/// The file's nameless layer is the beauty.
+/// Returns the name of a layer for Python. The file's layer without a name is the beauty.
 std::string spoken(const std::string& name) {
     return name.empty() ? "beauty" : name;
 }
 
-/// Colour and coverage are two arrays.
+/// Returns the name of a layer's coverage array. Colour and coverage are separate arrays.
 std::string alpha_of(const std::string& name) {
     return name.empty() ? "alpha" : name + ".A";
 }
@@ -68,7 +68,7 @@ const LayerArray& Image::array(const std::string& name) const {
 
 const LayerArray& Image::array(const display::ImageLayer& layer) const {
     const auto index = static_cast<std::size_t>(&layer - description_.layers.data());
-    return *std::find_if(arrays_.begin(), arrays_.end(),  // coverage stands behind its colour
+    return *std::find_if(arrays_.begin(), arrays_.end(),  // coverage comes after its colour
                          [index](const LayerArray& each) { return each.layer == index; });
 }
 
@@ -103,7 +103,7 @@ py::array_t<float> array_of_layer(const py::object& self, const std::string& nam
     const LayerArray& array = image.array(name);
     std::vector<py::ssize_t> shape{image.height(), image.width()};
     if (array.components.size() != 1) shape.push_back(static_cast<py::ssize_t>(array.components.size()));
-    return py::array_t<float>(std::move(shape), array.values.data(), self);  // which keeps the numbers alive
+    return py::array_t<float>(std::move(shape), array.values.data(), self);  // keeps the values alive
 }
 
 py::dict partitions_of(const Image& image) {
@@ -114,7 +114,7 @@ py::dict partitions_of(const Image& image) {
     return partitions;
 }
 
-/// What the header says of the layers under "lpe/".
+/// Returns the header's attributes of layers under "lpe/".
 std::map<std::string, std::string> expressions_of(const Image& image) {
     std::map<std::string, std::string> expressions;
     for (const auto& [name, text] : image.description().attributes)
@@ -123,10 +123,8 @@ std::map<std::string, std::string> expressions_of(const Image& image) {
 }
 
 void write_image(const Image& image, const std::filesystem::path& path) {
-    if (!image.write)
-        fail("the image was read from '" + image.path() + "'; only what was rendered here can be written");
-    if (path.extension() != ".exr")
-        fail("'" + path.string() + "' has no name ending in .exr; expected an OpenEXR file name");
+    if (!image.write) fail("the image was read from '" + image.path() + "'; only rendered images can be written");
+    if (path.extension() != ".exr") fail("'" + path.string() + "' does not end in .exr; expected an OpenEXR file name");
     unlocked([&] { take(image.write(path.string())); });
 }
 
@@ -141,34 +139,33 @@ std::string describe(const Image& image) {
 
 void add_image(py::module_& module) {
     py::class_<Image, std::shared_ptr<Image>>(module, "Image",
-                                              "Layers of one image, rendered or read: image['beauty'] is a float32 "
-                                              "array of shape (height, width, 3), rows from "
-                                              "the top.")
+                                              "The layers of an image, rendered or read. image['beauty'] is a float32 "
+                                              "array of shape (height, width, 3), with rows from the top.")
         .def_property_readonly("width", &Image::width, "pixels")
         .def_property_readonly("height", &Image::height, "pixels")
-        .def_property_readonly("path", &Image::path, "the file it was read from; '' when rendered")
+        .def_property_readonly("path", &Image::path, "path of the file; '' if rendered")
         .def_property_readonly("names", &Image::names, "names of the layers, the beauty first")
         .def_property_readonly(
             "attributes", [](const Image& image) { return image.description().attributes; },
-            "what the header says: dict of str")
+            "attributes of the header: dict of str")
         .def_property_readonly("expressions", &expressions_of, "{layer: light path expression}")
-        .def_property_readonly("partitions", &partitions_of, "{name: (what is split, [layers])}, proved when rendered")
-        .def_readonly("warnings", &Image::warnings, "what the render had to say")
+        .def_property_readonly("partitions", &partitions_of, "{name: (split layer, [layers])}; proved if rendered")
+        .def_readonly("warnings", &Image::warnings, "warnings of the render")
         .def_readonly("statistics", &Image::statistics,
-                      "of a render: samples_per_pixel, seconds (wall), cpu_seconds, camera_rays, ...")
-        .def_readonly("complete", &Image::complete, "False when the render was stopped early")
+                      "statistics of a render: samples_per_pixel, seconds (wall), cpu_seconds, camera_rays, ...")
+        .def_readonly("complete", &Image::complete, "False if the render was stopped early")
         .def(
             "components", [](const Image& image, const std::string& name) { return image.array(name).components; },
-            "name"_a, "names of the last axis: R G B, X Y Z, or the one of a layer without it")
+            "name"_a, "names along the last axis: R G B, X Y Z, or the single name of a layer without this axis")
         .def("__getitem__", &array_of_layer, "name"_a,
-             "The layer, by its name or what is left of it without the prefix that all share, as float32 (height, "
-             "width, components), (height, width) when it has one. No copy: the image's "
+             "A layer by its name, with or without a prefix that all names share, as float32 (height, "
+             "width, components), (height, width) for one component. No copy: the image's "
              "own "
              "memory.")
         .def("__contains__", &Image::contains)
         .def("__len__", [](const Image& image) { return image.arrays().size(); })
         .def("__iter__", [](const Image& image) { return py::iter(py::cast(image.names())); })
-        .def("write", &write_image, "path"_a, "Writes a rendered image as `raylex render` does: multi-part OpenEXR.")
+        .def("write", &write_image, "path"_a, "Writes a rendered image like `raylex render`, as multi-part OpenEXR.")
         .def("__repr__", &describe);
     module.def(
         "_read_image",

@@ -1,4 +1,4 @@
-// An image as Python has it: every layer an array, whether it was rendered or read from a file.
+// An image for Python: every layer is an array, whether the image was rendered or read from a file.
 #pragma once
 
 #include <cstdint>
@@ -14,18 +14,18 @@
 
 namespace raylex::python {
 
-/// A layer's numbers, pixel by pixel, the way NumPy has them.
+/// The values of a layer in NumPy's order, pixel by pixel.
 struct LayerArray {
     std::string name;                     ///< "beauty", "alpha", "direct", "Nn", "z"
-    std::size_t layer = 0;                ///< of the file's layers
-    std::vector<std::size_t> planes;      ///< which of that layer's
-    std::vector<std::string> components;  ///< their names: R G B, X Y Z, Z
+    std::size_t layer = 0;                ///< index in the file's layers
+    std::vector<std::size_t> planes;      ///< indices of planes of that layer
+    std::vector<std::string> components;  ///< names of the planes: R G B, X Y Z, Z
     std::vector<float> values;            ///< [(y * width + x) * components + c], from the top
 };
 
 class Image {
   public:
-    /// Takes the planes out of `image`: they live on as arrays.
+    /// Moves the planes of `image` into arrays.
     explicit Image(display::ExrImage image);
 
     [[nodiscard]] int width() const { return description_.width; }
@@ -33,20 +33,21 @@ class Image {
     [[nodiscard]] const std::string& path() const { return description_.path; }
     [[nodiscard]] const display::ExrImage& description() const { return description_; }  ///< without pixels
     [[nodiscard]] const std::vector<LayerArray>& arrays() const { return arrays_; }
-    /// By the name of an array, or any that ExrImage::require_layer takes. Errors are those of it.
+    /// Returns an array by its name, or by any name that ExrImage::require_layer accepts. Errors: those of
+    /// require_layer.
     [[nodiscard]] const LayerArray& array(const std::string& name) const;
-    /// Of a layer of the description: its colour, where coverage is another.
+    /// Returns the array of a layer in the description: its colour, if coverage is separate.
     [[nodiscard]] const LayerArray& array(const display::ImageLayer& layer) const;
     [[nodiscard]] bool contains(const std::string& name) const;
     [[nodiscard]] std::vector<std::string> names() const;
 
-    /// The image as the program's own functions take it: a copy of the pixels.
+    /// Returns the image for the program's functions, with a copy of the pixels.
     [[nodiscard]] display::ExrImage as_exr() const;
 
-    /// Writes it as `raylex render` would. Only of what was rendered here.
+    /// Writes the image like `raylex render`. Only for images rendered by this process.
     std::function<Status(const std::string& path)> write;
 
-    // What only a render tells.
+    // Results of a render; empty for images from files.
     std::vector<std::string> warnings;
     std::map<std::string, double> statistics;  ///< samples_per_pixel, render_seconds, camera_rays ...
     bool complete = true;

@@ -1,4 +1,4 @@
-// Verdicts on splits, and metrics: display/output as `raylex verify` and `raylex compare` use it.
+// Checks of splits, and metrics: the functions of `raylex verify` and `raylex compare`.
 #include <pybind11/stl.h>
 
 #include <cmath>
@@ -20,11 +20,11 @@ using display::SplitVerdict;
 
 namespace {
 
-/// A verdict, and the shape of its map.
+/// The result of a check, and the shape of its map.
 struct Verdict {
     SplitVerdict split;
     int width = 0, height = 0;
-    std::string note;  ///< of a preset: what was left out, and its formula
+    std::string note;  ///< of a preset: the omitted layers, and its formula
 };
 
 std::vector<Verdict> verdicts_of(const display::ExrImage& image, std::vector<SplitVerdict> splits) {
@@ -35,7 +35,7 @@ std::vector<Verdict> verdicts_of(const display::ExrImage& image, std::vector<Spl
 
 display::Allowance allowance_of(double absolute, double relative) {
     if (!std::isfinite(absolute) || !std::isfinite(relative) || absolute < 0 || relative < 0)
-        fail("a tolerance is negative or no number; expected two numbers from 0 on");
+        fail("a tolerance is negative or NaN; expected two numbers from 0 on");
     display::Allowance allowance;
     if (absolute == 0 && relative == 0) return allowance;
     allowance.absolute = absolute;
@@ -76,36 +76,39 @@ std::vector<Verdict> verify(const Image& image, const std::string& of, const std
 }
 
 void add_verdicts(py::module_& module) {
-    py::class_<Verdict>(module, "Verdict", "Whether the layers of a split sum to what they split, pixel by pixel.")
+    py::class_<Verdict>(module, "Verdict",
+                        "The result of a check whether layers sum to the layer that they split, in every pixel.")
         .def_property_readonly(
-            "holds", [](const Verdict& v) { return v.split.holds; }, "to rounding, or as allowed")
+            "holds", [](const Verdict& v) { return v.split.holds; },
+            "whether the sum holds, to rounding or within the tolerance")
         .def_property_readonly("partition", [](const Verdict& v) { return v.split.partition; })
         .def_property_readonly("of", [](const Verdict& v) { return v.split.of.empty() ? "beauty" : v.split.of; })
         .def_property_readonly("layers", [](const Verdict& v) { return v.split.layers; })
         .def_property_readonly(
             "largest_relative", [](const Verdict& v) { return v.split.largest_relative; },
-            "largest |sum - of| / (sum of |layers| + |of|) of a pixel")
+            "largest |sum - of| / (sum of |layers| + |of|) of any pixel")
         .def_property_readonly(
-            "bound", [](const Verdict& v) { return v.split.bound; }, "what rounding may cost, relative as above")
+            "bound", [](const Verdict& v) { return v.split.bound; },
+            "bound on rounding, relative like largest_relative")
         .def_property_readonly(
-            "exceeding", [](const Verdict& v) { return v.split.exceeding; }, "pixels beyond what is allowed")
+            "exceeding", [](const Verdict& v) { return v.split.exceeding; }, "number of pixels beyond the tolerance")
         .def_property_readonly(
             "judged", [](const Verdict& v) { return v.split.judged(); },
-            "pixels that clamped values do not leave open; 0: it cannot be told whether the split holds")
+            "number of pixels without clamped values; 0: the split cannot be checked")
         .def_property_readonly(
             "residual",
             [](const Verdict& v) {
                 return owning_array(std::vector<float>(v.split.residual), {v.height, v.width});
             },
-            "float32 (height, width): |sum - of| relative to sum of |layers| + |of|, the worst component")
-        .def_readonly("formula", &Verdict::note, "of a preset: what was summed")
+            "float32 (height, width): |sum - of| relative to sum of |layers| + |of|, largest component")
+        .def_readonly("formula", &Verdict::note, "of a preset: the formula of the sum")
         .def("__bool__", [](const Verdict& v) { return v.split.holds; })
         .def("__str__", [](const Verdict& v) { return experiments::verdict_text(v.split); })
         .def("__repr__", [](const Verdict& v) { return "Verdict(" + experiments::verdict_line(v.split) + ")"; });
     module.def("_verify", &verify, "image"_a, "of"_a, "sums"_a, "preset"_a, "tolerance"_a);
 }
 
-/// An array as an image of one layer, "beauty", in Rec. 709: what metrics take.
+/// Returns an array as an image with one layer, "beauty", in Rec. 709, for metrics.
 display::ExrImage image_of(const Array<float>& array, const std::string& what) {
     const bool color = array.ndim() == 3 && array.shape(2) == 3;
     if (!color && array.ndim() != 2)
@@ -148,8 +151,8 @@ py::array_t<double> error_image(const py::object& image, const py::object& refer
     return owning_array(std::move(map), {b.height, b.width});
 }
 
-/// An image with nothing but one of its arrays, as a layer by the name that says how it is looked at; without a name
-/// the one that people look at first.
+/// Returns an image with only one array, as a layer whose name selects the display; without a name, the array that
+/// people look at first.
 display::ExrImage only(const Image& image, const std::string& name) {
     const LayerArray& array =
         name.empty() ? image.array(*take(experiments::shown_layer(image.description(), name))) : image.array(name);
@@ -166,7 +169,7 @@ display::ExrImage only(const Image& image, const std::string& name) {
     return exr;
 }
 
-/// The one layer as people look at it: 8-bit RGB through the display and view, false colour where it is no light.
+/// Returns the picture of one layer for display: 8-bit RGB through display and view, or false colour for data.
 experiments::Picture picture(const display::ExrImage& exr, double exposure, int largest_side) {
     const auto color = take(display::ColorManager::open());
     experiments::PictureOptions options;

@@ -1,4 +1,4 @@
-// raylex.lpe: events, paths, the words that proofs are relative to, channel files.
+// raylex.lpe: events, paths, the words for proofs, channel files.
 #include <algorithm>
 #include <array>
 
@@ -71,16 +71,16 @@ void add_events(py::module_& module) {
     py::class_<lpe::Event>(module, "Event", "One event of a light path.")
         .def_property_readonly("type", type_letter, "'C', 'R', 'T', 'V', 'L', 'B', 'O' or 'U1' to 'U12'")
         .def_property_readonly("scatter", scatter_letter,
-                               "'D', 'G', 'S' with a lobe number where there is one, 's', ''")
+                               "'D', 'G' or 'S', with a lobe number if there is one; 's'; ''")
         .def_property_readonly(
             "labels", [](const lpe::Event& event) { return py::tuple(py::cast(event.labels)); },
-            "(object, lobe) of a scattering, (light group,) of a light; '' for none")
+            "(object, lobe) of a scattering event, (light group,) of a light; '' for none")
         .def("__str__", [](const lpe::Event& event) { return lpe::to_text(event); })
         .def("__repr__", [](const lpe::Event& event) { return "Event('" + lpe::to_text(event) + "')"; })
         .def(
             "__eq__", [](const lpe::Event& a, const lpe::Event& b) { return a == b; }, py::is_operator());
     py::class_<lpe::Witness>(module, "Path", "A light path: camera first, light last.")
-        .def(py::init(&path_from_text), "text"_a, "Reads 'C,- R,D,floor L,-,key'.")
+        .def(py::init(&path_from_text), "text"_a, "Parses 'C,- R,D,floor L,-,key'.")
         .def_readonly("events", &lpe::Witness::events, "list of Event")
         .def_readonly("text", &lpe::Witness::text, "'C,- R,D,floor L,-,key', as `raylex lpe match` reads it")
         .def_readonly("sentence", &lpe::Witness::sentence, "the path in words")
@@ -95,7 +95,7 @@ void add_events(py::module_& module) {
 void add_words(py::module_& module) {
     using Labels = std::optional<std::vector<std::string>>;
     py::class_<lpe::Words>(module, "Words",
-                           "The light paths that proofs are relative to. By default every path that any scene can "
+                           "The set of light paths for proofs. By default every path that any scene can "
                            "produce.")
         .def(py::init([](bool volume, bool straight, bool background, bool emission, bool unlabelled_lights,
                          Labels light_groups, Labels object_labels, std::optional<int> max_depth) {
@@ -124,7 +124,7 @@ void add_words(py::module_& module) {
             [](const lpe::Words& words) {
                 return words.alphabet ? py::cast(words.alphabet->scattering) : py::object(py::none());
             },
-            "the scattering events of a scene, a list of Event; None where no scene said which")
+            "the scattering events of a scene, a list of Event; None without a scene")
         .def_property_readonly(
             "terminals",
             [](const lpe::Words& words) {

@@ -1,4 +1,4 @@
-// raylex.lpe: proofs, what they rest on, and what expressions mean.
+// raylex.lpe: proofs, and explanations of expressions.
 #include "experiments/python/bindings/lpe_types.h"
 #include "lpe/algebra/explanation/explain.h"
 #include "lpe/algebra/explanation/why_not.h"
@@ -13,7 +13,7 @@ using namespace pybind11::literals;
 
 namespace {
 
-/// One answer for every question: whether it holds, and the path that shows the contrary.
+/// The answer to a question: whether the statement holds, and otherwise a counterexample.
 struct Answer {
     bool holds = true;
     std::string verdict;  ///< of a partition: "partition", "missed", "counted_twice", "outside"
@@ -56,7 +56,7 @@ Answer check(const std::vector<ChannelTuple>& channels, const std::optional<Chan
     if (what == "partition") return answer_of(take(lpe::check_partition(sources, whole, words)), sources);
     if (what == "covers") return answer_of(take(lpe::check_covers(sources, whole, words)), sources, "covers", "missed");
     if (what == "disjoint") {
-        if (of) fail("'of' has no part in what='disjoint'; expected it with 'partition' or 'covers'");
+        if (of) fail("'of' cannot be combined with what='disjoint'; expected what='partition' or 'covers'");
         return answer_of(take(lpe::check_disjoint(sources, words)), sources);
     }
     fail("what is '" + what + "'; expected 'partition', 'disjoint' or 'covers'");
@@ -80,15 +80,15 @@ py::dict overview(const std::vector<ChannelTuple>& channels, const std::optional
 }
 
 void add_answer(py::module_& module) {
-    py::class_<Answer>(module, "Check", "The answer to a question about expressions: proved, or a path against it.")
-        .def_readonly("holds", &Answer::holds, "True when it is proved")
+    py::class_<Answer>(module, "Check", "The answer to a question about expressions: a proof, or a counterexample.")
+        .def_readonly("holds", &Answer::holds, "True if the statement is proved")
         .def_readonly("verdict", &Answer::verdict, "'partition', 'missed', 'counted_twice', 'outside', ...")
         .def_property_readonly(
             "counterexample", [](const Answer& answer) { return path_of(answer.witness); },
-            "the shortest Path that shows the contrary; None when it holds")
+            "the shortest Path as counterexample; None if the statement holds")
         .def_readonly("channels", &Answer::channels, "names of the channels that accept the counterexample")
         .def_readonly("summary", &Answer::summary, "one sentence")
-        .def_readonly("warnings", &Answer::warnings, "how expressions were read, where that may surprise")
+        .def_readonly("warnings", &Answer::warnings, "notes on unexpected interpretations of the expressions")
         .def("__bool__", [](const Answer& answer) { return answer.holds; })
         .def("__repr__", [](const Answer& answer) {
             return "Check(" + std::string(answer.holds ? "holds" : "does not hold") + ": " + answer.summary + ")";
@@ -130,16 +130,17 @@ lpe::Operation operation_of(const std::string& name) {
                                                               {"difference", lpe::Operation::difference}};
     for (const auto& [known, operation] : all)
         if (name == known) return operation;
-    fail("'" + name + "' is no operation; expected 'words', 'complement', 'intersection', 'union' or 'difference'");
+    fail("'" + name + "' is not an operation; expected 'words', 'complement', 'intersection', 'union' or 'difference'");
 }
 
 void add_path_sets(py::module_& module) {
-    py::class_<lpe::PathSet>(module, "PathSet", "What is known of a set of light paths.")
+    py::class_<lpe::PathSet>(module, "PathSet", "Facts about a set of light paths.")
         .def_readonly("samples", &lpe::PathSet::samples, "list of Path, the shortest first")
         .def_readonly("counts", &lpe::PathSet::counts,
-                      "paths of 0, 1, ... events, as far as the expressions tell events apart")
-        .def_readonly("longest", &lpe::PathSet::longest, "events of the longest path; None where there is no longest")
-        .def_readonly("states", &lpe::PathSet::states, "of the minimal automaton")
+                      "number of paths with 0, 1, ... events that the expressions distinguish")
+        .def_readonly("longest", &lpe::PathSet::longest,
+                      "number of events of the longest path; None if there is no longest")
+        .def_readonly("states", &lpe::PathSet::states, "number of states of the minimal automaton")
         .def_readonly("warnings", &lpe::PathSet::warnings)
         .def("__bool__", [](const lpe::PathSet& set) { return !set.empty(); });
     module.def(
@@ -154,9 +155,9 @@ void add_path_sets(py::module_& module) {
 
 void add_explanations(py::module_& module) {
     py::class_<lpe::Explanation>(module, "Explanation", "An expression in words.")
-        .def_readonly("expression", &lpe::Explanation::expression, "names replaced by what they stand for")
+        .def_readonly("expression", &lpe::Explanation::expression, "the expression with names expanded")
         .def_readonly("sentence", &lpe::Explanation::sentence)
-        .def_readonly("prefixes", &lpe::Explanation::prefixes, "(name, what it changes)")
+        .def_readonly("prefixes", &lpe::Explanation::prefixes, "list of (name, effect)")
         .def_readonly("samples", &lpe::Explanation::samples, "list of Path that it accepts, the shortest first")
         .def_readonly("is_beauty", &lpe::Explanation::beauty, "whether it accepts every path")
         .def_readonly("same_as", &lpe::Explanation::same_as)
@@ -169,11 +170,11 @@ void add_explanations(py::module_& module) {
             return take(lpe::explain(source_of(channel), words));
         },
         "channel"_a, "words"_a, py::call_guard<Unlocked>());
-    py::class_<lpe::WhyNot>(module, "WhyNot", "How far a path went well, and what the expression wanted next.")
+    py::class_<lpe::WhyNot>(module, "WhyNot", "Where a path fails to match, and what the expression expects there.")
         .def_readonly("matches", &lpe::WhyNot::matches)
         .def_readonly("live_events", &lpe::WhyNot::live_events,
-                      "events of the path that some matching path begins with")
-        .def_readonly("wanted", &lpe::WhyNot::wanted, "what could have followed, in words")
+                      "number of events of the path that begin a matching path")
+        .def_readonly("wanted", &lpe::WhyNot::wanted, "what could follow, in words")
         .def_readonly("hint", &lpe::WhyNot::hint)
         .def("__bool__", [](const lpe::WhyNot& why) { return why.matches; });
     module.def(

@@ -1,4 +1,4 @@
-// Channels as Python hands them over, and paths as it gets them back.
+// Conversion of channels from Python, and of paths to Python.
 #pragma once
 
 #include <pybind11/stl.h>
@@ -14,20 +14,20 @@
 
 namespace raylex::python {
 
-/// (name, expression, dialect), as raylex.lpe makes them of whatever it is given.
+/// A channel from raylex.lpe: (name, expression, dialect).
 using ChannelTuple = std::tuple<std::string, std::string, std::string>;
 
 lpe::Dialect dialect_of(const std::string& name);
-/// Errors point into the expression by the channel's name.
+/// Returns a channel source. Errors refer to the expression by the channel's name.
 lpe::ChannelSource source_of(const ChannelTuple& channel);
 std::vector<lpe::ChannelSource> sources_of(const std::vector<ChannelTuple>& channels);
 
-/// None where there is no path.
+/// Returns None for an empty path.
 std::optional<lpe::Witness> path_of(lpe::Witness witness);
-/// The names of these channels.
+/// Returns the names of these channels.
 std::vector<std::string> names_of(const std::vector<lpe::ChannelSource>& channels,
                                   const std::vector<std::size_t>& indices);
-/// Reads "C,- R,D L,-".
+/// Parses "C,- R,D L,-".
 lpe::Witness path_from_text(const std::string& text);
 
 }  // namespace raylex::python

@@ -1,9 +1,9 @@
-// The module raylex._raylex; the package raylex around it is Python (experiments/python/raylex).
+// The module raylex._raylex. The package raylex around it is written in Python (experiments/python/raylex).
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/python/bindings/bindings.h"
 
 PYBIND11_MODULE(_raylex, module) {
-    module.doc() = "What `import raylex` is made of.";
+    module.doc() = "The C++ part of `import raylex`.";
     module.attr("version") = raylex::experiments::raylex_version();
     module.attr("revision") = raylex::experiments::raylex_revision();
     module.attr("build") = raylex::experiments::build_description();

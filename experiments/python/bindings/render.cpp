@@ -1,4 +1,5 @@
-// raylex.render: a job as the program reads it, the program's own steps from scene to image, and a callback meanwhile.
+// raylex.render: reads a job like the program, runs the program's steps from scene to image, and calls a callback
+// meanwhile.
 #include <pybind11/stl.h>
 
 #include <map>
@@ -29,12 +30,12 @@ namespace {
 
 using transport::RenderProgress;
 
-/// What a callback sees. Arrays are made when they are asked for, during the call only.
+/// The argument of a progress callback. Arrays are made on request, only during the call.
 class Progress : public CallScope {
   public:
     Progress(const RenderProgress& now, const std::vector<display::ChannelDefinition>& channels,
              display::ChannelId beauty, display::PixelRegion whole)
-        : CallScope("this progress is over; expected its use during the callback only"),
+        : CallScope("this progress is no longer valid; it can be used only during the callback"),
           now_(now),
           channels_(channels),
           beauty_(beauty),
@@ -60,8 +61,7 @@ class Progress : public CallScope {
             return variance;
         });
         if (values.empty())
-            fail("'" + name +
-                 "' keeps no statistics, so its error is not known; expected the beauty, or a channel of " +
+            fail("'" + name + "' keeps no statistics, so its error is unknown; expected the beauty, or a channel of " +
                  "statistics={name: ['mse']}, and a method whose samples belong to pixels");
         return shaped(std::move(values), id);
     }
@@ -94,7 +94,7 @@ class Progress : public CallScope {
     display::PixelRegion whole_;
 };
 
-/// One render, from the text of its job to its image; what is left of it can be written to a file later.
+/// One render, from the text of its job to its image. The results needed to write a file later are kept.
 class JobRender {
   public:
     JobRender(const std::string& text, const Scene* scene, std::vector<std::string> arguments)
@@ -104,11 +104,9 @@ class JobRender {
         if (scene != nullptr) scene_ = *scene;
         if (job_.checkpoint_seconds > 0)
             fail(
-                "checkpoints are kept by the program alone; expected `raylex render --checkpoint` for renders that "
-                "must "
+                "only the program writes checkpoints; expected `raylex render --checkpoint` for renders that must "
                 "survive a crash");
-        if (!job_.statistics.empty())
-            fail("'stats' is of the program; expected Image.statistics, which has the numbers");
+        if (!job_.statistics.empty()) fail("only the program supports 'stats'; expected Image.statistics");
     }
 
     void prepare() {
@@ -121,7 +119,7 @@ class JobRender {
         experiments::ChannelPlan plan = take(experiments::plan_channels(job_, words));
         if (!plan.refuted.empty()) fail(plan.refuted, "nothing was rendered");
         if (!job_.settings.beauty && plan.channels.empty())
-            fail("beauty=False leaves nothing to render; expected at least one of lpe= or aovs= with it");
+            fail("beauty=False leaves nothing to render; expected at least one of lpe= or aovs= as well");
         warnings_.insert(warnings_.end(), plan.notes.begin(), plan.notes.end());
         job_.settings.channels = std::move(plan.channels);
         take(outputs_.atlas().prepare(job_, words));
@@ -148,7 +146,7 @@ class JobRender {
         for (const Error& warning : output_->warnings) warnings_.push_back(warning.to_string());
     }
 
-    /// Nothing when no sample was finished.
+    /// Returns nothing if no sample was finished.
     std::shared_ptr<Image> image(const std::shared_ptr<JobRender>& self) {
         if (output_->statistics.camera_samples == 0) return nullptr;
         const std::map<std::string, std::string> attributes =
@@ -210,7 +208,7 @@ class JobRender {
     std::vector<std::string> warnings_;
 };
 
-/// What a callback threw goes on, with what was rendered until then as its attribute `image`.
+/// Throws a callback's exception on, with the image rendered so far as its attribute `image`.
 void rethrow_with(const RunControl& control, const std::shared_ptr<Image>& image) {
     try {
         control.rethrow();
@@ -234,7 +232,7 @@ std::shared_ptr<Image> render(const std::string& text, const Scene* scene, const
             return job->image(job);
         });
     } catch (const Failure&) {
-        rethrow_with(*control, nullptr);  // what a callback threw is why the rest failed
+        rethrow_with(*control, nullptr);  // a callback's exception is the cause of the failure
         throw;
     }
     rethrow_with(*control, image);
@@ -246,14 +244,14 @@ std::shared_ptr<Image> render(const std::string& text, const Scene* scene, const
 
 void add_render(py::module_& module) {
     py::class_<Progress, std::shared_ptr<Progress>>(module, "Progress",
-                                                    "A render that goes on; of use during the callback only.")
+                                                    "A running render; valid only during the callback.")
         .def_property_readonly("fraction", &Progress::fraction, "0 to 1")
         .def_property_readonly("samples", &Progress::samples, "camera samples so far")
         .def_property_readonly("seconds", &Progress::seconds, "wall time since rendering began")
         .def("image", &Progress::image, "name"_a = "beauty",
-             "The layer of the samples so far: float64 (height, width, components).")
+             "The layer from the samples so far: float64 (height, width, components).")
         .def("standard_error", &Progress::standard_error, "name"_a = "beauty",
-             "The standard error of each pixel of it, in the layer's own unit: float64, the same shape.");
+             "The standard error of each pixel of the layer, in the layer's unit: float64, of the layer's shape.");
     module.def("_render", &render, "job"_a, "scene"_a, "progress"_a);
 }
 

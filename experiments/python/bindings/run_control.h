@@ -1,7 +1,7 @@
-// What a render that Python started can be told while it goes on: to stop, and what a callback threw.
+// Control of a render that Python started: stopping it, and exceptions of callbacks.
 //
-// Rendering has threads of its own; a callback's exception must not leave them. The first one is kept here, ends the
-// render, and is thrown again where Python called.
+// A render has its own threads, and a callback's exception must not leave them. The first exception is stored, ends the
+// render, and is thrown again in the thread that called from Python.
 #pragma once
 
 #include <atomic>
@@ -20,7 +20,7 @@ class RunControl {
   public:
     [[nodiscard]] std::atomic<bool>& stop_flag() { return stop_; }
     void stop() { stop_.store(true); }
-    /// Keeps the exception being handled, if it is the first, and stops. Call it in a catch block.
+    /// Stores the current exception, if it is the first one, and stops the render. Call it in a catch block.
     void fail_with_current() noexcept {
         const std::scoped_lock lock(mutex_);
         if (!failure_) failure_ = std::current_exception();
@@ -30,13 +30,14 @@ class RunControl {
         const std::scoped_lock lock(mutex_);
         return failure_ != nullptr;
     }
-    /// Throws what was kept, if anything.
+    /// Throws the stored exception, if any.
     void rethrow() const {
         const std::scoped_lock lock(mutex_);
         if (failure_) std::rethrow_exception(failure_);
     }
 
-    /// Of the render that this thread sets up; null outside of one. Objects in Python ask for it when they are made.
+    /// The control of the render that this thread sets up; null if there is none. Python objects take it when they are
+    /// made.
     static std::shared_ptr<RunControl> current() { return current_; }
 
     class Scope {
@@ -54,7 +55,7 @@ class RunControl {
     static thread_local std::shared_ptr<RunControl> current_;
 };
 
-/// Does `work` on a thread of its own while this one, which holds Python's lock, lets others have it and hears Ctrl-C.
+/// Runs `work` on a new thread while this one, which holds Python's lock, releases it for others and checks for Ctrl-C.
 template <class Work>
 auto watched(const std::shared_ptr<RunControl>& control, Work work) {
     const Call call(&control->stop_flag());

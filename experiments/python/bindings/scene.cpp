@@ -1,4 +1,4 @@
-// Scenes: loaded, inspected, written.
+// Scenes: loading, inspection, writing.
 #include "experiments/python/bindings/scene.h"
 
 #include <pybind11/stl.h>
@@ -36,7 +36,7 @@ Scene load(const std::filesystem::path& path) {
     });
 }
 
-/// What `raylex scene info --json` writes, as Python's own values.
+/// Returns the contents of `raylex scene info --json` as Python values.
 py::object facts_of(const Scene& scene, bool build) {
     const std::string text = unlocked([&] {
         const transport::SceneDescription description = labelled(scene);
@@ -68,7 +68,7 @@ Scene with_rule(const Scene& scene, const std::string& selector, const std::stri
         rule.label = label;
         rule.location = {selector + "='" + pattern + "'", 0, 0};
         changed.label_rules.push_back(std::move(rule));
-        labelled(changed);  // a rule that matches nothing is an error here, not when it is rendered
+        labelled(changed);  // reports a rule that matches nothing now, not when it is rendered
         return changed;
     }
     fail("'" + selector + "' selects nothing; expected material, mesh, instance, light or area_light_material");
@@ -78,28 +78,29 @@ Scene with_rule(const Scene& scene, const std::string& selector, const std::stri
 
 void add_scene(py::module_& module) {
     py::class_<Scene>(module, "Scene",
-                      "A scene, loaded or built. It never changes; label() and group() give another one.")
+                      "A scene, loaded or built. It is immutable; label() and group() return another one.")
         .def(py::init(&load), "path"_a, "Loads a pbrt-v4 scene file.")
         .def_property_readonly(
-            "file", [](const Scene& scene) { return scene.description->file; }, "what it goes by in messages")
+            "file", [](const Scene& scene) { return scene.description->file; }, "name of the scene in messages")
         .def("info", &facts_of, "build"_a = true,
-             "What the scene holds, as `raylex scene info --json` says it: shapes, primitives, materials, lights, "
+             "The contents of the scene, as in `raylex scene info --json`: shapes, primitives, materials, lights, "
              "labels,\n"
              "light_groups, film (type, width and height in pixels), and with build=True bounds (world units), memory "
              "and\n"
              "times (seconds).")
         .def("words", &words_of, "The light paths that the scene can produce: lpe.Words.")
         .def("label", &with_rule, "selector"_a, "pattern"_a, "label"_a,
-             "The scene with this LPE label on objects by 'material', 'mesh' or 'instance', or this light group on "
-             "lights by\n"
-             "'light' (\"area:0\", \"spot\") or 'area_light_material'; * and ? match; the first rule wins.")
+             "Returns the scene with this LPE label on objects selected by 'material', 'mesh' or 'instance', or with "
+             "this light group on\nlights selected by 'light' (\"area:0\", \"spot\") or 'area_light_material'; names "
+             "may contain * and ?; the first matching rule applies.")
         .def(
             "write",
             [](const Scene& scene, const std::filesystem::path& path) {
                 return unlocked([&] { return take(transport::write_pbrt(labelled(scene), path.string())); });
             },
             "path"_a,
-            "Writes the scene as a pbrt-v4 file, which reads back as the same scene; returns what such a file cannot "
+            "Writes the scene as a pbrt-v4 file, which reads back as the same scene. Returns a list of the contents "
+            "that such a file cannot "
             "say.")
         .def_property_readonly("warnings",
                                [](const Scene& scene) {

@@ -1,4 +1,4 @@
-// A scene as Python has it: the description that the importer or a builder made.
+// A scene for Python: the description from the importer or a builder.
 #pragma once
 
 #include <memory>
@@ -11,10 +11,10 @@ namespace raylex::python {
 
 struct Scene {
     std::shared_ptr<const transport::SceneDescription> description;
-    std::vector<transport::LabelRule> label_rules{};  ///< given to every copy before it is used
+    std::vector<transport::LabelRule> label_rules{};  ///< applied to every copy before its use
 };
 
-/// The scene with its rules applied.
+/// Returns the scene with its rules applied.
 transport::SceneDescription labelled(const Scene& scene);
 
 }  // namespace raylex::python

@@ -1,4 +1,4 @@
-// Scenes from arrays: transport/import/builder/scene_builder.h with Python's values as parameters.
+// Builds scenes from arrays: transport/import/builder/scene_builder.h with Python values as parameters.
 #include "experiments/python/bindings/scene_builder.h"
 
 #include <pybind11/stl.h>
@@ -21,7 +21,7 @@ transport::MediumHandle medium_of(SceneBuilder& scene, const py::object& medium,
     if (py::isinstance<py::str>(medium)) return scene.medium_named(medium.cast<std::string>(), caller());
     if (py::isinstance<transport::MediumHandle>(medium)) return medium.cast<transport::MediumHandle>();
     fail_here(std::string(what) + " is " + shown(medium) +
-              "; expected a Medium as SceneBuilder.medium() gives it, the name of one, or None for vacuum");
+              "; expected a Medium from SceneBuilder.medium(), its name, or None for vacuum");
 }
 
 namespace {
@@ -56,7 +56,7 @@ transport::Transform view_of(const Point& eye, const Point& look, const Point& u
                 fail_here(std::string(what) + " has " + std::to_string(x) + "; expected finite numbers");
     const transport::Transform view = transport::Transform::look_at(eye, look, up);
     if (!view.invertible())
-        fail_here("'up' lies along the direction of view, or eye and look are one; expected another direction");
+        fail_here("'up' is parallel to the direction of view, or eye and look are equal; expected another direction");
     return view;
 }
 
@@ -73,7 +73,8 @@ void set_camera(Builder& self, const std::string& type, const std::optional<Poin
                 const py::kwargs& keywords) {
     SceneBuilder& scene = self.open();
     if (eye.has_value() != look.has_value() || eye.has_value() != world_to_camera.is_none())
-        fail_here("the camera's place is not given once; expected either 'eye' and 'look' or 'world_to_camera'");
+        fail_here(
+            "the camera's position is missing or given twice; expected either 'eye' and 'look' or 'world_to_camera'");
     const transport::Transform view = eye ? view_of(*eye, *look, up) : transform_of(world_to_camera, "world_to_camera");
     const transport::MediumHandle around = medium_of(scene, medium, "medium");
     transport::SceneParameters given = parameters_of(EntityKind::camera, type, parameters, keywords);
@@ -102,41 +103,40 @@ void add_settings(py::class_<Builder>& builder) {
                 "medium"_a = py::none(), "parameters"_a = py::none(),
                 "camera('perspective', eye=(0, 0, 4), look=(0, 0, 0), fov=40): world units, fov in degrees of the "
                 "shorter side.\n"
-                "Instead of eye and look, world_to_camera is a (4, 4) matrix as look_at() gives it: in camera space x "
-                "points right, y up\n"
-                "and z where the camera looks. moved_to is another one, where the camera is at the end of "
+                "Instead of eye and look, world_to_camera is a (4, 4) matrix from look_at(): in camera space x points "
+                "right, y up\nand z along the view. moved_to is another one, where the camera is at the end of "
                 "transform_times().\n"
-                "medium is what the camera stands in: a Medium or its name. Errors: a place given twice or not at "
-                "all, a matrix without\n"
-                "an inverse.");
+                "medium is the medium around the camera: a Medium or its name. Errors: a position given twice or "
+                "missing, a matrix without\nan inverse.");
     builder.def_static("look_at", &look_at, "eye"_a, "look"_a, "up"_a = Point{0, 1, 0},
-                       "From world to camera as a (4, 4) matrix, for world_to_camera and moved_to of camera(). Errors: "
-                       "'up' along the\n"
-                       "direction of view.");
+                       "Returns the (4, 4) matrix from world to camera, for world_to_camera and moved_to of camera(). "
+                       "Errors: 'up' parallel\nto the direction of view.");
     builder.def(
         "transform_times",
         [](Builder& self, double start, double end) { take(self.open().set_transform_times(start, end, caller())); },
         "start"_a, "end"_a,
-        "When what has moved_to leaves and when it has arrived, by the clock of the camera's shutteropen and "
+        "Start and end time of objects with moved_to, on the clock of the camera's shutteropen and "
         "shutterclose;\n"
-        "0 and 1 by default. Errors: times that are not finite or do not follow one another.");
+        "0 and 1 by default. Errors: times that are not finite or not increasing.");
     builder.def(
         "disable_texture_filtering", [](Builder& self) { self.open().disable_texture_filtering(); },
-        "All images are read as they are, whatever their textures' 'filter' says.");
+        "Reads all images without filtering, whatever the 'filter' of their textures.");
     builder.def(
         "scale_displacement_edges",
         [](Builder& self, double factor) { take(self.open().scale_displacement_edges(factor, caller())); }, "factor"_a,
-        "Times the 'edgelength' of all displaced meshes: below 1 is finer. Errors: a factor that is not above 0.");
+        "Multiplies the 'edgelength' of all displaced meshes; a factor below 1 is finer. Errors: a factor that is not "
+        "above 0.");
 }
 
 transport::MaterialHandle add_material(Builder& self, const std::string& type, const std::string& name,
                                        const py::object& parameters, const py::kwargs& keywords) {
     SceneBuilder& scene = self.open();
     transport::SceneParameters given = parameters_of(EntityKind::material, type, parameters, keywords);
-    // pbrt's parameter of the same name chooses a measured medium: who writes one's name here means that.
+    // pbrt's parameter of the same name selects a measured medium. A name of such a medium here is probably meant as
+    // that.
     const bool preset = type == "subsurface" && given.own.find("name") == nullptr;
     if (preset && transport::measured_coefficients(name, {}).ok())
-        fail_here("name='" + name + "' would name the material and not choose the measured medium",
+        fail_here("name='" + name + "' would name the material instead of choosing the measured medium",
                   "expected parameters={'name': '" + name + "'} for the medium, or another name for the material");
     return take(name.empty() ? scene.add_material(type, std::move(given), caller())
                              : scene.add_named_material(name, type, std::move(given), caller()));
@@ -153,13 +153,12 @@ void add_texture(Builder& self, const std::string& name, const std::string& valu
 
 void add_materials(py::class_<Builder>& builder) {
     builder.def("material", &add_material, "type"_a, py::kw_only(), "name"_a = "", "parameters"_a = py::none(),
-                "material('diffuse', name='floor', reflectance=(0.5, 0.5, 0.5)): the name is the LPE label of what it "
-                "is on.\n"
-                "Gives a Material. A mix takes names: material('mix', materials=['floor', 'wall'], amount=0.3). "
+                "material('diffuse', name='floor', reflectance=(0.5, 0.5, 0.5)): the name is the LPE label of its "
+                "objects.\nReturns a Material. A mix refers to materials by name:  material('mix', materials=['floor', "
+                "'wall'], amount=0.3). "
                 "Subsurface's own\n"
-                "parameter `name` is given as parameters={'name': 'Skin1'}. Errors: a name that is taken, parameters "
-                "that the type\n"
-                "does not have.");
+                "parameter `name` is given as parameters={'name': 'Skin1'}. Errors: a duplicate name, parameters that "
+                "the type\ndoes not have.");
     builder.def(
         "medium",
         [](Builder& self, const std::string& name, const std::string& type, const py::object& to_world,
@@ -169,17 +168,19 @@ void add_materials(py::class_<Builder>& builder) {
                                                transform_of(to_world, "to_world"), caller()));
         },
         "name"_a, "type"_a, py::kw_only(), "to_world"_a = py::none(), "parameters"_a = py::none(),
-        "medium('fog', 'homogeneous', sigma_a=(0, 0, 0), sigma_s=(0.2, 0.2, 0.2)): coefficients per world unit. Gives "
+        "medium('fog', 'homogeneous', sigma_a=(0, 0, 0), sigma_s=(0.2, 0.2, 0.2)): coefficients per world unit. "
+        "Returns "
         "a Medium,\n"
-        "for `inside` and `outside` of shapes and `medium` of the camera; its name does as well, before or after this "
+        "for `inside` and `outside` of shapes and `medium` of the camera; its name can be used instead, before or "
+        "after this "
         "call.\n"
-        "to_world, a (4, 4) matrix, is where a grid's box stands. Errors: a name that is taken.");
+        "to_world, a (4, 4) matrix, places a grid's box. Errors: a duplicate name.");
 }
 
 void add_textures(py::class_<Builder>& builder) {
     py::options options;
-    options.disable_function_signatures();  // there are two, and the text has the one that matters
-    // By position the words are the method's, and as keywords they are left to pbrt's parameters of these names.
+    options.disable_function_signatures();  // there are two signatures, and the text shows the relevant one
+    // These words are the method's arguments by position. As keywords they are pbrt's parameters of these names.
     builder.def("texture", &add_texture, py::arg(), py::arg(), py::arg(), py::kw_only(), "to_world"_a = py::none(),
                 "parameters"_a = py::none());
     builder.def("texture", &add_texture, "name"_a, "value"_a, "type"_a, py::kw_only(), "to_world"_a = py::none(),
@@ -187,9 +188,8 @@ void add_textures(py::class_<Builder>& builder) {
                 "texture(name, value, type, *, to_world=None, parameters=None, **parameters)\n\n"
                 "texture('checks', 'spectrum', 'checkerboard'); used as reflectance=('texture', 'checks'). value is "
                 "'float' or\n"
-                "'spectrum'. to_world, a (4, 4) matrix, is the space of mappings other than uv. With all three "
-                "given by position,\n"
-                "keywords are the texture's own: texture('grey', 'float', 'constant', value=0.5).");
+                "'spectrum'. to_world, a (4, 4) matrix, is the space of mappings other than uv. If all three are "
+                "positional,\nkeywords belong to the texture:  texture('grey', 'float', 'constant', value=0.5).");
 }
 
 void add_lights(py::class_<Builder>& builder) {
@@ -201,7 +201,7 @@ void add_lights(py::class_<Builder>& builder) {
                                        transform_of(to_world, "to_world"), group, caller()));
         },
         "type"_a, py::kw_only(), "group"_a = "", "to_world"_a = py::none(), "parameters"_a = py::none(),
-        "light('point', I=(10, 10, 10)), light('infinite', L=(1, 1, 1)); pbrt's `from`, which Python keeps for itself, "
+        "light('point', I=(10, 10, 10)), light('infinite', L=(1, 1, 1)); pbrt's `from`, a reserved word in Python, "
         "as\n"
         "parameters={'from': (0, 4, 0)}. group is the LPE light group; to_world a (4, 4) matrix.");
     builder.def(
@@ -212,7 +212,7 @@ void add_lights(py::class_<Builder>& builder) {
                 type, parameters_of(EntityKind::area_light, type, parameters, keywords), group, caller()));
         },
         "type"_a = "diffuse", py::kw_only(), "group"_a = "", "parameters"_a = py::none(),
-        "area_light(L=(5, 5, 5)): radiance. Gives an AreaLight, which makes the shapes shine that it is given to.");
+        "area_light(L=(5, 5, 5)): radiance. Returns an AreaLight, which makes shapes emit.");
 }
 
 }  // namespace
@@ -221,26 +221,25 @@ void add_scene_builder(py::module_& module) {
     py::class_<transport::MaterialHandle>(module, "Material", "A material of one SceneBuilder.");
     py::class_<transport::AreaLightHandle>(module, "AreaLight", "An area light of one SceneBuilder.");
     py::class_<transport::MediumHandle>(module, "Medium", "A medium of one SceneBuilder.");
-    py::class_<transport::ObjectHandle>(module, "Object", "Shapes of one SceneBuilder that instances place.");
+    py::class_<transport::ObjectHandle>(module, "Object",
+                                        "A group of shapes in one SceneBuilder, placed by instances.");
     py::class_<Builder> builder(
         module, "SceneBuilder",
-        "Makes a scene in code. Types, parameters and defaults are those of pbrt-v4's files and of plugins; numbers "
-        "become the\n"
-        "type that a parameter is known to have. A list of str is several strings, three numbers are a colour where "
+        "Builds a scene in code. Types, parameters and defaults are those of pbrt-v4's files and of plugins. Numbers "
+        "get the\ntype that a parameter is known to have.  A list of str is several strings, three numbers are a "
+        "colour where "
         "nothing\n"
-        "else is known, ('point3', value) says another type, ('texture', name) a texture. Every call takes parameters "
+        "else is known, ('point3', value) sets another type, ('texture', name) a texture. Every call takes parameters "
         "as\n"
         "keywords and, for words that are Python's or the method's own, as parameters={'from': ...}. Matrices are (4, "
         "4),\n"
-        "points are columns; moved_to is where something is at the end of transform_times(). Errors name the line of "
+        "points are columns; moved_to is the transform at the end of transform_times(). Errors name the line of "
         "the call.");
     builder.def(py::init(&make_builder), "name"_a = "scene", py::kw_only(), "folder"_a = py::none(),
                 "missing_files"_a = "refused", "color_space"_a = "srgb",
-                "name is what the scene goes by in messages. Relative names of files are looked for in folder, by "
-                "default the current\n"
-                "one; missing_files='placeholders' puts something magenta in the place of those that are not there. "
-                "rgb stands in\n"
-                "color_space: srgb, dci-p3, rec2020 or aces2065-1, linear.");
+                "name is the scene's name in messages. Relative file names are searched in folder, by default the "
+                "current\none; missing_files='placeholders' replaces missing files by something magenta. rgb values "
+                "are in\ncolor_space: srgb, dci-p3, rec2020 or aces2065-1, linear.");
     add_settings(builder);
     add_materials(builder);
     add_textures(builder);
@@ -254,7 +253,8 @@ void add_scene_builder(py::module_& module) {
             auto description = take(scene.finish(caller()));
             return Scene{std::make_shared<const transport::SceneDescription>(std::move(description))};
         },
-        "The Scene; the builder is spent, also after an error: a name that nothing has, a mesh that cannot be read.");
+        "Returns the Scene and ends the builder, also after an error. Errors: an unknown name, a mesh that cannot be "
+        "read.");
 }
 
 }  // namespace raylex::python

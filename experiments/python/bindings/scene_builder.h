@@ -1,4 +1,4 @@
-// What the files of the Python SceneBuilder share.
+// Shared declarations of the Python SceneBuilder.
 #pragma once
 
 #include <string>
@@ -19,10 +19,10 @@ struct Builder {
     }
 };
 
-/// A medium by its handle or name; None is vacuum. `what` it is stands in errors.
+/// Returns a medium by its handle or name; None is vacuum. `what` names the argument in errors.
 transport::MediumHandle medium_of(transport::SceneBuilder& scene, const py::object& medium, const char* what);
 
-/// Shapes, objects and instances.
+/// Adds the methods for shapes, objects and instances.
 void add_shapes(py::class_<Builder>& builder);
 
 }  // namespace raylex::python

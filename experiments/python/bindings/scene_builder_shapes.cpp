@@ -11,7 +11,7 @@ using transport::SceneBuilder;
 
 namespace {
 
-/// The arguments that all calls for shapes share.
+/// The arguments that all methods for shapes share.
 struct Placing {
     const py::object &material, &area_light, &to_world, &moved_to, &inside, &outside, &object;
     const std::string& label;
@@ -21,8 +21,7 @@ struct Placing {
 transport::ObjectHandle object_of(SceneBuilder& scene, const py::object& object) {
     if (py::isinstance<py::str>(object)) return scene.object_named(object.cast<std::string>(), caller());
     if (py::isinstance<transport::ObjectHandle>(object)) return object.cast<transport::ObjectHandle>();
-    fail_here("object is " + shown(object) +
-              "; expected an Object as SceneBuilder.object() gives it, or the name of one");
+    fail_here("object is " + shown(object) + "; expected an Object from SceneBuilder.object(), or its name");
 }
 
 transport::ShapePlacement placement_of(SceneBuilder& scene, const Placing& given) {
@@ -35,12 +34,12 @@ transport::ShapePlacement placement_of(SceneBuilder& scene, const Placing& given
         placement.material = given.material.cast<transport::MaterialHandle>();
     else if (!given.material.is_none())
         fail_here("material is " + shown(given.material) +
-                  "; expected a Material as SceneBuilder.material() gives it, the name of one, or None");
+                  "; expected a Material from SceneBuilder.material(), its name, or None");
     if (py::isinstance<transport::AreaLightHandle>(given.area_light))
         placement.area_light = given.area_light.cast<transport::AreaLightHandle>();
     else if (!given.area_light.is_none())
         fail_here("area_light is " + shown(given.area_light) +
-                  "; expected an AreaLight as SceneBuilder.area_light() gives it, or None: area lights have no names");
+                  "; expected an AreaLight from SceneBuilder.area_light(), or None; area lights have no names");
     placement.inside = medium_of(scene, given.inside, "inside");
     placement.outside = medium_of(scene, given.outside, "outside");
     if (!given.object.is_none()) placement.object = object_of(scene, given.object);
@@ -110,7 +109,7 @@ void add_instance(Builder& self, const py::object& object, const py::object& to_
     else take(scene.add_instance(placed, first, caller()));
 }
 
-/// With the arguments of Placing as keywords.
+/// Defines a method with the arguments of Placing as keywords.
 template <typename Function, typename... Arguments>
 void def_shape(py::class_<Builder>& builder, const char* name, const Function& function,
                const Arguments&... arguments) {
@@ -121,60 +120,58 @@ void def_shape(py::class_<Builder>& builder, const char* name, const Function& f
 
 void add_any_shape(py::class_<Builder>& builder) {
     py::options options;
-    options.disable_function_signatures();  // there are two, and the text has the one that matters
+    options.disable_function_signatures();  // there are two signatures, and the text shows the relevant one
     const auto def_type = [&](const py::arg& type, const char* help) {
         builder.def("shape", &add_shape, type, py::kw_only(), "material"_a = py::none(), "area_light"_a = py::none(),
                     "to_world"_a = py::none(), "moved_to"_a = py::none(), "inside"_a = py::none(),
                     "outside"_a = py::none(), "object"_a = py::none(), "label"_a = "", "reverse_orientation"_a = false,
                     "parameters"_a = py::none(), help);
     };
-    // By position `type` is the shape's, and as a keyword it is left to a curve's parameter of that name.
+    // By position `type` is the shape's; as a keyword it is a curve's parameter of that name.
     def_type(py::arg(), "");
     def_type("type"_a,
              "shape(type, *, material=None, area_light=None, to_world=None, moved_to=None, inside=None, outside=None,\n"
              "      object=None, label='', reverse_orientation=False, parameters=None, **parameters)\n\n"
-             "shape('sphere', radius=1, material=floor). material: a Material or its name, which may be given later; "
-             "by default\n"
-             "grey. area_light: an AreaLight. to_world: a (4, 4) matrix; moved_to another one, where it ends if it "
-             "moves, and then\n"
-             "it cannot shine. inside, outside: the media on its two sides, each a Medium or its name; None is "
+             "shape('sphere', radius=1, material=floor). material: a Material or its name, which may be defined later; "
+             "by default\ngrey.  area_light: an AreaLight. to_world: a (4, 4) matrix; moved_to another one, at the end "
+             "of a motion; moving shapes\ncannot emit.  inside, outside: the media on its two sides, each a Medium or "
+             "its name; None is "
              "vacuum. object: an\n"
-             "Object or its name, whose part it is; to_world then leads to the object's space. label: LPE label, by "
+             "Object or its name to which the shape belongs; to_world then maps to the object's space.  label: LPE "
+             "label, by "
              "default the\n"
-             "material's name. shape('curve', type='ribbon'): a curve's own type is its keyword.");
+             "material's name. shape('curve', type='ribbon'): a curve's type is its keyword.");
 }
 
 }  // namespace
 
 void add_shapes(py::class_<Builder>& builder) {
     add_any_shape(builder);
-    def_shape(builder, "mesh", &add_mesh, "positions"_a, "indices"_a, py::kw_only(), "normals"_a = py::none(),
-              "uvs"_a = py::none(),
-              py::doc("A mesh: positions (V, 3) float32 in the space of to_world, indices (F, 3) triangles or (F, 4) "
-                      "bilinear patches\n"
-                      "p00 p10 p01 p11, normals (V, 3), uvs (V, 2); the rest as shape() takes it. Normals that are 0 "
-                      "or not finite are\n"
-                      "computed from faces and such uvs become 0, with a warning. Errors: positions that are not "
-                      "finite, indices that\n"
-                      "are no whole numbers or out of range."));
-    def_shape(builder, "curves", &add_curves, "points"_a, "first_points"_a, "widths"_a, py::kw_only(),
-              "type"_a = "flat", "normals"_a = py::none(),
-              py::doc("Curves of cubic Bezier segments: points (P, 3), 3 n + 1 a curve; first_points (C,), where each "
-                      "curve's begin;\n"
-                      "widths (C, 2), at its start and end, in the space of to_world; type flat, cylinder or ribbon, "
-                      "which has normals,\n"
-                      "n + 1 a curve. The rest as shape() takes it."));
+    def_shape(
+        builder, "mesh", &add_mesh, "positions"_a, "indices"_a, py::kw_only(), "normals"_a = py::none(),
+        "uvs"_a = py::none(),
+        py::doc(
+            "A mesh: positions (V, 3) float32 in the space of to_world, indices (F, 3) triangles or (F, 4) "
+            "bilinear patches\n"
+            "p00 p10 p01 p11, normals (V, 3), uvs (V, 2); other arguments as for shape(). Normals that are 0 or not "
+            "finite are\ncomputed from faces, and such uvs become 0, with a warning. Errors: positions that are not "
+            "finite, indices that\nare not integers or out of range."));
+    def_shape(
+        builder, "curves", &add_curves, "points"_a, "first_points"_a, "widths"_a, py::kw_only(), "type"_a = "flat",
+        "normals"_a = py::none(),
+        py::doc("Curves of cubic Bezier segments: points (P, 3), 3 n + 1 per curve; first_points (C,), where each "
+                "curve's begin;\n"
+                "widths (C, 2), at its start and end, in the space of to_world; type flat, cylinder or ribbon, "
+                "which has normals,\nn + 1 per curve. Other arguments as for shape()."));
     builder.def(
         "object", [](Builder& self, const std::string& name) { return take(self.open().add_object(name, caller())); },
         "name"_a,
-        "An Object: shapes given it as `object` are seen where instance() places it, and there alone. Area lights do "
-        "not shine in\n"
-        "it (pbrt's rule). Errors: a name that is taken.");
+        "Returns an Object. Shapes with this `object` appear only where instance() places it. Area lights do not emit "
+        "in\nit (pbrt's rule). Errors: a duplicate name.");
     builder.def("instance", &add_instance, "object"_a, py::kw_only(), "to_world"_a = py::none(),
                 "moved_to"_a = py::none(),
-                "Places an Object, or the one of that name, by a (4, 4) matrix from its space to the world; moved_to "
-                "is where it ends if\n"
-                "it moves. Errors: a matrix without an inverse, an Object of another builder.");
+                "Places an Object (or its name) by a (4, 4) matrix from its space to the world; moved_to is the matrix "
+                "at the end of\na motion.  Errors: a matrix without an inverse, an Object of another builder.");
 }
 
 }  // namespace raylex::python

@@ -63,7 +63,7 @@ ParameterType type_of_word(const std::string& word, const std::string& name) {
     fail_here("parameter '" + name + "' has the type '" + word + "'; expected one of " + list);
 }
 
-/// What NumPy makes of it, or nothing.
+/// Returns the value as a NumPy array, or nothing.
 py::array as_array(const py::handle& value) {
     py::array array = py::array::ensure(value);
     if (!array) PyErr_Clear();
@@ -78,7 +78,7 @@ bool is_list_of_text(const py::handle& value) {
     return true;
 }
 
-/// The type of numbers that come without one: pbrt's where it is known, else what they look like.
+/// Returns the type of numbers without an explicit type: pbrt's if known, else the type of the numbers.
 ParameterType type_of_numbers(const py::array& numbers, std::optional<ParameterType> known) {
     const bool whole = numbers.dtype().kind() != 'f';
     const bool triple = numbers.ndim() == 1 && numbers.size() == 3;
@@ -111,13 +111,14 @@ class ParameterMaker {
     }
 
     void add(const py::handle& key, py::handle value) {
-        if (!py::isinstance<py::str>(key)) fail_here("a parameter is called " + shown(key) + "; expected a str");
+        if (!py::isinstance<py::str>(key)) fail_here("a parameter name is " + shown(key) + "; expected a str");
         Parameter parameter;
         parameter.name = key.cast<std::string>();
         parameter.location = location_;
         for (const Parameter& other : set_.parameters)
             if (other.name == parameter.name)
-                fail_here("parameter '" + parameter.name + "' is given in `parameters` and as a keyword; expected one");
+                fail_here("parameter '" + parameter.name +
+                          "' is given in `parameters` and as a keyword; expected only one");
         std::optional<ParameterType> said;
         const std::optional<ParameterType> known = transport::known_type(kind_, type_, parameter.name);
         if (is_typed(value, known)) {
@@ -132,7 +133,8 @@ class ParameterMaker {
     ParameterSet take() { return std::move(set_); }
 
   private:
-    /// ("float", 2). A tuple of two texts is two texts only where its first is no type's name: ("red", "blue").
+    /// Returns whether the value is typed, such as ("float", 2). A tuple of two strings is a list of strings unless the
+    /// first is the name of a type: ("red", "blue").
     static bool is_typed(const py::handle& value, std::optional<ParameterType> known) {
         if (!py::isinstance<py::tuple>(value) || py::len(value) != 2) return false;
         const py::object first = value[py::int_(0)], second = value[py::int_(1)];
@@ -168,7 +170,7 @@ class ParameterMaker {
         if (kind != 'i' && kind != 'u' && kind != 'f')
             fail_here("parameter '" + parameter.name + "' is " + shown(value) +
                           "; expected a bool, int, float or str, a list of str, or an array of numbers",
-                      value.is_none() ? "what is left out has pbrt-v4's default" : "");
+                      value.is_none() ? "omitted parameters have pbrt-v4's defaults" : "");
         if (array.size() == 0) fail_here("parameter '" + parameter.name + "' has no values; expected at least one");
         parameter.type = said.value_or(type_of_numbers(array, known));
         if (parameter.type == ParameterType::boolean || parameter.type == ParameterType::string ||
@@ -176,15 +178,15 @@ class ParameterMaker {
             fail_type(parameter, value);
         const Array<double> numbers = array_of<double>(array, "parameter '" + parameter.name + "'");
         parameter.numbers.assign(numbers.data(), numbers.data() + numbers.size());
-        // 5.0 is as good as 5; what is none is refused here, and not when it is read.
+        // 5.0 is as good as 5. Other values are rejected here, not when they are read.
         if (said || known != ParameterType::integer) return;
         parameter.type = ParameterType::integer;
         for (const double number : parameter.numbers)
             if (number != std::floor(number))
-                fail_here("parameter '" + parameter.name + "' is " + shown(value) + "; expected whole numbers");
+                fail_here("parameter '" + parameter.name + "' is " + shown(value) + "; expected integers");
     }
 
-    /// The type of text that comes without one, read already. Errors: numbers are known to be expected.
+    /// Returns the type of text without an explicit type. Error: the parameter is known to be numeric.
     static ParameterType type_of_text(const Parameter& parameter, const py::handle& value,
                                       std::optional<ParameterType> known) {
         if (known == ParameterType::texture || known == ParameterType::spectrum) return *known;
@@ -194,7 +196,7 @@ class ParameterMaker {
         if (transport::find_named_spectrum(text, spectrum)) return ParameterType::spectrum;
         fail_here("parameter '" + parameter.name + "' is " + shown(value) + "; expected " +
                       (known == ParameterType::real ? "a number" : "a colour"),
-                  "('texture', '" + text + "') is what the texture of that name gives");
+                  "('texture', '" + text + "') is the texture of that name");
     }
 
     [[noreturn]] static void fail_type(const Parameter& parameter, const py::handle& value) {
@@ -212,7 +214,7 @@ class ParameterMaker {
     ParameterSet set_;
 };
 
-/// Real numbers as an array of T. Errors name what else it is.
+/// Returns real numbers as an array of T. Errors name the actual type.
 template <class T>
 Array<T> numbers_of(const py::object& object, const std::string& what) {
     const py::array array = as_array(object);
@@ -220,7 +222,7 @@ Array<T> numbers_of(const py::object& object, const std::string& what) {
     if (array && (kind == 'b' || kind == 'c'))
         fail_here(what + " is an array of " + std::string(py::str(array.dtype())) + "; expected real numbers");
     if (object.is_none() || (kind != 'i' && kind != 'u' && kind != 'f'))
-        fail_here(what + " is " + shown(object) + ", which is no array of numbers; expected a NumPy array");
+        fail_here(what + " is " + shown(object) + ", which is not an array of numbers; expected a NumPy array");
     return array_of<T>(array, what);
 }
 
@@ -283,7 +285,7 @@ Array<double> indices_of(const py::object& object, const std::string& what, std:
         if (index >= 0 && index < static_cast<double>(end) && index == std::floor(index)) continue;
         const bool whole = index == std::floor(index) && std::isfinite(index);
         const std::string text = whole ? py::str(py::int_(py::float_(index))) : py::repr(py::float_(index));
-        if (!whole) fail_here(what + " has " + text + "; expected whole numbers");
+        if (!whole) fail_here(what + " has " + text + "; expected integers");
         fail_here(what + " has " + text + ", and there are " + std::to_string(end) + " " + of + "; expected " +
                   (end > 0 ? "0 to " + std::to_string(end - 1) : "none"));
     }

@@ -1,4 +1,4 @@
-// Experiments: run, read, judged, by the functions of `raylex experiment`.
+// Experiments: running, reading and judging them by the functions of `raylex experiment`.
 #include <pybind11/stl.h>
 
 #include "experiments/job/text/json.h"
@@ -22,7 +22,8 @@ py::dict run(const std::string& config, const std::string& directory, const std:
     const auto control = std::make_shared<RunControl>();
     const experiments::RunOutcome outcome = watched(control, [&] {
         const auto read = take(experiments::read_experiment_config(config, overrides));
-        // In this process: a copy of it would have Python's lock and the threads of earlier renders in an unknown
+        // Runs in this process, because a fork would have Python's lock and the threads of earlier renders in an
+        // unknown state.
         // state.
         experiments::RunRequest request;
         request.directory = directory;
@@ -37,7 +38,8 @@ py::dict run(const std::string& config, const std::string& directory, const std:
                     "splits_broken"_a = outcome.splits_broken, "references_failed"_a = outcome.references_failed);
 }
 
-/// results.jsonl, results.csv and verdicts of the cells that are done, and their plots' specifications; nothing is
+/// Returns results.jsonl, results.csv and verdicts of the finished cells, and the specifications of their plots. Writes
+/// no file.
 /// written.
 py::dict study(const std::string& directory) {
     py::dict result;

@@ -7,9 +7,9 @@
 >>> all(image.verify())
 True
 
-All light is scene-linear in the rendering space of the scene; rows of images run from the top; lengths are world units.
-``raylex.lpe`` is the algebra of expressions, ``raylex.Atlas`` answers them after the render, ``raylex.experiment`` runs studies, ``raylex.plugins`` says how
-integrators, textures and sample filters are written in Python.
+All light is scene-linear in the rendering space of the scene. Rows of images start at the top. Lengths are in world
+units. ``raylex.lpe`` is the algebra of expressions. ``raylex.Atlas`` makes layers after the render.
+``raylex.experiment`` runs studies. ``raylex.plugins`` documents integrators, textures and sample filters in Python.
 """
 
 import os as _os
@@ -18,7 +18,7 @@ import sys as _sys
 from .errors import RaylexError
 
 _flags = _sys.getdlopenflags()
-_sys.setdlopenflags(_flags | _os.RTLD_GLOBAL)  # plugins written in C++ take what they need from this module
+_sys.setdlopenflags(_flags | _os.RTLD_GLOBAL)  # C++ plugins link to symbols of this module
 try:
     from . import _raylex
 finally:

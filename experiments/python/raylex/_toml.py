@@ -1,4 +1,4 @@
-"""Python's values as the TOML of a job: the one language in which renders are asked for."""
+"""Converts Python values to the TOML of a job, the only format of render requests."""
 
 import json
 import os
@@ -17,7 +17,7 @@ def _value(value, where):
     if isinstance(value, int):
         return str(value)
     if isinstance(value, float):
-        return repr(value)  # "1e-05", "inf" and "nan" are TOML too
+        return repr(value)  # "1e-05", "inf" and "nan" are valid TOML
     if isinstance(value, str):
         return _string(value)
     if isinstance(value, Mapping):
@@ -34,7 +34,7 @@ def _is_tables(value):
 
 
 def text_of(tables):
-    """`tables`: {key: value}, {table: {key: value}}, {table: [{key: value}, ...]}. None is left out."""
+    """Returns TOML for `tables`: {key: value}, {table: {key: value}}, {table: [{key: value}, ...]}. Omits None."""
     top, rest = [], []
     for name, value in tables.items():
         if value is None:

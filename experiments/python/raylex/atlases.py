@@ -1,4 +1,4 @@
-"""Path atlases: render once, ask later. :class:`Atlas` is what ``render(atlas="scene.atlas.exr")`` left."""
+"""Path atlases: new layers after the render. ``render(atlas="scene.atlas.exr")`` writes an :class:`Atlas`."""
 
 import html
 import os
@@ -11,54 +11,56 @@ __all__ = ["Atlas", "WordsAt", "merge"]
 
 
 def _ask(self, lpe=None, *, dialect="renderman", shipped=False, light_groups=False, intervals=False, errors=False):
-    """Layers from the words, without a ray: an :class:`Image` as :func:`raylex.render` with these arguments gives it.
+    """Makes layers from the words, without tracing rays. Returns an :class:`Image` like :func:`raylex.render`.
 
-    :param lpe: {layer: light path expression}; channels that share no path get a layer 'rest', proved to sum
-    :param dialect: of the expressions, 'renderman' or 'osl'
-    :param shipped: the layers of the shipped partition
-    :param light_groups: a layer for each light group
-    :param intervals: True: a layer that the atlas cannot tell exactly becomes two, NAME_least and NAME_most, between
-        which it lies; by default it is refused
-    :param errors: True: NAME_error beside each layer, the standard error of its mean (R + G + B) / 3
-    :raises RaylexError: an expression that does not parse, or would tell apart what the atlas keeps together
+    :param lpe: {layer: light path expression}; if the channels share no path, a layer 'rest' is added and the sum is
+        proved
+    :param dialect: dialect of the expressions, 'renderman' or 'osl'
+    :param shipped: True: adds the layers of the shipped partition
+    :param light_groups: True: adds a layer for each light group
+    :param intervals: True: a layer that is not exact is replaced by its bounds, NAME_least and NAME_most;
+        by default it is an error
+    :param errors: True: adds NAME_error for each layer, the standard error of its mean (R + G + B) / 3
+    :raises RaylexError: an expression that does not parse, or that distinguishes paths merged in the atlas
     """
     return self._ask(_channels(lpe or {}, dialect), shipped, light_groups, intervals, errors)
 
 
 def _at(self, x, y, top=20):
-    """Why is this pixel bright: the `top` words that make it so, with standard errors, as :class:`PixelWords`.
+    """Returns the `top` brightest words of a pixel, with standard errors, as :class:`PixelWords`.
 
-    :param x, y: the pixel, from the top left corner
+    :param x, y: the pixel, counted from the top left corner
     """
     pixel = self._at(x, y, top)
     return WordsAt(self, x, y, pixel)
 
 
 def _suggest(self, count=4):
-    """A partition that isolates what is noisy: `count` layers and the rest, each with its shares of noise and light.
+    """Suggests a partition that isolates noise: `count` layers and the rest, each with its fractions of noise and
+    light.
 
-    ``atlas.ask({each.name: each.expression for each in atlas.suggest() if each.expression})`` makes it.
+    ``atlas.ask({each.name: each.expression for each in atlas.suggest() if each.expression})`` makes its layers.
     """
     return self._suggest(count)
 
 
 def _entries(self):
-    """Everything, as NumPy arrays: {'begin': int64 (height * width + 1,), 'word': int32 (n,), 'rgb': float32 (n, 3),
-    'parts': float32 (n, 8), 'samples': float32 (height, width, 8)}.
+    """Returns all values as NumPy arrays: {'begin': int64 (height * width + 1,), 'word': int32 (n,), 'rgb': float32 (n,
+    3), 'parts': float32 (n, 8), 'samples': float32 (height, width, 8)}.
 
-    The words of pixel p = y * width + x are entries begin[p] to begin[p + 1]; 'parts' is which share of an entry's
-    luminance each eighth of the samples brought, 'samples' how many of them the pixel had.
+    The words of pixel p = y * width + x are entries begin[p] to begin[p + 1] - 1. 'parts' is the fraction of an entry's
+    luminance from each eighth of the samples, 'samples' the number of samples in each eighth.
     """
     return self._entries()
 
 
 def _verify(self):
-    """Whether all words sum to the beauty beside them, pixel by pixel: an :class:`AtlasVerdict`."""
+    """Checks in every pixel that all words sum to the beauty. Returns an :class:`AtlasVerdict`."""
     return self._verify()
 
 
 class WordsAt:
-    """Words of a pixel, with their texts; what it has beside that is of :class:`PixelWords`."""
+    """Words of a pixel with their texts, and the attributes of the C++ class PixelWords."""
 
     def __init__(self, atlas, x, y, pixel):
         texts = atlas.words
@@ -72,7 +74,7 @@ class WordsAt:
         return len(self._pixel.words)
 
     def __iter__(self):
-        """(text, AtlasWord), the brightest first."""
+        """Iterates over (text, AtlasWord), the brightest first."""
         return iter(zip(self.texts, self._pixel.words))
 
     def __repr__(self):
@@ -91,7 +93,7 @@ class WordsAt:
 
 
 def merge(paths, output):
-    """One atlas of several: renders of one scene with different seeds, in any order.
+    """Merges several atlases, in any order: renders of a scene with different seeds, or the shards of a render.
 
     :returns: the merged :class:`Atlas`, written to `output`
     """

@@ -1,15 +1,15 @@
-"""What raylex raises."""
+"""The exception of raylex."""
 
 
 class RaylexError(Exception):
-    """Input that cannot be used. ``str()`` is the whole message, as the program prints it.
+    """Invalid input. ``str()`` returns the whole message, as printed by the program.
 
-    :ivar message: one sentence: what was found and what was expected
-    :ivar file: path, or what the text is ("channel 'direct'", "render()"); '' when there is none
-    :ivar line: from 1; 0: not known
-    :ivar column: in bytes, from 1; 0: not known
-    :ivar excerpt: the line of text
-    :ivar hint: near misses, the next thing to try
+    :ivar message: one sentence with what was found and what was expected
+    :ivar file: path of the file, or name of the text ("channel 'direct'", "render()"); '' if there is none
+    :ivar line: from 1; 0: unknown
+    :ivar column: in bytes, from 1; 0: unknown
+    :ivar excerpt: the line of source text
+    :ivar hint: the closest match, or another suggestion
     """
 
     def __init__(self, text, *, message=None, file="", line=0, column=0, excerpt="", hint=""):

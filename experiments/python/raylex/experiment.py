@@ -1,4 +1,4 @@
-"""Studies: methods x scenes x budgets from one config, run, read and judged."""
+"""Studies: runs methods x scenes x budgets from one config, and reads and judges the results."""
 
 import json
 import os
@@ -16,7 +16,7 @@ class Row(dict):
 
 
 class Rows(list):
-    """A list of :class:`Row`, for where pandas is not installed. rows["variant"] is a column, print(rows) a table."""
+    """A list of :class:`Row`, used without pandas. rows["variant"] returns a column, print(rows) prints a table."""
 
     def __getitem__(self, key):
         return [row.get(key) for row in self] if isinstance(key, str) else super().__getitem__(key)
@@ -30,14 +30,14 @@ class Rows(list):
 
 
 class Results:
-    """A directory of results. ``print(results)`` summarises it."""
+    """A results directory. ``print(results)`` prints a summary."""
 
     def __init__(self, directory):
         self.directory = os.fspath(directory)
         self._judged = None
 
     def cells(self):
-        """Every cell, done or failed, a row each: a pandas frame where pandas is installed, else :class:`Rows`.
+        """Returns one row per cell, finished or failed: a pandas frame if pandas is installed, else :class:`Rows`.
 
         Columns: id, scene, method, budget_kind, budget, replicate, seed, failed, failure, samples_per_pixel,
         wall_seconds, cpu_seconds, rays, directory, and the swept settings.
@@ -45,30 +45,32 @@ class Results:
         return _frame(_raylex._cells(self.directory))
 
     def errors(self):
-        """The error of every cell, channel and region against its reference by every metric, with times: as cells()."""
+        """Returns the errors of every cell, channel and region against the reference, by every metric, with times. The
+        type is that of cells()."""
         import csv
         import io
         rows = list(csv.DictReader(io.StringIO(self._study()["csv"])))
         return _frame([{key: _number(value) for key, value in row.items()} for row in rows])
 
     def records(self, kind):
-        """What results.jsonl says of this kind, a list of dicts: 'bias', 'slope', 'time_to_error', 'split', ..."""
+        """Returns the records of one kind in results.jsonl, a list of dicts: 'bias', 'slope', 'time_to_error', 'split',
+        ..."""
         rows = [json.loads(line) for line in self._study()["jsonl"].splitlines()]
         return [row for row in rows if row["kind"] == kind]
 
     def bias(self):
-        """Whether each method converges to the reference, channel by channel: as cells(). 'convicts' says that it does
-        not: its images differ, at the level of 1 % for all tests together, and neither rare bright samples
-        ('heavy_tail') nor paths that it says it leaves out ('omitted') are why. 'detectable_whole' is the smallest
-        relative bias that would have been found."""
+        """Returns the results of the bias tests by channel, with the type of cells(). 'convicts' is true if the method
+        does not converge to the reference: its images differ, at the level of 1 % for all tests together, and the
+        reason is neither rare bright samples ('heavy_tail') nor declared omissions ('omitted'). 'detectable_whole' is
+        the smallest relative bias that the test would find."""
         return _frame(self.records("bias"))
 
     def first_words(self):
-        """The shortest light paths by which a biased method can be told: as cells()."""
+        """Returns the shortest light paths that show the error of a biased method, with the type of cells()."""
         return _frame(self.records("first_words"))
 
     def mean(self, cell, channel="beauty"):
-        """A cell's image of a channel: float64 (height, width, 3). `cell`: its id, or a row of cells()."""
+        """Returns a cell's image of a channel: float64 (height, width, 3). `cell` is an id, or a row of cells()."""
         row = cell if not isinstance(cell, str) else None
         if row is None:
             for each in _raylex._cells(self.directory):
@@ -79,17 +81,18 @@ class Results:
         return _raylex._cell_mean(row["directory"], channel)
 
     def report(self, to=""):
-        """Writes report.html, tables and plots as ``raylex experiment report`` does; returns the path of the page."""
+        """Writes report.html, tables and plots like ``raylex experiment report``. Returns the path of the page."""
         if _raylex._write_report(self.directory, os.fspath(to)) != 0:
-            raise _raylex_error(f"the report of {self.directory} is not complete; the reasons were printed")
+            raise _raylex_error(f"the report of {self.directory} is incomplete; the reasons were printed")
         return os.path.join(os.fspath(to) or self.directory, "report.html")
 
     def verdicts(self):
-        """A sentence on bias for every variant on every scene, as ``raylex experiment report`` prints them."""
+        """Returns a sentence about bias for every variant on every scene, as printed by ``raylex experiment
+        report``."""
         return self._study()["verdicts"]
 
     def __str__(self):
-        """How many cells there are, the error and time of each variant's beauty, and the verdicts on bias."""
+        """Returns the number of cells, the error and time of each variant's beauty, and the verdicts on bias."""
         cells = _raylex._cells(self.directory)
         failed = sum(cell["failed"] for cell in cells)
         lines = [f"{self.directory}: {len(cells) - failed} cells done" + (f", {failed} FAILED" if failed else "")]
@@ -105,10 +108,11 @@ class Results:
         return "\n".join(lines + self.verdicts())
 
     def plot(self, scene=None, channel="beauty", *, error="relmse_mean", against=None):
-        """Error against time, a line a method, means over replicates: a matplotlib figure (Debian: python3-matplotlib).
+        """Plots error against time, one line per method, with means over replicates. Returns a matplotlib figure
+        (Debian: python3-matplotlib).
 
-        :param error: a column of errors(); the root of a squared one is drawn as it is
-        :param against: 'wall_seconds', 'cpu_seconds' or 'samples_per_pixel'; None: the clock of the study
+        :param error: a column of errors(); of squared errors the root is plotted
+        :param against: 'wall_seconds', 'cpu_seconds' or 'samples_per_pixel'; None: the study's clock
         """
         against = against or self._study()["clock"]
         rows = self.errors()
@@ -142,7 +146,7 @@ class Results:
 
 
 def _figure():
-    """A figure of no window, which notebooks show by themselves."""
+    """A figure without a window, which notebooks display."""
     import io
     from matplotlib.figure import Figure
 
@@ -176,17 +180,17 @@ def _frame(rows):
 
 
 def run(config, directory, *, overrides=(), resume=False, retry=False, verbose=False):
-    """Runs a study and keeps every image and its statistics.
+    """Runs a study and stores all images and statistics.
 
-    In this process, so that methods written in Python take part: a scene that ends the process ends Python with it;
-    ``raylex experiment run`` outlives that.
+    Runs in this process, so that methods in Python can be used. A scene that crashes the process also ends Python;
+    ``raylex experiment run`` survives that.
 
     :param config: a TOML file; experiments/README.md lists its keys
-    :param directory: of the results; what is there already is an error unless `resume`
-    :param overrides: KEY=VALUE, as --set has them
-    :param verbose: prints what the program prints
+    :param directory: directory for the results; existing results are an error unless `resume`
+    :param overrides: KEY=VALUE, as for --set
+    :param verbose: prints the output of the program
     :returns: Results
-    :raises RaylexError: a config that cannot be used, cells that failed
+    :raises RaylexError: an invalid config, failed cells
     """
     outcome = _raylex._run_experiment(os.fspath(config), os.fspath(directory), list(overrides), resume, retry,
                                       verbose)
@@ -200,15 +204,15 @@ def run(config, directory, *, overrides=(), resume=False, retry=False, verbose=F
 
 def verdict(scene, integrator, directory, *, against="path", resolution=(128, 128), spp=(4, 16), replicates=8,
             reference_spp=256, max_depth=5, lpe=None, seed=1, quiet=False):
-    """Is an integrator right? Renders it beside one that is, `replicates` times each, tests for bias, and prints the
-    verdict.
+    """Tests an integrator for bias: renders it and a correct one, `replicates` times each, and prints the verdict.
 
-    :param scene: a pbrt-v4 file in which both must agree
+    :param scene: a pbrt-v4 file on which both must agree
     :param integrator: a registered type, or {"type": ..., parameter: value}
-    :param against: what is held to be right, and makes the reference
-    :param lpe: {channel: expression} judged beside the beauty; by default one for each number of scatterings to three
+    :param against: the integrator that counts as correct and makes the reference
+    :param lpe: {channel: expression} tested besides the beauty; by default one per number of scattering events up to
+        three
     :param quiet: True: prints nothing
-    :returns: Results; ``.bias()`` has the verdicts, ``.first_words()`` the shortest path that is wrong
+    :returns: Results; ``.bias()`` has the verdicts, ``.first_words()`` the shortest wrong path
     """
     from .rendering import _channels, _entity
     from ._toml import text_of

@@ -1,4 +1,4 @@
-"""Images: layers with names, dimensions and coordinates; metrics; verdicts; pictures."""
+"""Images: layers with names, dimensions and coordinates; metrics; checks; pictures."""
 
 import os
 
@@ -9,7 +9,7 @@ from ._raylex import Image
 
 
 class Layer:
-    """A layer of an image as xarray has arrays: values, dims, coords, attrs. Nothing is copied.
+    """A layer of an image with the attributes of an xarray array: values, dims, coords, attrs. Values are not copied.
 
     :ivar values: float32 (height, width, components) or (height, width)
     :ivar dims: ('y', 'x', 'component') or ('y', 'x')
@@ -39,14 +39,14 @@ class Layer:
         return self.values.__dlpack_device__()
 
     def sel(self, component):
-        """The numbers of one component: sel('R')."""
+        """Returns the values of one component: sel('R')."""
         names = self.coords.get("component", [])
         if component not in names:
             raise KeyError(f"no component {component!r} in {self.name!r}; expected one of {names}")
         return self.values[..., names.index(component)]
 
     def to_xarray(self):
-        """The same as xarray.DataArray (Debian: python3-xarray)."""
+        """Converts the layer to an xarray.DataArray (Debian: python3-xarray)."""
         import xarray
         return xarray.DataArray(self.values, dims=self.dims, coords=self.coords, name=self.name, attrs=self.attrs)
 
@@ -56,12 +56,12 @@ class Layer:
 
 
 def _view(self, name):
-    """The layer with dimensions, coordinates and its expression: a :class:`Layer`."""
+    """Returns the layer with dimensions, coordinates and its expression, as a :class:`Layer`."""
     return Layer(self, name)
 
 
 def _to_xarray(self, names=None):
-    """The layers as xarray.Dataset (Debian: python3-xarray); `names`: which, by default all."""
+    """Returns the layers `names` (default: all) as an xarray.Dataset (Debian: python3-xarray)."""
     import xarray
     layers = [Layer(self, name) for name in (self.names if names is None else names)]
     return xarray.Dataset({layer.name: layer.to_xarray().drop_vars("component", errors="ignore").rename(
@@ -69,49 +69,51 @@ def _to_xarray(self, names=None):
 
 
 def _verify(self, of="", sums=(), preset="", tolerance=(0.0, 0.0)):
-    """Whether layers sum to what they split, pixel by pixel: a list of :class:`Verdict`, true where it holds.
+    """Checks in every pixel that layers sum to the layer that they split. Returns a list of :class:`Verdict`, true if
+    the check holds.
 
-    By default of every partition that the image declares; with ``sums=['diffuse_*', 'emission']`` of these against
-    `of`; with ``preset='cycles'`` (renderman, arnold, vray) of another renderer's layers.
+    By default checks every partition that the image declares; with ``sums=['diffuse_*', 'emission']`` these layers
+    against `of`; with ``preset='cycles'`` (renderman, arnold, vray) the layers of another renderer.
 
-    :param tolerance: (absolute, relative) beyond rounding
+    :param tolerance: (absolute, relative), in addition to rounding
     """
     return _raylex._verify(self, of, list(sums), preset, tuple(tolerance))
 
 
 def read(*paths):
-    """Reads an OpenEXR file, or several of one image with a layer each, as an :class:`Image`."""
+    """Reads an OpenEXR file, or several files with one layer each of the same image, as an :class:`Image`."""
     return _raylex._read_image([os.fspath(path) for path in paths])
 
 
 def metrics():
-    """{name: formula} of all metrics."""
+    """Returns {name: formula} of all metrics."""
     return dict(_raylex._metrics())
 
 
 def compare(image, reference, metric="relmse", *, layer="beauty", channel=""):
-    """How far an image is from a reference: one number, by ``raylex compare``'s own metrics.
+    """Returns the error of an image against a reference, by a metric of ``raylex compare``.
 
     :param image, reference: :class:`Image`, or arrays (height, width, 3), (height, width)
     :param metric: relmse, mse, mae, mape, rmse, smape, mean_ratio, relmse_mean, ssim, flip, ...; see :func:`metrics`
-    :param channel: 'R', 'G', 'B', 'Y', or '' for all together
+    :param channel: 'R', 'G', 'B', 'Y', or '' for the mean of all
     """
     return _raylex._compare(image, reference, metric, layer, channel)
 
 
 def error_image(image, reference, metric="relmse", *, layer="beauty"):
-    """The metric pixel by pixel: float64 (height, width)."""
+    """Returns the metric of each pixel: float64 (height, width)."""
     return _raylex._error_image(image, reference, metric, layer)
 
 
 def picture(image, layer="", *, exposure=0.0, largest_side=0):
-    """The layer as people look at it: uint8 (height, width, 3), through the display and view; geometry in false colour.
+    """Returns a picture of a layer: uint8 (height, width, 3), light through the display and view, geometry in false
+    colours.
 
     :param image: an :class:`Image`, or an array of light (height, width, 3) or (height, width), such as a
         :class:`Layer` or ``results.mean(cell)``
-    :param layer: of an :class:`Image`; by default the beauty, by whatever name, else the first layer of light
+    :param layer: layer of an :class:`Image`; by default the beauty under any name, else the first layer of light
     :param exposure: stops
-    :param largest_side: pixels; 0: as it is
+    :param largest_side: pixels; 0: the size of the image
     """
     return _raylex._picture(image, layer, exposure, largest_side)
 

@@ -1,8 +1,8 @@
-"""The algebra of light path expressions: proofs, counterexamples, meanings. No scene and no image is needed.
+"""The algebra of light path expressions: proofs, counterexamples, explanations. Needs no scene and no image.
 
-Channels are given as ``{name: expression}``, as pairs, or as bare expressions. An expression may begin with ``osl:`` or
-``renderman:`` to say its own dialect. Every proof is relative to the light paths that a scene can produce: all of them,
-or with ``scene=`` (a file, a :class:`raylex.Scene`) or ``words=`` (:class:`Words`) those that remain.
+Channels are ``{name: expression}``, pairs, or bare expressions. An expression may begin with ``osl:`` or ``renderman:``
+to set its dialect. Every proof is relative to a set of light paths: by default those of any scene, or those of
+``scene=`` (a file, a :class:`raylex.Scene`) or ``words=`` (:class:`Words`).
 """
 
 from . import _raylex
@@ -16,7 +16,7 @@ def _channel(expression, name="", dialect="renderman"):
     if isinstance(expression, tuple):
         return expression
     if not isinstance(expression, str):
-        raise TypeError(f"{expression!r} is no expression; expected a string such as 'C<RD>L'")
+        raise TypeError(f"{expression!r} is not an expression; expected a string such as 'C<RD>L'")
     for known in ("osl", "renderman"):
         if expression.startswith(known + ":"):
             return (name, expression[len(known) + 1:], known)
@@ -40,7 +40,7 @@ def _channels(channels, dialect):
 
 
 def words_of(scene):
-    """The light paths that a scene can produce.
+    """Returns the light paths that a scene can produce.
 
     :param scene: a pbrt-v4 file, a TOML job, or a :class:`raylex.Scene`
     :returns: Words
@@ -57,11 +57,11 @@ def _words(words, scene):
 
 
 def check(channels, of=None, *, what="partition", words=None, scene=None, dialect="renderman"):
-    """Proves that the channels are a partition, or finds the shortest light path that shows the contrary.
+    """Proves that the channels are a partition, or finds the shortest counterexample.
 
-    :param of: what is split, an expression; by default the beauty, every path
-    :param what: 'partition' (each path in exactly one channel), 'disjoint' (none in two), 'covers' (each in some)
-    :returns: Check; it is true when proved, else ``.counterexample`` is a :class:`Path`
+    :param of: the whole that is split, an expression; by default the beauty, which is every path
+    :param what: 'partition' (each path in exactly one channel), 'disjoint' (in at most one), 'covers' (in at least one)
+    :returns: Check; true if proved, otherwise ``.counterexample`` is a :class:`Path`
     :raises RaylexError: an expression that cannot be read, with its column
 
     >>> check({"direct": "C<RD>L", "indirect": "C<RD>[DS]+L"}).counterexample.sentence
@@ -72,36 +72,37 @@ def check(channels, of=None, *, what="partition", words=None, scene=None, dialec
 
 
 def overview(channels, of=None, *, words=None, scene=None, dialect="renderman"):
-    """Every pair of channels that share a path, every kind of path that none has, every channel that goes outside.
+    """Finds all pairs of channels that share a path, all kinds of paths that no channel has, and all channels with
+    paths outside `of`.
 
     :returns: dict: overlaps [(first, second, Path)], holes [(kind, Path, [Path])], outside [(channel, Path)],
-        empty [name], unknown (why holes were not looked for, '' else)
+        empty [name], unknown (why holes were not searched for, or '')
     """
     whole = None if of is None else _channel(of, "of", dialect)
     return _raylex._overview(_channels(channels, dialect), whole, _words(words, scene))
 
 
 def equal(*expressions, words=None, scene=None, dialect="renderman"):
-    """Whether all expressions accept the same paths. Returns Check."""
+    """Proves that all expressions accept the same paths, or finds a counterexample. Returns Check."""
     return _raylex._equal(_channels(list(expressions), dialect), _words(words, scene))
 
 
 def contains(outer, inner, *, words=None, scene=None, dialect="renderman"):
-    """Whether `outer` accepts every path that `inner` does. Returns Check."""
+    """Proves that `outer` accepts every path of `inner`, or finds a counterexample. Returns Check."""
     return _raylex._contains(_channel(outer, "outer", dialect), _channel(inner, "inner", dialect), _words(words, scene))
 
 
 def empty(expression, *, words=None, scene=None, dialect="renderman"):
-    """Whether the expression accepts no path at all. Returns Check; the counterexample is a path it accepts."""
+    """Proves that the expression accepts no path. Returns Check; the counterexample is a path that it accepts."""
     return _raylex._empty(_channel(expression, "expression", dialect), _words(words, scene))
 
 
 def paths(expression, *others, operation="words", samples=5, longest_counted=8, words=None, scene=None,
           dialect="renderman"):
-    """Paths of an expression, or of what `operation` makes of several.
+    """Returns paths of an expression, or of several combined by `operation`.
 
     :param operation: 'words', 'complement', 'intersection', 'union', 'difference'
-    :returns: PathSet: the shortest paths, how many there are of each length
+    :returns: PathSet: the shortest paths, and the number of paths of each length
     """
     return _raylex._paths(operation, _channels([expression, *others], dialect), _words(words, scene), samples,
                           longest_counted)
@@ -112,32 +113,32 @@ def _path(path):
 
 
 def match(expression, path, *, dialect="renderman"):
-    """Whether the expression accepts the path, a :class:`Path` or text such as 'C,- R,D,floor L,-,key'."""
+    """Returns whether the expression accepts the path, a :class:`Path` or text such as 'C,- R,D,floor L,-,key'."""
     return _raylex._match(_channel(expression, "expression", dialect), _path(path))
 
 
 def why_not(expression, path, *, dialect="renderman"):
-    """How far the path matches and what was wanted next. Returns WhyNot."""
+    """Finds where a path fails to match and what was expected there. Returns WhyNot."""
     return _raylex._why_not(_channel(expression, "expression", dialect), _path(path))
 
 
 def explain(expression, *, words=None, scene=None, dialect="renderman"):
-    """The expression in words, with sample paths and what it leaves out. Returns Explanation."""
+    """Explains the expression in words, with sample paths and omissions. Returns Explanation."""
     return _raylex._explain(_channel(expression, "expression", dialect), _words(words, scene))
 
 
 def parse(expression, *, dialect="renderman"):
-    """Reads an expression, and gives it back with names replaced by what they stand for.
+    """Parses an expression and returns it with names expanded.
 
-    :raises RaylexError: with ``.column`` where it cannot be read
+    :raises RaylexError: with ``.column`` of the error
     """
     return explain(expression, dialect=dialect).expression
 
 
 def read(path, *, format="", dialect="renderman"):
-    """The channels of a file: RIB, USD ASCII, rendermn.ini or TOML.
+    """Reads the channels of a file: RIB, USD ASCII, rendermn.ini or TOML.
 
-    :param format: 'toml', 'rib', 'usda', 'ini'; '' goes by the file's name and content
+    :param format: 'toml', 'rib', 'usda', 'ini'; '' decides by the file's name and content
     :returns: list of (name, expression, dialect), names in expressions resolved
     """
     import warnings
@@ -148,5 +149,5 @@ def read(path, *, format="", dialect="renderman"):
 
 
 def shipped(dialect="renderman"):
-    """The shipped partition as {name: expression}."""
+    """Returns the shipped partition as {name: expression}."""
     return dict(_raylex._shipped(dialect))

@@ -1,4 +1,4 @@
-"""What notebooks show: images with tabs for their layers and exposures, verdicts on splits."""
+"""Display in notebooks: images with tabs for layers and exposures, and results of split checks."""
 
 import base64
 import html
@@ -25,7 +25,8 @@ _STYLE = """<style>
 
 
 def _tabs(name, labels, panels, chosen=0):
-    """Radio buttons and what they show: no script, so that it works where notebooks are not trusted, and in print."""
+    """Returns radio buttons and their panels, without scripts, so that they work in untrusted notebooks and in
+    print."""
     rules, buttons = [], []
     for i, label in enumerate(labels):
         rules.append(f"#{name}_{i}:checked~.{name}_{i}{{display:block}}")
@@ -52,17 +53,17 @@ def _layer(image, layer, name):
 
 
 def verdict_html(verdict):
-    """One line, and the reason for the bound."""
+    """Returns one line with the result, the largest error and the reason for the bound."""
     kind, word = ("holds", "sum to") if verdict.holds else ("fails", "DO NOT SUM to")
     if not verdict.judged:
-        word = "cannot be told to sum (every pixel is clamped) to"
+        word = "cannot be checked (every pixel is clamped) against"
     return (f'<div class="{kind}">{html.escape(verdict.partition or "layers")}: {len(verdict.layers)} layers {word} '
             f"{html.escape(verdict.of)}; largest relative error {verdict.largest_relative:.3g}, "
             f"bound {verdict.bound:.3g}</div>")
 
 
 def image_html(image):
-    """The image with a tab for each layer, exposures for light, and the verdicts on its partitions."""
+    """Returns the image with a tab for each layer, exposures for light, and the results of its partitions."""
     number = next(_numbers)
     shown = [name for name in image.names if name != "alpha"][:MOST_LAYERS]
     panels = [_layer(image, name, f"raylex{number}x{i}") for i, name in enumerate(shown)]
@@ -74,7 +75,7 @@ def image_html(image):
 
 
 def check_html(check):
-    """What was proved, or the path that shows the contrary."""
+    """Returns a proof's result, with the counterexample if there is one."""
     kind = "holds" if check.holds else "fails"
     path = "" if check.counterexample is None else f"<div><code>{html.escape(check.counterexample.text)}</code></div>"
     return f'<div class="raylex">{_STYLE}<div class="{kind}">{html.escape(check.summary)}</div>{path}</div>'

@@ -1,10 +1,10 @@
 """Integrators, textures and sample filters written in Python.
 
-They stand behind the same registries as plugins in C++: scenes and jobs ask for them by name, light path expressions,
-studies and every output work with them. They are called with arrays of a batch at a time, some hundred rows, one thread
-at a time, and are slow: experiments/docs/measured.md says how slow. They are for trying an idea before it is written in
-C++ (experiments/docs/extending.md). Same seed, same bits holds when they draw all numbers from the batch and keep
-nothing between calls.
+They are in the same registries as C++ plugins: scenes and jobs use them by name, and light path expressions, studies
+and all outputs work with them. raylex calls them with arrays of a batch, some hundred rows, from one thread at a time.
+They are slow (experiments/docs/measured.md has figures) and serve to try an idea before it is written in C++
+(experiments/docs/extending.md). Equal seeds give equal bits if a class draws all numbers from the batch and keeps no
+state between calls.
 
 >>> @raylex.integrator("direct")
 ... class Direct:
@@ -30,23 +30,23 @@ __all__ = ["Batch", "Evaluation", "LightSamples", "Points", "Sample", "Samples",
 
 
 class TexturePoints(NamedTuple):
-    """Where a texture is asked for: a row for each point."""
+    """The points at which a texture is evaluated, one row per point."""
 
     uv: "np.ndarray"
     """float32 (points, 2): texture coordinates"""
     position: "np.ndarray"
     """float32 (points, 3): in the space that the texture was defined in"""
     normal: "np.ndarray"
-    """float32 (points, 3): geometric, unit; 0 where it is not known"""
+    """float32 (points, 3): geometric unit normal; 0 if unknown"""
     services: "TextureServices"
-    """``services.write(name, values)`` writes to a channel where the camera sees the points"""
+    """``services.write(name, values)`` writes to a channel at points that the camera sees"""
 
     def __len__(self):
         return self.uv.shape[0]
 
 
 def _defaults(made):
-    """{parameter: default} of what makes an instance."""
+    """Returns {parameter: default} of the constructor of a class."""
     if not isinstance(made, type) or made.__init__ is object.__init__:
         return {}
     defaults = {}
@@ -68,14 +68,14 @@ def _decorator(register, name, method):
 
 
 def integrator(name):
-    """Registers a class as an integrator. ``integrate(self, batch)`` answers a :class:`Batch`; what ``__init__`` takes,
-    each with a default, are its parameters. A parameter ``maxdepth`` is what max_depth= sets. Registering the name
-    again replaces it."""
+    """Registers a class as an integrator. ``integrate(self, batch)`` handles a :class:`Batch`. The arguments of
+    ``__init__``, each with a default, are its parameters; max_depth= sets a parameter ``maxdepth``. Registering the
+    name again replaces it."""
     return _decorator(_raylex._register_integrator, name, "integrate")
 
 
 def texture(name):
-    """Registers a class as a texture, for scenes: ``Texture "x" "spectrum" "NAME"``. ``evaluate(self, at)`` gets
+    """Registers a class as a texture, for scenes: ``Texture "x" "spectrum" "NAME"``. ``evaluate(self, at)`` receives
     :class:`TexturePoints` and returns (points, 3) for "spectrum" textures (in the rendering space, not clamped),
     (points,) for "float" ones."""
     return _decorator(_raylex._register_texture, name, "evaluate")
@@ -83,6 +83,6 @@ def texture(name):
 
 def sample_filter(name):
     """Registers a class as a sample filter. ``apply(self, samples)`` changes :class:`Samples` in place. A class
-    attribute ``keeps_splits = True`` says that it scales the beauty and all its layers alike; else partitions are not
-    declared."""
+    attribute ``keeps_splits = True`` declares that it scales the beauty and all its layers alike; otherwise partitions
+    are not declared."""
     return _decorator(_raylex._register_sample_filter, name, "apply")

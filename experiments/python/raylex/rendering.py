@@ -1,4 +1,4 @@
-"""raylex.render: keyword arguments into the job that the program itself reads."""
+"""raylex.render: converts keyword arguments to a job for the program's reader."""
 
 import difflib
 import inspect
@@ -9,7 +9,7 @@ from ._toml import text_of
 
 
 def _names(value):
-    """A list of names; one name is a list of one."""
+    """Returns a list of names; a single name becomes a list of one."""
     return [value] if isinstance(value, str) else list(value)
 
 
@@ -47,7 +47,7 @@ def job_text(scene, *, spp=None, seed=None, threads=None, resolution=None, crop=
              sampler=None, filter=None, lpe=None, dialect="renderman", aovs=(), channels=None, light_groups=False,
              shipped=False, partitions=None, beauty=None, statistics=None, sample_filters=(), cryptomatte=(), time=None,
              until_error=None, plugins=(), output=None, atlas=None, job=None):
-    """The job, as TOML, that :func:`render` reads; the same arguments. ``raylex render`` takes this text in a file."""
+    """Returns the job of :func:`render` with the same arguments, as TOML, which ``raylex render`` accepts as a file."""
     file = scene.file if isinstance(scene, _raylex.Scene) else os.fspath(scene)
     tables = {
         "plugins": _names(plugins) or None,
@@ -77,36 +77,38 @@ def render(scene, *, progress=None, **arguments):
     """Renders a scene to an :class:`Image`.
 
     :param scene: a pbrt-v4 file or a :class:`Scene`
-    :param spp: samples per pixel; by default as the scene says
-    :param seed: of the sampler; same seed, same bits, for any number of threads
-    :param threads: 0: all
+    :param spp: samples per pixel; by default the scene's
+    :param seed: seed of the sampler; equal seeds give equal bits for any number of threads
+    :param threads: number of threads; 0: all cores
     :param resolution: (width, height) in pixels
-    :param crop: (x0, y0, x1, y1): renders these pixels alone
-    :param max_depth: scattering events of a path at most
+    :param crop: (x0, y0, x1, y1): renders only this rectangle
+    :param max_depth: maximum number of scattering events of a path
     :param integrator, sampler, filter: a type, or {"type": ..., parameter: value}
-    :param lpe: {layer: light path expression}; channels that share no path get a layer 'rest', and are proved to sum
-    :param dialect: of the expressions, 'renderman' or 'osl'
+    :param lpe: {layer: light path expression}; if the channels share no path, a layer 'rest' is added and the sum is
+        proved
+    :param dialect: dialect of the expressions, 'renderman' or 'osl'
     :param aovs: geometric AOVs by name: 'Nn', 'P', 'z', 'albedo', ...
     :param channels: {name: type}: layers that plugins write to; a type is 'float', 'rgb', 'point', 'normal', 'vector' or
         'integer'
-    :param light_groups: a layer for each light group
-    :param shipped: the layers of the shipped partition
+    :param light_groups: True: adds a layer for each light group
+    :param shipped: True: adds the layers of the shipped partition
     :param partitions: {name: [channels]} or {name: {"channels": [...], "rest": layer, "of": channel}}; proved before a
         ray is traced
-    :param beauty: False: only what the layers need is simulated
+    :param beauty: False: simulates only the light that the layers need
     :param statistics: {channel: ['mse', 'variance', 'even', 'odd']}: layers CHANNEL_mse ...
     :param sample_filters: types, or {"type": ..., parameter: value}
-    :param cryptomatte: of 'object', 'material', 'asset'
-    :param time: seconds, or '5m': ends by the clock
-    :param until_error: 0.01: each pixel until its standard error is 1 % of its value
+    :param cryptomatte: kinds of cryptomattes: 'object', 'material', 'asset'
+    :param time: time limit in seconds, or as '5m'
+    :param until_error: 0.01: samples each pixel until its standard error is 1 % of its value
     :param plugins: files of C++ plugins
-    :param output: an OpenEXR file to write as well
+    :param output: an OpenEXR file that is written as well
     :param atlas: a file for the path atlas (:class:`raylex.Atlas`), or {"file": ..., "by": "label,lobe,group", "length": 12,
         "budget": "2GiB"}
     :param job: further tables of a job, {"exr": {"light": "half zip"}, ...}; experiments/README.md lists every key
     :param progress: called a few times a second with a :class:`Progress`; returning False ends the render
-    :raises RaylexError: input that cannot be used, with file and line; ``render()`` is the text of :func:`job_text`
-    :raises Exception: whatever a callback raised, or KeyboardInterrupt; its attribute ``image`` is what was rendered
+    :raises RaylexError: invalid input, with file and line; ``render()`` stands for the text of :func:`job_text`
+    :raises Exception: an exception of a callback, or KeyboardInterrupt; its attribute ``image`` is the image rendered
+        so far
     """
     if progress is not None and not callable(progress):
         raise TypeError(f"progress is {progress!r}; expected a function that takes a Progress")

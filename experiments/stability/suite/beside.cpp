@@ -46,7 +46,7 @@ class Beside {
   private:
     [[nodiscard]] std::string other() const { return fs::absolute(options_.program).string(); }
 
-    /// CPU seconds.
+    /// Runs a command and returns its CPU seconds.
     Result<double> run_command(const std::vector<std::string>& words) {
         ShellCommand command;
         command.text = shell_command(words);
@@ -81,7 +81,7 @@ class Beside {
              ratio = pair->value(*display::find_metric("mean-ratio"), 'A');
         if (!error) return error.error();
         difference.relative_mse = *error;
-        if (ratio) difference.mean_ratio = *ratio;  // none where both images are black
+        if (ratio) difference.mean_ratio = *ratio;  // undefined if both images are black
         return difference;
     }
 

@@ -1,5 +1,5 @@
-// Another program beside this one: the same cases, and the same scenes with the same seeds. What float costs in
-// accuracy and double in time is the difference between two builds of one source.
+// Compares another program with this one on the same cases, and on scenes with the same seeds. The difference between
+// two builds of one source shows the accuracy of float and the time of double.
 #pragma once
 
 #include <atomic>
@@ -13,27 +13,27 @@ namespace raylex::experiments {
 /// A scene rendered by both programs with the same random numbers.
 struct SceneDifference {
     std::string scene;
-    double relative_mse = 0;  ///< between the two images (display::find_metric("relmse")): of rounding, not of noise
-    double mean_ratio = 1;    ///< mean of this program's image over that of the other
-    double cpu_seconds = 0, cpu_seconds_beside = 0;  ///< least of several runs by turns, loading included
+    double relative_mse = 0;  ///< between the two images (display::find_metric("relmse")): rounding, not noise
+    double mean_ratio = 1;    ///< mean of this program's image relative to the other's
+    double cpu_seconds = 0, cpu_seconds_beside = 0;  ///< minimum of several alternating runs, including loading
 };
 
 struct BesideRun {
-    std::string name;  ///< what the other program is called on the page
+    std::string name;  ///< name of the other program on the page
     SuiteResults results;
     std::vector<SceneDifference> scenes;
 };
 
 struct BesideOptions {
     std::string program;
-    std::vector<std::string> files;   ///< of cases
+    std::vector<std::string> files;   ///< files with cases
     std::vector<std::string> scenes;  ///< pbrt files
-    std::string samples = "16";       ///< a pixel, of scenes
+    std::string samples = "16";       ///< samples per pixel of scenes
     int runs = 3;
-    std::string folder;  ///< gets a folder "beside" with what was written
+    std::string folder;  ///< the folder for the files in "beside"
 };
 
-/// Errors: the program does not run, or ends with bad input; its last words are told.
+/// Runs the comparison. Errors: the program does not run, or it rejects its input; the message has its last output.
 Result<BesideRun> run_beside(const BesideOptions& options, const SuiteOptions& suite, const std::atomic<bool>* stop);
 
 }  // namespace raylex::experiments

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void read_text(TomlTable& table, std::string_view key, CaseText& value) {
-    // Numbers may stand as they are where a formula is expected.
+    // Plain numbers are allowed in place of formulas.
     if (const toml::node* node = table.take(key)) {
         value.location = table.location_of(key);
         if (const auto* text = node->as_string()) value.text = text->get();
@@ -28,7 +28,7 @@ void read_text(TomlTable& table, std::string_view key, CaseText& value) {
     }
 }
 
-/// with.NAME and vary.NAME, in the order of the text.
+/// Reads with.NAME and vary.NAME, in the order of the text.
 std::vector<CaseAxis> read_axes(TomlTable& table, const char* key, bool constant) {
     std::vector<CaseAxis> axes;
     const toml::table* values = table.take_table(key);
@@ -42,7 +42,7 @@ std::vector<CaseAxis> read_axes(TomlTable& table, const char* key, bool constant
         }
         if (constant && read->size() != 1)
             table.source().fail(table.source().location(node), "'" + what + "' has several values; expected one",
-                                "what goes through several belongs in 'vary'");
+                                "several values belong in 'vary'");
         axes.push_back({std::string(name.str()), std::move(*read), table.source().location(node)});
     }
     std::stable_sort(axes.begin(), axes.end(), [](const CaseAxis& a, const CaseAxis& b) {
@@ -77,15 +77,15 @@ void read_rows(TomlTable& table, std::vector<int>& rows) {
         whole = row != nullptr && row->get() > 0 && row->get() < 10'000;
         if (whole) rows.push_back(static_cast<int>(row->get()));
     }
-    if (!whole) table.source().fail(table.location_of("rows"), "'rows' is no list of numbers of hard cases");
+    if (!whole) table.source().fail(table.location_of("rows"), "'rows' is not a list of numbers of hard cases");
 }
 
-/// against.NAME, and against.integrator.
+/// Reads against.NAME and against.integrator.
 void read_against(TomlTable& table, SceneSubject& scene) {
     const bool compares = scene.measure == SceneMeasure::same_image || scene.measure == SceneMeasure::same_bits;
     if (table.has("against") != compares)
         table.source().fail(table.location_of(compares ? "measure" : "against"),
-                            "'against' belongs to the measures same_image and same_bits, and they need it");
+                            "'against' and the measures same_image and same_bits require each other");
     const toml::table* against = table.take_table("against");
     if (against == nullptr) return;
     TomlTable other(table.source(), *against, "against");
@@ -137,14 +137,14 @@ void read_scene(TomlTable& table, SceneSubject& scene) {
     read_against(table, scene);
 }
 
-/// What --fast runs is a part of the whole.
+/// Checks that the values of --fast are among those of 'vary'.
 void check_fast_axes(TomlTable& table, const StabilityCase& each) {
-    const std::string hint = "'fast' has some of the values that 'vary' goes through";
+    const std::string hint = "'fast' must be a subset of the values in 'vary'";
     for (const CaseAxis& axis : each.fast) {
         const auto whole = std::find_if(each.varied.begin(), each.varied.end(),
                                         [&](const CaseAxis& other) { return other.name == axis.name; });
         if (whole == each.varied.end()) {
-            table.source().fail(axis.location, "'fast." + axis.name + "', but nothing is varied by that name", hint);
+            table.source().fail(axis.location, "'fast." + axis.name + "' has no corresponding 'vary'", hint);
             continue;
         }
         for (const AxisValue& value : axis.values)

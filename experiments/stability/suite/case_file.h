@@ -1,4 +1,4 @@
-// Files of cases.
+// Reads files of cases.
 #pragma once
 
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace raylex::experiments {
 
-/// Reads one family. Plugins that the file names are loaded first, since cases may use what they bring. Errors name
-/// file, line and column: TOML that does not parse, keys that nobody knows, probes that there are not.
+/// Reads one family of cases. Loads the plugins of the file first, because cases may use their types. Errors name file,
+/// line and column: invalid TOML, unknown keys, unknown probes.
 Result<CaseFamily> read_case_file(const std::string& path);
 
-/// Files as they are, and all *.toml of folders by name. Errors: nothing there; two cases of one name.
+/// Reads files, and all *.toml of folders by name. Errors: no file; two cases with the same name.
 Result<std::vector<CaseFamily>> read_case_files(const std::vector<std::string>& paths);
 
-/// The suite that comes with the program.
+/// Returns the folder of the suite that comes with raylex.
 std::string shipped_stability_suite();
 
 }  // namespace raylex::experiments

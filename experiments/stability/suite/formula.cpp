@@ -15,7 +15,7 @@ Result<double> evaluate(const std::string& formula, const Numbers& numbers, cons
     } catch (const mu::Parser::exception_type& error) {
         std::string known;
         for (const auto& [name, value] : numbers) known += (known.empty() ? "" : ", ") + name;
-        return error_at(where, "'" + formula + "' is no formula: " + error.GetMsg(),
+        return error_at(where, "'" + formula + "' is not a formula: " + error.GetMsg(),
                         known.empty() ? "the case has no numbers" : "numbers of the case: " + known);
     }
 }

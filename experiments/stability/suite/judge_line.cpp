@@ -11,15 +11,15 @@
 namespace raylex::experiments {
 namespace {
 
-/// The unit in the last place of a float of this size; of the least normal one at most that, since denormals are
-/// flushed.
+/// Returns the unit in the last place of a float of this size, at least that of the smallest normal float, because
+/// denormals are flushed.
 double float_ulp(double value) {
     const auto size = static_cast<float>(std::abs(value));
     if (!std::isfinite(size) || size < 0x1p-126f) return 0x1p-149;
     return std::bit_cast<float>(std::bit_cast<std::uint32_t>(size) + 1u) - double(size);
 }
 
-/// How many standard errors of few degrees of freedom are as rare as `normal` of many.
+/// Returns how many standard errors with few degrees of freedom are as rare as `normal` standard errors with many.
 double student_quantile(double normal, double degrees) {
     if (degrees <= 0) return normal;
     const double p = std::erfc(normal / std::sqrt(2.0));
@@ -27,11 +27,11 @@ double student_quantile(double normal, double degrees) {
 }
 
 struct Unit {
-    std::string name;  ///< as terms end: " se"; empty: a number as it is
+    std::string name;  ///< suffix of the term: " se"; empty: a plain number
     double size;
 };
 
-/// One term of a tolerance; the unit of the largest stays in `line`.
+/// Returns the value of one term of a tolerance; stores the unit of the largest term in `line`.
 Result<double> allowed_by(const std::string& term, const StabilityCase& what, const Setting& setting,
                           const ProbeResult& result, const LineResult& line) {
     for (const Unit& unit : {Unit{" se", result.standard_error}, Unit{" ulp", line.ulp},
@@ -77,7 +77,7 @@ Status judge(const StabilityCase& what, const Setting& setting, const ProbeResul
     } else if (result.expected) {
         line.expected = *result.expected;
     } else {
-        return error_at(what.location, "nothing says what is expected; give the case a formula 'expected'");
+        return error_at(what.location, "no expected value; expected a formula 'expected' in the case");
     }
     line.ulp = result.ulp > 0 ? result.ulp : float_ulp(line.expected);
     if (!what.ulp_of.empty()) {

@@ -99,7 +99,7 @@ Result<SuiteResults> read_results_json(const std::string& path) {
         for (const Json& line : json->at("lines")) results.lines.push_back(line_of_record(line));
         return results;
     } catch (const Json::exception& error) {
-        return error_at({path, 0, 0}, std::string("no results of the stability suite: ") + error.what());
+        return error_at({path, 0, 0}, std::string("these are not results of the stability suite: ") + error.what());
     }
 }
 

@@ -1,4 +1,4 @@
-// Lines of the table as JSON and as CSV.
+// Converts lines of the table to JSON and CSV.
 #pragma once
 
 #include <string>
@@ -11,14 +11,14 @@ namespace raylex::experiments {
 
 const char* name_of(LineVerdict verdict);
 Json line_record(const LineResult& line);
-/// What line_record() made. Throws Json::exception where it is something else.
+/// Parses the record of line_record(). Throws Json::exception for any other JSON.
 LineResult line_of_record(const Json& record);
 
-/// results.json: the lines, and of which program they are. Numbers that JSON does not have are strings.
+/// Returns results.json: the lines, and the program that measured them. Non-finite numbers are strings.
 std::string results_json(const SuiteResults& results);
-/// What results_json() made of another run; errors name the file.
+/// Reads the results of another run. Errors name the file.
 Result<SuiteResults> read_results_json(const std::string& path);
-/// One row a line, with a heading.
+/// Returns one row per line, with a heading.
 std::string results_csv(const SuiteResults& results);
 
 }  // namespace raylex::experiments

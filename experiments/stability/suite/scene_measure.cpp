@@ -17,10 +17,10 @@ namespace {
 
 constexpr double default_samples = 16, default_seeds = 8;
 
-/// Renders of one scene.
+/// The renders of one scene.
 class SceneRenders {
   public:
-    /// `integrator`: its type; empty: as the case or the scene says.
+    /// Prepares the renders. `integrator` is a type; empty: that of the case or the scene.
     static Result<SceneRenders> prepare(const SceneSubject& subject, const std::string& integrator,
                                         const Setting& setting, int threads) {
         SceneRenders renders;
@@ -52,7 +52,7 @@ class SceneRenders {
         return renders;
     }
 
-    /// Of the channel that is asked for: [pixel][component].
+    /// Renders and returns the requested channel: [pixel][component].
     Result<std::vector<double>> render(std::uint64_t seed, CaseImage* image = nullptr) {
         settings_.seed = seed;
         settings_.beauty = beauty_ || aov_ || image != nullptr;
@@ -68,7 +68,7 @@ class SceneRenders {
         return output->frame_buffer.resolve(beauty_ ? output->beauty : output->beauty + 1);  // invalid_channel is -1
     }
 
-    /// The mean over the components that count of one pixel.
+    /// Returns the mean of a pixel over the components that count.
     [[nodiscard]] double pixel(const std::vector<double>& values, std::size_t index) const {
         const std::size_t components = values.size() / pixels();
         const double* at = values.data() + components * index;
@@ -77,7 +77,7 @@ class SceneRenders {
         for (std::size_t i = 0; i < components; ++i) sum += at[i];
         return sum / double(components);
     }
-    /// Beauty, then the shipped partition's layers, of seed 1.
+    /// Renders with seed 1 and returns the beauty and the layers of the shipped partition.
     Result<std::vector<std::vector<double>>> render_split() {
         settings_.seed = 1;
         settings_.beauty = true;
@@ -102,7 +102,7 @@ class SceneRenders {
         if (formula.empty()) return otherwise;
         return evaluate(formula.text, setting.numbers, formula.location);
     }
-    /// Lines of a scene's text count from the case's `scene`.
+    /// Makes line numbers of errors in the scene's text relative to the case's `scene`.
     static Error in_case(Error error, const SceneSubject& subject) {
         if (error.file == subject.scene.location.file) error.line += std::max(0, subject.scene.location.line - 1);
         return error;
@@ -128,10 +128,10 @@ class SceneRenders {
     std::uint64_t seeds_ = 1;
     int width_ = 0, height_ = 0, component_ = -1;
     bool beauty_ = true;
-    bool aov_ = false;  ///< rendered beside the beauty: some count what happens to it
+    bool aov_ = false;  ///< rendered besides the beauty, because some AOVs count events of the beauty
 };
 
-/// Means of what independent seeds gave.
+/// Moments of the results of independent seeds.
 struct Moments {
     double mean = 0, variance_of_mean = 0;
 };
@@ -169,13 +169,13 @@ Result<ProbeResult> largest_of(SceneRenders& renders, CaseImage* image) {
         if (!values) return values.error();
         for (std::size_t i = 0; i < renders.pixels(); ++i) {
             const double value = renders.pixel(*values, i);
-            if (!(value <= result.measured)) result.measured = value;  // a NaN is the largest
+            if (!(value <= result.measured)) result.measured = value;  // a NaN counts as the largest
         }
     }
     return result;
 }
 
-/// [block][seed], of at most 8 x 8 blocks.
+/// Means [block][seed] of at most 8 x 8 blocks.
 using BlockMeans = std::vector<std::vector<double>>;
 Result<BlockMeans> block_means(SceneRenders& renders, std::uint64_t first_seed, CaseImage* image) {
     constexpr int across = 8;
@@ -197,7 +197,7 @@ Result<BlockMeans> block_means(SceneRenders& renders, std::uint64_t first_seed, 
     return blocks;
 }
 
-/// Welch's t test of two means: how likely a difference as large is when there is none.
+/// Welch's t test of two means: the probability of a difference at least as large by chance.
 double welch_p(const Moments& a, const Moments& b, double seeds) {
     const double variance = a.variance_of_mean + b.variance_of_mean, difference = a.mean - b.mean;
     if (!(variance > 0)) return difference == 0 ? 1 : 0;

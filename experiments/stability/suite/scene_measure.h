@@ -1,4 +1,4 @@
-// Cases that render.
+// Cases that render scenes.
 #pragma once
 
 #include "experiments/stability/probe.h"
@@ -6,16 +6,15 @@
 
 namespace raylex::experiments {
 
-/// One image for people to look at: linear RGB, rows from the top.
+/// An image for people: linear RGB, rows from the top.
 struct CaseImage {
     int width = 0, height = 0;
     std::vector<float> rgb;
 };
 
-/// Renders the scene by the integrator that stands at `integrator` in the subject, once for each seed, and measures
-/// what the case asks for. `threads` render, unless the case says how many. Errors are those of formulas, of the scene
-/// and of the render, but where the outcome is what is asked for. `image`, unless null, gets the beauty of the first
-/// seed.
+/// Renders the scene once per seed, with the integrator at index `integrator` of the subject, and measures as the case
+/// requires. Uses `threads` threads unless the case sets a number. Errors: those of formulas, of the scene and of the
+/// render, except if the outcome is measured. `image`, unless null, receives the beauty of the first seed.
 Result<ProbeResult> measure_scene(const SceneSubject& subject, std::size_t integrator, const Setting& setting,
                                   int threads, CaseImage* image);
 

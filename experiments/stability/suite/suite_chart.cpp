@@ -22,7 +22,7 @@ std::string number(double value) {
     return std::to_string(static_cast<long>(std::lround(value)));
 }
 
-/// The share of its tolerance that a line used; of an exact one 0, or more than any.
+/// Returns the fraction of its tolerance that a line used; for an exact line 0, or a value above any.
 double share_of(const LineResult& line) {
     if (line.verdict == LineVerdict::died || std::isnan(line.error)) return INFINITY;
     if (line.allowed > 0) return line.error / line.allowed;

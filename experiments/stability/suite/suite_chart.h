@@ -1,4 +1,4 @@
-// How much of its tolerance every line of a family used, as a chart.
+// A chart of the fraction of its tolerance that every line of a family used.
 #pragma once
 
 #include <span>
@@ -8,8 +8,8 @@
 
 namespace raylex::experiments {
 
-/// SVG text: one row a case, one dot a line, from 1e-4 (and what is below) to 10 tolerances (and what is above).
-/// `beside` are lines of another program, hollow.
+/// Returns SVG text: one row per case, one dot per line, from 1e-4 (and less) to 10 tolerances (and more). The lines of
+/// another program, `beside`, are hollow dots.
 std::string suite_chart(std::span<const LineResult> lines, std::span<const LineResult> beside);
 
 }  // namespace raylex::experiments

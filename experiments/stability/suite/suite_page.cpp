@@ -80,7 +80,7 @@ class PageWriter {
         return html + "</ul>\n";
     }
 
-    /// Of both programs' images of whole scenes, and what the suite's cases took.
+    /// Returns the table of whole scenes rendered by both programs, and the times of the suite.
     std::string scenes() const {
         if (page_.beside == nullptr) return {};
         const BesideRun& beside = *page_.beside;
@@ -96,14 +96,14 @@ class PageWriter {
                 theirs += other->second.seconds;
                 failing += other->second.verdict == LineVerdict::holds ? 0 : 1;
             }
-        std::string html = "<h2>Beside it: " + escape_html(beside.name) + "</h2>\n<p>The same lines take " +
-                           number_text(theirs / mine) + " times as long there; " +
+        std::string html = "<h2>Comparison with " + escape_html(beside.name) + "</h2>\n<p>The same lines take " +
+                           number_text(theirs / mine) + " times as long in that program; " +
                            (failing == 0 ? "all hold too" : counted(failing, "line does", "lines do") + " not hold") +
-                           ". Hollow dots and the columns of each case are that program's.</p>\n";
+                           ". Its results are the hollow dots, and a column of each case.</p>\n";
         if (beside.scenes.empty()) return html;
         html +=
-            "<p>Whole scenes with the same random numbers, so that the images differ by arithmetic and not by noise; "
-            "CPU time is the least of several runs by turns.</p>\n<div class=\"wide\"><table><tr><th>scene</th>"
+            "<p>Whole scenes with the same random numbers, so that the images differ by arithmetic instead of noise; "
+            "CPU time is the minimum of several alternating runs.</p>\n<div class=\"wide\"><table><tr><th>scene</th>"
             "<th>relmse between the images</th><th>mean of this / that - 1</th><th>CPU seconds</th><th>there</th>"
             "<th>ratio</th></tr>\n";
         for (const SceneDifference& each : beside.scenes)

@@ -12,12 +12,12 @@ namespace raylex::experiments {
 struct SuitePage {
     const std::vector<CaseFamily>* families = nullptr;
     const SuiteResults* results = nullptr;
-    const BesideRun* beside = nullptr;  ///< of another program, by the same cases; null: none
-    std::string pictures;               ///< folder that may hold FAMILY.png; they are embedded
+    const BesideRun* beside = nullptr;  ///< results of another program for the same cases; null: none
+    std::string pictures;               ///< folder with FAMILY.png files, which are embedded if they exist
 };
 
-/// One HTML file that fetches nothing: verdicts first, then each family with its picture, a chart of how much of every
-/// tolerance was used, and all lines.
+/// Returns one self-contained HTML file: the summary, then each family with its picture, a chart of the used fractions
+/// of tolerances, and all lines.
 std::string suite_page(const SuitePage& page);
 
 }  // namespace raylex::experiments

@@ -21,13 +21,13 @@
 namespace raylex::experiments {
 namespace {
 
-/// A line that is to be measured.
+/// A line that will be measured.
 struct PlannedLine {
     const CaseFamily* family = nullptr;
     const StabilityCase* what = nullptr;
     Setting setting;
-    std::size_t integrator = 0;  ///< index into the subject's
-    Status valid = success();    ///< of the setting
+    std::size_t integrator = 0;  ///< index in the subject's list
+    Status valid = success();    ///< error of the setting
 
     [[nodiscard]] LineResult unmeasured() const {
         LineResult line;
@@ -52,7 +52,7 @@ std::vector<PlannedLine> planned_lines(const CaseFamily& family, const Stability
     return lines;
 }
 
-/// As bright as a picture should be, whatever the scene's units: all but a hundredth of the values are below 1.
+/// Scales the picture so that 99 % of the values are below 1, whatever the scene's units.
 void expose(std::vector<float>& rgb) {
     std::vector<float> sorted;
     std::copy_if(rgb.begin(), rgb.end(), std::back_inserter(sorted), [](float v) { return std::isfinite(v); });
@@ -63,7 +63,7 @@ void expose(std::vector<float>& rgb) {
         for (float& each : rgb) each = std::isfinite(each) ? each * (0.8f / *bright) : 0;
 }
 
-/// A picture that cannot be made leaves its place empty; the table does not depend on it.
+/// Writes a picture. Without it its place on the page stays empty; the table does not depend on it.
 void write_picture(const std::string& path, CaseImage& image) {
     auto color = display::ColorManager::open();
     if (!color || image.rgb.empty()) return;
@@ -101,7 +101,7 @@ LineResult measured(const PlannedLine& planned, int threads, const std::string& 
     return line;
 }
 
-/// Works in the process of its own: answers [case] with the records of its lines, [case, line] with that of one.
+/// Runs in the child process: answers [case] with the records of its lines, [case, line] with that of one line.
 class SuiteService {
   public:
     SuiteService(const std::vector<std::vector<PlannedLine>>& cases, const SuiteOptions& options)
@@ -123,7 +123,7 @@ class SuiteService {
         const bool pictured = index == 0 && !options_.pictures.empty() && line.family->picture == line.what->name;
         return measured(line, threads, pictured ? options_.pictures + "/" + line.family->name + ".png" : "");
     }
-    /// Lines side by side, as many as there are threads; fewer lines have several threads each.
+    /// Measures as many lines at once as there are threads; fewer lines get several threads each.
     std::vector<LineResult> all(const std::vector<PlannedLine>& lines) const {
         const std::size_t cores = options_.threads > 0 ? static_cast<std::size_t>(options_.threads)
                                                        : std::max(1u, std::thread::hardware_concurrency());
@@ -163,7 +163,7 @@ class SuiteRun {
     }
     [[nodiscard]] std::size_t size() const { return cases_.size(); }
 
-    /// A case whose process died is asked for line by line, to know which it was.
+    /// Returns the lines of a case. If its process crashed, measures line by line to find the one that crashes.
     Result<std::vector<LineResult>> lines_of(std::size_t index) {
         const std::vector<PlannedLine>& lines = cases_[index];
         if (!lines.front().what->not_applicable.empty()) {

@@ -1,4 +1,4 @@
-// Runs cases, each in a process that may die without taking the others along.
+// Runs cases, each in a process that may crash without affecting others.
 #pragma once
 
 #include <atomic>
@@ -13,12 +13,12 @@
 namespace raylex::experiments {
 
 struct SuiteOptions {
-    bool fast = false;               ///< without the cases and values that are slow
-    std::vector<std::string> names;  ///< of cases, with * and ?; empty: all
-    std::vector<int> rows;           ///< of the hard cases; empty: all
-    int threads = 0;                 ///< 0: all the machine offers
-    double seconds_per_case = 600;   ///< then its process is ended
-    std::string pictures;            ///< folder that gets FAMILY.png; empty: none
+    bool fast = false;               ///< omit slow cases and values
+    std::vector<std::string> names;  ///< names of cases, with * and ?; empty: all
+    std::vector<int> rows;           ///< rows in the list of hard cases; empty: all
+    int threads = 0;                 ///< 0: all cores
+    double seconds_per_case = 600;   ///< time limit of a case's process in seconds
+    std::string pictures;            ///< folder for FAMILY.png; empty: none
 };
 
 struct SuiteResults {
@@ -29,11 +29,11 @@ struct SuiteResults {
     [[nodiscard]] std::size_t count(LineVerdict verdict) const;
 };
 
-/// Whether the options let a case through.
+/// Returns whether the options select a case.
 bool is_chosen(const StabilityCase& each, const SuiteOptions& options);
 
-/// `done` is called after every case with its lines. What goes wrong with a line, an Error included, makes it fail with
-/// that as its note. Errors: no process could be made.
+/// Runs the cases and calls `done` after each with its lines. A line with an Error, or any other failure, fails with
+/// that as its note. Errors: no process could be started.
 Result<SuiteResults> run_suite(const std::vector<CaseFamily>& families, const SuiteOptions& options,
                                const std::atomic<bool>* stop,
                                const std::function<void(const std::vector<LineResult>&)>& done);

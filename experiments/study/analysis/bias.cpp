@@ -9,7 +9,7 @@
 namespace raylex::experiments {
 namespace {
 
-/// Sums of a component over pixels, by block, the whole image last; with the number of values in each.
+/// Sums of a component over the pixels of each block, and over the whole image last, with the number of values in each.
 struct BlockSums {
     std::vector<double> sums, counts;
 };
@@ -32,7 +32,7 @@ BlockSums sum_blocks(const PixelArray& array) {
     return result;
 }
 
-/// A block's mean with the variance of that mean; a single image without its own variance is taken as exact.
+/// Returns a block's mean and the variance of that mean. A single image without its own variance counts as exact.
 BlockMoments mean_of_side(const BiasSide& side, std::size_t block) {
     BlockMoments moments = block_moments(side.replicates, block);
     moments.variance =
@@ -40,16 +40,16 @@ BlockMoments mean_of_side(const BiasSide& side, std::size_t block) {
     return moments;
 }
 
-/// Of a side's variances: those from replicates have few, those that pixels estimated as good as infinitely many.
+/// Returns the degrees of freedom of a side's variance: few from replicates, practically infinite from pixel estimates.
 double degrees_of(const BiasSide& side) {
     if (!side.variance.empty() || side.replicates.size() < 2) return std::numeric_limits<double>::infinity();
     return static_cast<double>(side.replicates.size() - 1);
 }
 
-/// Quantiles are Student's t with the fewer degrees of freedom of the two sides. Welch's own degrees are found from the
-/// same variances as the statistic, and Cochran's weights use them too: when a few replicates happen to agree closely,
-/// both take the other side's many degrees for granted, and out in the tails, where Sidak's correction looks, alarms
-/// come several times as often as stated. With the fewer degrees the level is never exceeded, since the sum of an
+/// Returns the smaller number of degrees of freedom of the two sides, for the quantiles of Student's t. Welch's degrees
+/// of freedom, and Cochran's weights, depend on the same variances as the statistic: if a few replicates agree closely
+/// by chance, both use the other side's many degrees, and in the far tails that Sidak's correction needs, false alarms
+/// become several times too frequent. With the smaller number the level is never exceeded, because the sum of an
 /// estimated and a known variance scatters less than chi squared.
 double least_degrees(const BiasSide& method, const BiasSide& reference) {
     return std::min(degrees_of(method), degrees_of(reference));
@@ -58,14 +58,15 @@ double least_degrees(const BiasSide& method, const BiasSide& reference) {
 struct Test {
     std::size_t block = 0;
     double difference = 0, reference = 0, standard_error = 0;
-    /// |difference| in critical values; above 1 rejects. Infinite where nothing is random and the sides differ.
+    /// |difference| in units of the critical value; a value above 1 rejects. Infinite if nothing is random and the
+    /// sides differ.
     double excess = 0;
-    std::string blind;  ///< why the method's replicates do not show their noise here; mostly empty
+    std::string blind;  ///< why the method's replicates do not show their noise here; usually empty
     [[nodiscard]] bool rejects() const { return excess > 1 && blind.empty(); }
 };
 
-/// Light that is met `events` times has a mean whose skewness is at least 1 / sqrt(events): 0.18, at which the tails of
-/// Student's t still hold.
+/// If light is found `events` times, the skewness of its mean is at least 1 / sqrt(events). At 0.18 the tails of
+/// Student's t are still valid.
 constexpr double fewest_events = 30;
 
 std::string blindness(const BiasSide& method, std::size_t block, double method_spread, double reference_spread) {
@@ -76,14 +77,14 @@ std::string blindness(const BiasSide& method, std::size_t block, double method_s
                       [block](const std::vector<double>& means) { return means[block] != 0; }));
     const std::string of_all = std::to_string(lit) + " of " + std::to_string(count) + " replicates";
     if (lit == 0) return "none of " + std::to_string(count) + " replicates has any light there";
-    // Poisson: with k events in each replicate a share exp(-k) of them stays black.
+    // Poisson: with k events in each replicate, a fraction exp(-k) of the replicates stays black.
     const double n = static_cast<double>(count), dark = 1 - static_cast<double>(lit) / n;
     if (dark > 0 && -n * std::log(dark) < fewest_events) return "only " + of_all + " have any light there";
     return method_spread == 0 ? "its replicates do not vary there" : std::string();
 }
 
-/// Half of the level goes to the whole images of all channels, half to their blocks: a bias of everything is then not
-/// drowned by the number of blocks.
+/// Half of the level is for the whole images of all channels, half for their blocks, so that the number of blocks does
+/// not hide a bias of the whole image.
 struct Family {
     Family(const BiasOptions& options, double number, double degrees) : tests(std::max(1.0, number)) {
         const double level = sidak_level(options.level / 2, tests);
@@ -114,14 +115,14 @@ std::vector<Test> make_tests(const BiasSide& method, const BiasSide& reference, 
         const BlockMoments a = mean_of_side(method, block), b = mean_of_side(reference, block);
         Test test{block, a.mean - b.mean, b.mean, std::sqrt(a.variance + b.variance), 0, {}};
         if (!std::isfinite(test.standard_error) || !std::isfinite(test.difference)) continue;
-        // Below the rounding of the images no difference is seen, and a spread below it is no spread.
+        // Differences below the rounding of the images are not visible, and a spread below it counts as no spread.
         const double rounding = options.rounding * std::max(std::abs(a.mean), std::abs(b.mean));
         if (test.standard_error <= rounding) {
             if (std::abs(test.difference) <= rounding) continue;
             test.excess = std::numeric_limits<double>::infinity();
         }
         const auto spread = [rounding](double variance) { return std::sqrt(variance) <= rounding ? 0 : variance; };
-        // One image without a variance of its own is taken as exact, and nothing shows that it is.
+        // A single image without a variance counts as exact, without evidence.
         const bool known = !reference.variance.empty() || reference.replicates.size() > 1;
         test.blind = blindness(method, block, spread(a.variance), known ? spread(b.variance) : 1);
         tests.push_back(test);
@@ -154,8 +155,9 @@ std::vector<double> block_means(const PixelArray& image) {
 }
 
 std::vector<double> block_variances(const PixelArray& variance) {
-    // Components of one pixel share their paths: at worst they move together, and then the variance of their mean is
-    // that of one. (sum over pixels of the mean over components of the variances) / pixels^2 bounds it from above.
+    // The components of a pixel share their paths. In the worst case they are fully correlated, and their mean has the
+    // variance of one component. (sum over pixels of the mean over components of the variances) / pixels^2 is an upper
+    // bound.
     BlockSums blocks = sum_blocks(variance);
     const auto components = static_cast<double>(variance.components);
     for (std::size_t i = 0; i < blocks.sums.size(); ++i) {
@@ -177,7 +179,7 @@ BiasVerdict test_bias(const BiasSide& method, const BiasSide& reference, const B
         return verdict;
     }
     if (reference.replicates.size() < 2 && reference.variance.empty())
-        verdict.note = "the reference's variance is not known: taken as exact";
+        verdict.note = "the reference's variance is unknown; it counts as exact";
     const std::size_t whole = method.replicates.front().size() - 1;
     std::vector<Test> tests = make_tests(method, reference, options);
     const BlockMoments mean = mean_of_side(method, whole), truth = mean_of_side(reference, whole);
@@ -188,7 +190,7 @@ BiasVerdict test_bias(const BiasSide& method, const BiasSide& reference, const B
         return verdict;
     }
     if (tests.empty()) {
-        verdict.note = "both are the same everywhere, without noise";
+        verdict.note = "both are equal everywhere, without noise";
         verdict.tested = true;
         return verdict;
     }

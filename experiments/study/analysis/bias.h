@@ -1,6 +1,6 @@
-// Does a method converge to what the reference says, block by block and channel by channel? (Jung, Hanika and
-// Dachsbacher, JCGT 9(2), 2020: Welch's t test on block means, for which the central limit theorem holds where single
-// pixels are too skewed.)
+// Tests whether a method converges to the reference, by block and channel (Jung, Hanika and Dachsbacher, JCGT 9(2),
+// 2020: Welch's t test on block means, for which the central limit theorem holds although single pixels are too
+// skewed).
 #pragma once
 
 #include <cstddef>
@@ -16,26 +16,26 @@
 
 namespace raylex::experiments {
 
-inline constexpr std::size_t bias_block = 16;  ///< pixels on a side
-/// Of the mean: where a larger bias would be missed, not finding any is no result.
+inline constexpr std::size_t bias_block = 16;  ///< block size in pixels
+/// Relative to the mean. If the test would miss a larger bias, finding no bias is not a result.
 inline constexpr double largest_hidden_bias = 0.1;
 
-/// Block means of an image over its three components, row by row, the mean of the whole image last: what a bias test
-/// looks at.
+/// Returns the block means of an image over its three components, row by row, and the mean of the whole image last.
 std::vector<double> block_means(const PixelArray& image);
-/// The variance of those means when pixels are independent, from each pixel's variance. NaN where a pixel's is not
-/// finite.
+/// Returns the variances of these means from the variances of the pixels, which are assumed independent. NaN if a
+/// pixel's variance is not finite.
 std::vector<double> block_variances(const PixelArray& variance);
-/// Blocks of an image of this size, without the whole.
+/// Returns the number of blocks in an image of this size, without the whole image.
 std::size_t block_count(std::size_t width, std::size_t height);
 
-/// One side of the test: block means of independent replicates, or a single image with its own variance.
+/// One side of the test: block means of independent replicates, or of a single image with its own variance.
 struct BiasSide {
-    std::vector<std::vector<double>> replicates;  ///< each as block_means makes it
-    std::vector<double> variance;  ///< of the mean of the replicates; empty: from the replicates' scatter
+    std::vector<std::vector<double>> replicates;  ///< each from block_means
+    std::vector<double> variance;  ///< of the mean of the replicates; empty: estimated from the replicates
 };
 
-/// Of one block over replicates: the mean, and the unbiased variance of a single replicate; 0 when there is but one.
+/// Moments of one block over the replicates: the mean, and the unbiased variance of a single replicate (0 with one
+/// replicate).
 struct BlockMoments {
     double mean = 0, variance = 0;
 };
@@ -43,48 +43,49 @@ BlockMoments block_moments(const std::vector<std::vector<double>>& replicates, s
 
 struct BiasOptions {
     double level = 0.01;  ///< of all tests together: half for whole images, half for blocks
-    double power = 0.9;   ///< at which the minimum detectable bias is found
-    double channels = 1;  ///< tested together: Sidak's correction is over channels, and blocks x channels
-    /// Differences up to this share of the mean are rounding: images are kept as sums of floats.
+    double power = 0.9;   ///< power at which the detectable bias is computed
+    /// number of channels tested together, for Sidak's correction over channels and over blocks x channels
+    double channels = 1;
+    /// Differences up to this fraction of the mean count as rounding, because images are sums of floats.
     double rounding = 1e-6;
 };
 
 struct BiasVerdict {
     bool tested = false;
     bool differs = false;
-    double worst_p = 1;     ///< of the most significant test by itself
-    double adjusted_p = 1;  ///< the same, corrected for all tests
-    std::size_t worst = 0;  ///< its index as in block_means
+    double worst_p = 1;     ///< p of the most significant test by itself
+    double adjusted_p = 1;  ///< `worst_p` corrected for all tests
+    std::size_t worst = 0;  ///< index of that test as in block_means
     bool worst_is_whole = false;
-    /// Relative to the block's own reference, signed; the interval is at the level of the test, so it leaves out 0
-    /// where the test rejects.
+    /// Signed differences relative to the reference in that place. The intervals are at the level of the test, so they
+    /// exclude 0 exactly if the test rejects.
     Interval worst_difference, mean_difference;  ///< of the most significant test; of the whole image
-    double tests = 0;                            ///< that were made, times the channels
-    /// Smallest relative bias of the image's mean that is found with the stated power; infinite where it was not
+    double tests = 0;                            ///< number of tests, times the number of channels
+    /// The smallest relative bias of the image's mean that the test finds with the stated power; infinite if it was not
     /// tested.
     double detectable_whole = 0;
-    double detectable_block = 0;  ///< the same for the median block
-    std::string note;             ///< why nothing was tested, or what the variance of the reference rests on
-    /// Why a difference that noise does not explain rejects nothing: the method's replicates do not show their noise
-    /// there. Empty: there is no such difference, or another one rejects.
+    double detectable_block = 0;  ///< the smallest relative bias of a block, for the median block
+    std::string note;             ///< why nothing was tested, or the source of the reference's variance
+    /// Why a difference larger than the noise does not reject: the method's replicates do not show their noise there.
+    /// Empty if there is no such difference, or if another one rejects.
     std::string blind;
 };
 
-/// Welch's statistic per block and for the whole image, two-sided, each at the level that Sidak's correction leaves,
-/// with the quantiles of Student's t at the fewer degrees of freedom of the two sides. Blocks in which both sides are
-/// the same and without noise are not tests. A block or image that most replicates leave black, or in which they are
-/// all the same though the reference has noise, rejects nothing: their variance is not the method's.
+/// Computes Welch's statistic for each block and for the whole image, two-sided, at the level of Sidak's correction,
+/// with quantiles of Student's t for the smaller number of degrees of freedom of the two sides. Blocks that are equal
+/// on both sides and without noise are not tests. A block or image does not reject if most replicates are black in it,
+/// or if all replicates are equal although the reference has noise: then their variance is not that of the method.
 BiasVerdict test_bias(const BiasSide& method, const BiasSide& reference, const BiasOptions& options = {});
 
-/// A channel in which a method was found to differ, or not.
+/// A channel with the result of its bias test.
 struct JudgedChannel {
     std::string name, expression, dialect;
     bool differs = false;
     double adjusted_p = 1;
 };
 
-/// The shortest paths by which a biased method can be told: those of channels that differ and of no channel that does
-/// not.
+/// The shortest paths that show the error of a biased method: paths in a channel that differs and in no channel that
+/// does not.
 struct FirstWords {
     struct Word {
         std::string channel, text, sentence;  ///< "C,- R,D L,-"; "camera, diffuse reflection, light"
@@ -94,8 +95,8 @@ struct FirstWords {
     std::vector<Word> words;  ///< shortest first; ties by significance
     std::vector<std::string> notes;
 };
-/// Channels whose expression is everything (the beauty) say nothing and are better left out. What cannot be parsed or
-/// is too large becomes a note.
+/// Finds the shortest paths that show a difference. The caller omits channels that accept every path (the beauty),
+/// which carry no information. A channel that does not parse or is too large becomes a note.
 FirstWords first_differing_words(std::span<const JudgedChannel> channels, const lpe::Words& words = {});
 
 }  // namespace raylex::experiments

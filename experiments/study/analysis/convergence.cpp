@@ -11,16 +11,16 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// The reference's noise is taken off in expectation only; what is left of it may bend a line of high budgets by this
+// The reference's noise is subtracted only in expectation; the remainder can change the slope at large budgets by this
 // much.
 constexpr double slope_margin = 0.02;
-constexpr std::size_t fewest_judged_budgets = 3;  // two lie on a line whatever the error does between and beyond
+constexpr std::size_t fewest_judged_budgets = 3;  // two points lie on a line for any error curve
 constexpr double late_octaves = 2;
-constexpr std::size_t fewest_replicates = 3;  // of each budget: their scatter is the only noise that is known
-constexpr double farthest_octaves = 10;       // an extrapolation beyond is a guess
+constexpr std::size_t fewest_replicates = 3;  // per budget: their scatter is the only known noise
+constexpr double farthest_octaves = 10;       // a longer extrapolation would be a guess
 
 struct Point {
-    double x = 0, y = 0;  // logs
+    double x = 0, y = 0;  // logarithms
 };
 
 double mean_of(const std::vector<double>& values) {
@@ -29,7 +29,7 @@ double mean_of(const std::vector<double>& values) {
     return values.empty() ? nan : sum / static_cast<double>(values.size());
 }
 
-/// x of one replicate: samples, or the seconds that grow with the budget.
+/// Returns x of one replicate: samples, or the seconds that grow with the budget.
 double abscissa(const BudgetGroup& group, std::size_t replicate, Against against) {
     if (against == Against::samples) return replicate < group.samples.size() ? group.samples[replicate] : 0;
     return group.seconds[replicate] - group.setup_seconds;
@@ -39,8 +39,8 @@ double mean_abscissa(const BudgetGroup& group, Against against) {
     return against == Against::samples ? mean_of(group.samples) : mean_of(group.seconds) - group.setup_seconds;
 }
 
-/// A point for each replicate with an error above 0. The mean of logs lies below the log of the mean, by half the
-/// variance: the points are lifted onto the mean error.
+/// Returns a point for each replicate with an error above 0. The mean of logarithms is below the logarithm of the mean
+/// by half the variance, so the points are shifted up to the mean error.
 std::vector<Point> points_of(const BudgetGroup& group, Against against) {
     std::vector<Point> points;
     double sum = 0, sum_of_logs = 0;
@@ -81,7 +81,7 @@ std::optional<Line> least_squares(const std::vector<const BudgetGroup*>& groups,
         sxy += (point.x - line.mean_x) * (point.y - mean_y);
     }
     line.degrees = line.count - (fixed_slope ? 1 : 2);
-    // Less than a tenth of an octave between budgets says nothing about a slope.
+    // Budgets that span less than a tenth of an octave do not determine a slope.
     if (!fixed_slope && (line.most_x - line.least_x < 0.1 * std::log(2.0) || line.degrees < 1)) return std::nullopt;
     line.slope = fixed_slope ? *fixed_slope : sxy / line.sxx;
     line.intercept = mean_y - line.slope * line.mean_x;
@@ -101,7 +101,7 @@ std::optional<Line> least_squares(const std::vector<const BudgetGroup*>& groups,
     return line;
 }
 
-/// In the order of x; budgets at the floor or without errors left out.
+/// Returns the groups ordered by x, without budgets at the floor or without errors.
 std::vector<const BudgetGroup*> usable_groups(std::span<const BudgetGroup> groups, Against against) {
     std::vector<const BudgetGroup*> usable;
     for (const BudgetGroup& group : groups)
@@ -112,7 +112,7 @@ std::vector<const BudgetGroup*> usable_groups(std::span<const BudgetGroup> group
     return usable;
 }
 
-/// Those within `octaves` of the last. Measured times scatter, so 5 % beyond still counts.
+/// Returns the groups within `octaves` of the last one. Measured times scatter, so the limit has a margin of 5 %.
 std::vector<const BudgetGroup*> last_octaves(const std::vector<const BudgetGroup*>& groups, Against against,
                                              double octaves) {
     std::vector<const BudgetGroup*> last;
@@ -132,8 +132,8 @@ std::vector<const BudgetGroup*> first_octaves(const std::vector<const BudgetGrou
     return first;
 }
 
-/// The fitted line, its slope replaced by -1 where the data do not speak against it. They must do so at 99 %: every
-/// false departure from -1 costs the time's interval its coverage.
+/// Returns the fitted line, with slope -1 unless the data exclude it at 99 %. The level is strict because every false
+/// departure from -1 makes the interval of the time too narrow.
 std::optional<Line> plain_line(const std::vector<const BudgetGroup*>& groups, Against against, double confidence) {
     const std::optional<Line> strict = least_squares(groups, against, 0.99);
     if (strict && (strict->slope_low > -1 || strict->slope_high < -1))
@@ -141,7 +141,7 @@ std::optional<Line> plain_line(const std::vector<const BudgetGroup*>& groups, Ag
     return least_squares(groups, against, confidence, -1.0);
 }
 
-/// log of the seconds that a sample of every pixel takes beyond the setup, at one budget.
+/// The logarithm of the seconds per sample of every pixel beyond the setup, at one budget.
 struct Cost {
     double log_value = 0, standard_error = 0;
 };
@@ -160,7 +160,7 @@ Cost cost_of_sample(const BudgetGroup& group) {
     return cost;
 }
 
-/// Index of the first of two neighbours between whose mean errors the target lies.
+/// Returns the index of the first of two neighbours whose mean errors enclose the target.
 std::optional<std::size_t> bracket(const std::vector<const BudgetGroup*>& groups, double squared) {
     for (std::size_t i = 0; i + 1 < groups.size(); ++i) {
         const double before = mean_of(groups[i]->errors), after = mean_of(groups[i + 1]->errors);
@@ -179,13 +179,14 @@ std::optional<Line> fit_line(std::span<const BudgetGroup> groups, Against agains
 
 namespace {
 
-/// The last two octaves (three budgets at least), and all before them, with which they share a budget.
+/// The slopes over the last two octaves (at least three budgets), and over all budgets before; the two share one
+/// budget.
 struct Trend {
     Line early, late;
-    bool persists = false, nears = false;  ///< the late slope stays away from -1; comes nearer to it
+    bool persists = false, nears = false;  ///< the late slope stays above -1; approaches -1
 };
 
-/// Nothing when there are too few budgets or replicates to tell a start-up from a bias.
+/// Returns nothing if there are too few budgets or replicates to distinguish a start-up from a bias.
 std::optional<Trend> trend_of(const std::vector<const BudgetGroup*>& groups, Against against) {
     const std::size_t late = std::max(fewest_judged_budgets, last_octaves(groups, against, late_octaves).size());
     if (groups.size() <= late) return std::nullopt;
@@ -193,8 +194,8 @@ std::optional<Trend> trend_of(const std::vector<const BudgetGroup*>& groups, Aga
     const std::optional<Line> before = least_squares({groups.begin(), shared + 1}, against, 0.95),
                               after = least_squares({shared, groups.end()}, against, 0.95);
     if (!before || !after) return std::nullopt;
-    // Both slopes are sums of errors' logs, and so is the difference of their distances from -1; replicates are the
-    // noise.
+    // Both slopes are linear in the logarithms of the errors, and so is the difference of their distances from -1. The
+    // noise is that of the replicates.
     double squares = 0, degrees = 0, late_late = 0, late_early = 0, early_early = 0;
     for (auto group = groups.begin(); group != groups.end(); ++group) {
         const std::vector<Point> points = points_of(**group, against);
@@ -211,12 +212,12 @@ std::optional<Trend> trend_of(const std::vector<const BudgetGroup*>& groups, Aga
         }
         degrees += static_cast<double>(points.size() - 1);
     }
-    // In standard errors: the late distance less a share of the early one.
+    // In standard errors: the late distance minus a fraction of the early one.
     const auto excess = [&](double share) {
         const double variance = late_late - 2 * share * late_early + share * share * early_early;
         return (after->slope + 1 - share * (before->slope + 1)) / std::sqrt(variance * squares / degrees);
     };
-    const double share = before->slope > -1 ? 0.5 : 0;  // a slope below -1 is no start-up
+    const double share = before->slope > -1 ? 0.5 : 0;  // a slope below -1 is not a start-up
     const bool nears = excess(1) < -1;
     return Trend{*before, *after, !nears && excess(share) > student_t_quantile(0.975, degrees), nears};
 }
@@ -235,12 +236,12 @@ SlopeVerdict judge_slope(std::span<const BudgetGroup> groups, bool declared_unbi
     const Against against = verdict.samples ? Against::samples : Against::seconds;
     const std::optional<Line>& line = verdict.judged();
     if (!line) {
-        verdict.text = "not known: needs two budgets, three replicates in all";
+        verdict.text = "unknown: needs two budgets and three replicates in total";
         return verdict;
     }
     const std::vector<const BudgetGroup*> usable = usable_groups(groups, against);
     if (last_octaves(usable, against, slope_octaves).size() < fewest_judged_budgets) {
-        verdict.text = "not judged: two budgets show no slope but that between them, three are needed";
+        verdict.text = "not judged: two budgets determine only the slope between them; three are needed";
         return verdict;
     }
     const bool shallow = line->slope_low > -1 + slope_margin;
@@ -252,17 +253,17 @@ SlopeVerdict judge_slope(std::span<const BudgetGroup> groups, bool declared_unbi
     else if (!declared_unbiased) verdict.text = "shallower than -1; declared biased";
     else if (!trend)
         verdict.text =
-            "shallower than -1; not judged: four budgets over more than two octaves, with three replicates "
-            "each, tell a start-up from a bias";
+            "shallower than -1; not judged: needs four budgets over more than two octaves, with three replicates each, "
+            "to distinguish a start-up from a bias";
     else if (trend->persists && trend->late.slope_low > -1 + slope_margin) {
         verdict.too_shallow = !heavy;
         verdict.text = "too shallow for a method declared unbiased" + change;
     } else {
         verdict.nears = !heavy && trend->nears;
-        verdict.text = (trend->nears ? "not at -1 yet, but nearer with every octave"
+        verdict.text = (trend->nears ? "not at -1 yet, but closer with every octave"
                         : trend->late.slope_low > -1 + slope_margin
-                            ? "shallower than -1; whether it stays so is not certain"
-                            : "shallower than -1 over the last 4 octaves, not certainly over the last 2") +
+                            ? "shallower than -1; not certain for further octaves"
+                            : "shallower than -1 over the last 4 octaves, not certain for the last 2") +
                        change;
     }
     if (heavy) verdict.text += std::string("; ") + heavy_tail_note;
@@ -271,14 +272,15 @@ SlopeVerdict judge_slope(std::span<const BudgetGroup> groups, bool declared_unbi
 
 namespace {
 
-/// The line that a squared error is looked up on, and the budget whose samples cost what those to it would.
+/// The line for the look-up of a squared error, and the budget with the cost per sample.
 struct LocalLine {
     std::optional<Line> line;
     const BudgetGroup* timed;
     bool extrapolated;
 };
 
-/// Through the budgets around the error where they stand on both sides of it, else through the octaves next to it.
+/// Returns the line through the budgets around the error if there are budgets on both sides, otherwise through the
+/// nearest octaves.
 LocalLine line_at(const std::vector<const BudgetGroup*>& usable, double squared, Against against, double confidence) {
     if (const std::optional<std::size_t> at = bracket(usable, squared)) {
         const std::size_t first = *at > 0 ? *at - 1 : 0, last = std::min(usable.size() - 1, *at + 2);
@@ -302,8 +304,8 @@ TimeToError time_to_error(std::span<const BudgetGroup> groups, double relative_e
     result.relative_error = relative_error;
     result.seconds = {nan, nan, nan, {}, {}};
     const double squared = relative_error * relative_error;
-    // Short renders take the time of their start-up and of whatever else the machine does: errors are followed over
-    // samples, and samples cost what they do at the nearest large budget.
+    // Times of short renders depend on start-up and machine load. Errors are therefore fitted over samples, and the
+    // cost per sample is that of the nearest large budget.
     const bool sampled = std::all_of(groups.begin(), groups.end(), [](const BudgetGroup& group) {
         return group.samples.size() == group.errors.size() && mean_of(group.samples) > 0;
     });
@@ -316,7 +318,7 @@ TimeToError time_to_error(std::span<const BudgetGroup> groups, double relative_e
     const auto [line, timed, extrapolated] = line_at(usable, squared, against, confidence);
     result.extrapolated = extrapolated;
     if (!line) {
-        result.seconds.note = "no positive errors to go by";
+        result.seconds.note = "no positive errors";
         return result;
     }
     if (!(line->slope < 0) || (result.extrapolated && line->slope_high >= 0 && line->slope_low < line->slope_high)) {
@@ -327,7 +329,7 @@ TimeToError time_to_error(std::span<const BudgetGroup> groups, double relative_e
     const bool fixed = line->slope_low == line->slope_high;
     const double distance = log_x - line->mean_x;
     if (log_x > line->most_x + farthest_octaves * std::log(2.0)) {
-        result.seconds.note = "beyond 1000 x what was measured";
+        result.seconds.note = "more than 1000 times the measured times";
         return result;
     }
     const double setup = timed->setup_seconds;

@@ -9,7 +9,7 @@
 namespace raylex::experiments {
 namespace {
 
-// Out-of-range arguments become infinities and NaN that show in a table, not exceptions that end a report.
+// Out-of-range arguments give infinities and NaN, which a table shows, instead of exceptions, which would end a report.
 using Policy =
     boost::math::policies::policy<boost::math::policies::domain_error<boost::math::policies::ignore_error>,
                                   boost::math::policies::pole_error<boost::math::policies::ignore_error>,
@@ -21,7 +21,7 @@ using StudentT = boost::math::students_t_distribution<double, Policy>;
 using ChiSquared = boost::math::chi_squared_distribution<double, Policy>;
 using NoncentralT = boost::math::non_central_t_distribution<double, Policy>;
 
-constexpr double normal_from = 1e9;  // degrees from which t and normal quantiles agree to 1e-8 for any p used here
+constexpr double normal_from = 1e9;  // degrees from which t and normal quantiles agree to 1e-8 for all p used here
 
 std::uint64_t mixed(std::uint64_t x) {
     x += 0x9e3779b97f4a7c15ULL;
@@ -48,10 +48,12 @@ double student_t_two_sided(double t, double degrees) {
 
 double detectable_shift(double alpha, double power, double degrees) {
     const double critical = -student_t_quantile(alpha / 2, degrees);
-    // Above this many degrees the noncentral series is slow and the normal shift is exact to 1e-3 of a standard error.
+    // Above this number of degrees, the noncentral series is slow and the normal shift is exact to 1e-3 of a standard
+    // error.
     if (degrees > 2000) return critical + normal_quantile(power);
-    // With a degree or two the critical value runs to millions. Beside so large a shift the numerator's own noise, 1,
-    // is nothing: T is shift / sqrt(chi^2 / degrees), to a relative 1 / critical; and the series would leave 32 bits.
+    // With one or two degrees of freedom, the critical value can be in the millions. Next to such a shift the
+    // numerator's own noise, 1, is negligible: T is shift / sqrt(chi^2 / degrees), with relative error 1 / critical.
+    // The series would overflow 32 bits.
     if (critical > 1000) return critical * std::sqrt(boost::math::quantile(ChiSquared(degrees), power) / degrees);
     double low = 0, high = 2 * critical + 10;
     while (1 - boost::math::cdf(NoncentralT(degrees, high), critical) < power) high *= 2;

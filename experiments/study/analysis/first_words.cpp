@@ -38,12 +38,12 @@ FirstWords first_differing_words(std::span<const JudgedChannel> channels, const 
             result.words.push_back(word_of(channel, outside->samples.front()));
             continue;
         }
-        // Every path of it is in some channel that looks right: too small an error there, so its own shortest word is
-        // the best guess.
+        // All its paths are in channels without a difference, whose error may be too small to detect, so its own
+        // shortest word is the best guess.
         Result<std::optional<lpe::Witness>> own = lpe::find_word(asked.front(), words);
         if (!own) result.notes.push_back(own.error().to_string());
         else if (!*own)
-            result.notes.push_back("channel '" + channel.name + "' differs, though no path of the scene is in it");
+            result.notes.push_back("channel '" + channel.name + "' differs, although no path of the scene is in it");
         else result.words.push_back(word_of(channel, **own));
     }
     std::stable_sort(result.words.begin(), result.words.end(), [](const auto& a, const auto& b) {

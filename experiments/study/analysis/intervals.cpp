@@ -19,13 +19,13 @@ double plain_mean(std::span<const double> values) {
     return sum / static_cast<double>(values.size());
 }
 
-/// log of a group's product of means, with the variance of that estimate.
+/// The logarithm of a group's product of means, with the variance of this estimate.
 struct LogEstimate {
     double log_value = 0, variance = 0, degrees = 0;
     bool positive = true;
 };
 
-/// The replicates at `indices`, each as often as it is named.
+/// Returns the estimate from the replicates at `indices`, which may repeat.
 LogEstimate log_estimate(const std::vector<Factor>& factors, std::span<const std::size_t> indices) {
     LogEstimate result;
     const auto n = static_cast<double>(indices.size());
@@ -59,7 +59,7 @@ struct Combined {
     double log_value = 0, variance = 0, degrees = 0;
 };
 
-/// Welch-Satterthwaite over independent groups.
+/// Combines independent groups (Welch-Satterthwaite).
 Combined combined(std::span<const LogEstimate> estimates) {
     Combined result;
     double denominator = 0;
@@ -72,7 +72,7 @@ Combined combined(std::span<const LogEstimate> estimates) {
     return result;
 }
 
-/// The quantiles of (log theta* - log theta) / se* over resampled replicates.
+/// Returns quantiles of (log theta* - log theta) / se* over resampled replicates.
 std::array<double, 2> bootstrap_quantiles(std::span<const std::vector<Factor>> groups, double log_value,
                                           const IntervalOptions& options) {
     std::vector<double> statistics;
@@ -85,7 +85,7 @@ std::array<double, 2> bootstrap_quantiles(std::span<const std::vector<Factor>> g
             const std::size_t n = groups[g].front().values.size();
             indices.resize(n);
             for (std::size_t i = 0; i < n; ++i)
-                // The remainder is biased by less than n / 2^64.
+                // The bias of the remainder is below n / 2^64.
                 indices[i] = static_cast<std::size_t>(counter_bits(options.seed, resample * groups.size() + g, i) % n);
             estimates[g] = log_estimate(groups[g], indices);
             usable = usable && estimates[g].positive;

@@ -1,4 +1,4 @@
-// Which settings are worth their time: the undominated points of (seconds, error).
+// Finds the settings that are worth their time: the undominated points of (seconds, error).
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,9 @@ struct CostPoint {
     double seconds = 0, error = 0;
 };
 
-/// Indices of the points than which no other is both as fast and as accurate and better in one of the two, by seconds.
-/// Points that are not finite are left out; of equal points the first is kept.
+/// Returns the indices of the undominated points, by seconds. A point is dominated if another is at least as fast and
+/// as accurate, and better in one of the two. Points that are not finite are ignored; of equal points the first is
+/// kept.
 std::vector<std::size_t> pareto_front(std::span<const CostPoint> points);
 
 }  // namespace raylex::experiments

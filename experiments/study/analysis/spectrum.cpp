@@ -18,7 +18,7 @@ std::vector<Complex> roots_of_unity(std::size_t n) {
     return roots;
 }
 
-/// The Fourier transform of n values that are `stride` apart, by Cooley and Tukey 1965 over the least prime factor.
+/// Fourier transform of n values with distance `stride`, by Cooley and Tukey 1965 with the smallest prime factor.
 void transform(const Complex* in, std::size_t stride, Complex* out, std::size_t n, const std::vector<Complex>& roots) {
     *out = *in;
     if (n == 1) return;
@@ -36,7 +36,8 @@ void transform(const Complex* in, std::size_t stride, Complex* out, std::size_t 
     }
 }
 
-/// In place: `lines` lines of n values that are `stride` apart, each `next` after the one before.
+/// Transforms `lines` lines in place. A line has n values with distance `stride`; the next line begins `next` values
+/// later.
 void transform_lines(std::vector<Complex>& values, std::size_t lines, std::size_t next, std::size_t n,
                      std::size_t stride) {
     const std::vector<Complex> roots = roots_of_unity(n);
@@ -47,7 +48,7 @@ void transform_lines(std::vector<Complex>& values, std::size_t lines, std::size_
     }
 }
 
-/// Cycles per pixel of the k-th of n frequencies, without sign.
+/// Returns the absolute frequency, in cycles per pixel, of the k-th of n frequencies.
 double cycles(std::size_t k, std::size_t n) {
     return static_cast<double>(std::min(k, n - k)) / static_cast<double>(n);
 }
@@ -59,7 +60,7 @@ std::vector<FrequencyRing> radial_spectrum(const PixelArray& image) {
     const double first = 1 / static_cast<double>(std::max(w, h));
     std::map<int, FrequencyRing> rings;  // by quarters of an octave above `first`
     std::vector<Complex> values(w * h);
-    // Two real components at once: |F(k)|^2 + |F(-k)|^2 of a + i b are those of a and of b together, and k and -k are
+    // Transforms two real components at once: |F(k)|^2 + |F(-k)|^2 of a + i b is the sum for a and b, and k and -k are
     // in the same ring.
     for (std::size_t c = 0; c < n; c += 2) {
         for (std::size_t i = 0; i < w * h; ++i)
@@ -67,7 +68,7 @@ std::vector<FrequencyRing> radial_spectrum(const PixelArray& image) {
         transform_lines(values, h, w, w, 1);
         transform_lines(values, w, 1, h, w);
         for (std::size_t i = 0; i < w * h; ++i) {
-            // What lies on a bound is in the upper ring, rounding or not.
+            // A frequency on a bound belongs to the upper ring, whatever the rounding.
             const double octaves = std::log2(std::hypot(cycles(i % w, w), cycles(i / w, h)) / first) + 1e-9;
             FrequencyRing& ring = rings[i == 0 ? -1 : static_cast<int>(4 * octaves)];
             ring.power += std::norm(values[i]) / static_cast<double>(w * h * n);

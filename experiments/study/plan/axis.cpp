@@ -21,7 +21,7 @@ std::optional<AxisValue> scalar(const toml::node& node) {
     return std::nullopt;
 }
 
-/// "A..B" with an optional " step S". Nothing when the text is no range at all.
+/// Parses "A..B" with an optional " step S". Empty if the text is not a range.
 struct Range {
     std::int64_t first = 0, last = 0, step = 1;
 };
@@ -48,7 +48,7 @@ std::optional<Range> parse_range(std::string_view text) {
     return text.empty() ? std::optional(range) : std::nullopt;
 }
 
-/// Nothing when the text is a plain word.
+/// Returns nothing if the text is a plain word.
 Result<std::optional<std::vector<AxisValue>>> expand(const std::string& text, const SourceLocation& where) {
     std::string_view inner = text;
     const bool powers = text.starts_with("pow2(") && text.ends_with(")");
@@ -56,7 +56,7 @@ Result<std::optional<std::vector<AxisValue>>> expand(const std::string& text, co
     const std::optional<Range> range = parse_range(inner);
     if (!range) {
         if (powers || text.find("..") != std::string::npos)
-            return error_at(where, "'" + text + "' is no range; " + forms);
+            return error_at(where, "'" + text + "' is not a range; " + forms);
         return std::optional<std::vector<AxisValue>>();
     }
     if (range->step <= 0 || range->last < range->first)
@@ -64,12 +64,12 @@ Result<std::optional<std::vector<AxisValue>>> expand(const std::string& text, co
                         "'" + text + "' is empty; expected a first value not above the last, and a step above 0");
     if (powers && (range->first < 0 || range->last > 62 || range->step != 1))
         return error_at(
-            where, "'" + text + "' has exponents out of range; expected whole ones from 0 to 62, such as pow2(0..10)");
+            where, "'" + text + "' has exponents out of range; expected integers from 0 to 62, such as pow2(0..10)");
     std::vector<AxisValue> values;
     for (std::int64_t at = range->first; at <= range->last; at += range->step) {
         if (values.size() == most_values) return error_at(where, "'" + text + "' has more than 10000 values");
         values.push_back({powers ? std::int64_t{1} << at : at});
-        if (at > range->last - range->step) break;  // the next could leave 64 bits
+        if (at > range->last - range->step) break;  // the next value could overflow 64 bits
     }
     return std::optional(std::move(values));
 }
@@ -90,7 +90,7 @@ Result<std::vector<AxisValue>> read_axis(const TomlSource& source, const toml::n
         for (const toml::node& each : *list) {
             auto value = scalar(each);
             if (!value)
-                return error_at(source.location(each), "an entry of '" + what + "' is no single value; " + forms);
+                return error_at(source.location(each), "an entry of '" + what + "' is not a single value; " + forms);
             values.push_back(std::move(*value));
         }
         if (values.empty()) return error_at(where, "'" + what + "' is empty; " + forms);

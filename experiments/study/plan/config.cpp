@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Reads one method's table into settings; what is left in it is refused by the caller.
+/// Reads a method's table into its settings. The caller reports the remaining keys.
 void read_method_table(TomlTable& table, MethodRequest& method) {
     if (table.require("name", method.name)) check_short_name(table, "name", method.name);
     table.read("unbiased", method.unbiased);
@@ -45,7 +45,7 @@ Status check_method(const MethodRequest& method) {
     return check_parameters(job);
 }
 
-/// The error of a value that a sweep put in stands where the sweep does.
+/// Moves the error of a swept value to the place of the sweep.
 Error at_axis(Error error, const MethodRequest& method) {
     if (error.line != 0 || error.file.starts_with("--set") || method.sweep.empty()) return error;
     std::string message = error.message + " (swept by";
@@ -159,7 +159,7 @@ class ConfigReader {
         return axes;
     }
 
-    /// sampler.type = [...] comes as tables in tables.
+    /// sampler.type = [...] is a nested table.
     void read_axes(const toml::table& table, const std::string& prefix, std::vector<SweepAxis>& axes) {
         for (const auto& [key, node] : table) {
             const std::string name = prefix + std::string(key.str());
@@ -185,7 +185,7 @@ class ConfigReader {
                 std::erase_if(method.sweep, [&](const SweepAxis& axis) { return axis.key == own.key; });
                 method.sweep.push_back(std::move(own));
             }
-            // An external command goes along the axes that it asks for.
+            // An external command sweeps only axes that it uses.
             if (!method.command.empty())
                 std::erase_if(method.sweep,
                               [&](const SweepAxis& axis) { return !has_place(method.command, axis.key); });
@@ -201,7 +201,7 @@ class ConfigReader {
                          "the config names no method; expected [[method]] with a name");
     }
 
-    /// All combinations of the method's axes, the last axis fastest.
+    /// Makes all combinations of the method's axes; the last axis varies fastest.
     Status make_variants(std::size_t index) {
         const MethodRequest& method = config_.methods[index];
         std::size_t combinations = 1;

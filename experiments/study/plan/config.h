@@ -1,4 +1,4 @@
-// An experiment's config as values. experiments/README.md lists every key.
+// The config of an experiment. experiments/README.md lists every key.
 #pragma once
 
 #include <array>
@@ -17,8 +17,8 @@ namespace raylex::experiments {
 
 struct SceneRequest {
     std::string name;
-    Job job;                     ///< file, resolution, labels and light groups; nothing else
-    std::string reference_file;  ///< an image to measure against; empty: [reference] says how one is made
+    Job job;                     ///< only file, resolution, labels and light groups
+    std::string reference_file;  ///< an image as reference; empty: [reference] describes how to render one
     SourceLocation location;
 };
 
@@ -29,22 +29,22 @@ struct SweepAxis {
 };
 
 struct MethodRequest {
-    std::string name, command;  ///< `command` is empty for methods of this program
+    std::string name, command;  ///< `command` is empty for methods of raylex
     bool unbiased = true;
-    double timeout = 0;                  ///< seconds a cell may take in all, else it is ended and failed; 0 = none
-    transport::RenderSettings settings;  ///< what the method's table says, without sweeps
-    transport::EffectChoices effects;    ///< the same
-    std::vector<SweepAxis> sweep;        ///< [sweep] and the method's own [method.sweep]: the axes that it goes along
+    double timeout = 0;                  ///< maximum seconds of a cell, which fails after it; 0: none
+    transport::RenderSettings settings;  ///< settings of the method's table, without sweeps
+    transport::EffectChoices effects;    ///< effects of the method's table
+    std::vector<SweepAxis> sweep;        ///< axes from [sweep] and the method's [method.sweep]
     SourceLocation location;
 };
 
-/// A method with one value of each of its axes.
+/// A method with one value for each of its axes.
 struct Variant {
-    std::size_t method = 0;  ///< in ExperimentConfig::methods
+    std::size_t method = 0;  ///< index in ExperimentConfig::methods
     NamedValues settings;    ///< axis -> value
     transport::RenderSettings render;
     transport::EffectChoices effects;
-    bool planned = true;  ///< false: for references alone
+    bool planned = true;  ///< false: used only for references
 };
 
 struct Budget {
@@ -55,19 +55,19 @@ struct Budget {
 
 struct ReferenceRequest {
     std::string method;         ///< empty: no references are made
-    std::size_t variant = 0;    ///< in ExperimentConfig::variants: the method as its table has it, unswept
-    std::uint64_t samples = 0;  ///< at most; 0: no limit beside `error`
-    double error = 0;           ///< 0: `samples` alone
-    double timeout = 0;         ///< seconds; 0 = none
+    std::size_t variant = 0;    ///< index in ExperimentConfig::variants: the method without sweeps
+    std::uint64_t samples = 0;  ///< maximum; 0: only `error` limits
+    double error = 0;           ///< 0: only `samples` limits
+    double timeout = 0;         ///< seconds; 0: none
     std::string cache;          ///< folder; empty: references/ in the results
     SourceLocation location;
 };
 
-/// Cells that match all that is said are left out.
+/// Excludes cells that match all of its fields.
 struct Exclusion {
     std::string scene, method;  ///< empty: any
     std::optional<BudgetKind> kind;
-    std::vector<double> budgets;  ///< of that kind; empty: any
+    std::vector<double> budgets;  ///< of this kind; empty: any
     std::vector<std::pair<std::string, std::vector<std::string>>> settings;
     SourceLocation location;
 };
@@ -75,28 +75,28 @@ struct Exclusion {
 struct ExperimentConfig {
     std::string file, text;
     std::vector<std::string> overrides;
-    std::string hash;  ///< of what the config says, overrides included, however it is laid out
+    std::string hash;  ///< of the config's values, overrides included, independent of its layout
     std::string name;
     std::uint64_t seed = 0;
     unsigned replicates = 1;
-    double checkpoint_seconds = 0;  ///< within cells and references; 0 = none
-    bool cpu_clock = false;         ///< as Experiment has it
-    double timeout = 0;             ///< of cells whose method has none of its own, and of loading a scene; 0 = none
-    Job base;                       ///< plugins, colour, channels, threads, instruction set: what all renders share
+    double checkpoint_seconds = 0;  ///< within cells and references; 0: none
+    bool cpu_clock = false;         ///< as in Experiment
+    double timeout = 0;             ///< of cells whose method has none, and of loading a scene; 0: none
+    Job base;                       ///< settings of all renders: plugins, colour, channels, threads, instruction set
     std::vector<SceneRequest> scenes;
     std::vector<MethodRequest> methods;
-    std::vector<Variant> variants;  ///< of all methods in turn, then that of references
+    std::vector<Variant> variants;  ///< of all methods in order, then that of references
     std::vector<Budget> budgets;
     ReferenceRequest reference;
     std::vector<Region> regions;
     std::vector<Exclusion> exclusions;
 
-    /// The render of a scene by a variant: everything but samples, seed and files.
+    /// Returns the job of a scene and variant: everything except samples, seed and files.
     [[nodiscard]] Job job(std::size_t scene, const Variant& variant) const;
 };
 
-/// Reads, checks and loads the plugins. Errors name file, line and column, or the --set that they come from: unknown
-/// keys with near misses, empty sweeps, scenes, methods, channels or masks that are not there, budgets that cannot be.
+/// Reads and checks a config and loads its plugins. Errors name file, line and column, or the --set: unknown keys with
+/// the closest match, empty sweeps, unknown scenes, methods, channels or masks, invalid budgets.
 Result<ExperimentConfig> read_experiment_config(const std::string& path, const std::vector<std::string>& overrides);
 
 }  // namespace raylex::experiments

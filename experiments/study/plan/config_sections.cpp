@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array budget_kinds{BudgetKind::samples, BudgetKind::seconds, BudgetKind::error};
 
-/// A relative error as a number or "1%".
+/// Reads a relative error as a number or "1%".
 std::optional<double> error_value(const AxisValue& value) {
     if (const auto* text = std::get_if<std::string>(&value.value)) {
         auto parsed = parse_tolerance(*text, {});
@@ -25,7 +25,7 @@ std::optional<double> error_value(const AxisValue& value) {
     return std::nullopt;
 }
 
-/// A time as a number of seconds or "2m".
+/// Reads a time as a number of seconds or "2m".
 std::optional<double> seconds_value(const AxisValue& value) {
     if (const auto* text = std::get_if<std::string>(&value.value)) {
         auto parsed = parse_interval(*text, {});
@@ -41,7 +41,7 @@ std::optional<double> samples_value(const AxisValue& value) {
     return std::nullopt;
 }
 
-/// A value that a budget of this kind can have.
+/// Returns the value if it is valid for a budget of this kind.
 Result<double> budget_value(BudgetKind kind, const AxisValue& value, const SourceLocation& where) {
     std::optional<double> number;
     bool fits = false;
@@ -50,7 +50,7 @@ Result<double> budget_value(BudgetKind kind, const AxisValue& value, const Sourc
         case BudgetKind::samples:
             number = samples_value(value);
             fits = number && *number >= 1 && *number <= std::numeric_limits<std::int32_t>::max();
-            expected = "whole samples per pixel from 1 to 2147483647";
+            expected = "an integer number of samples per pixel from 1 to 2147483647";
             break;
         case BudgetKind::seconds:
             number = seconds_value(value);
@@ -65,7 +65,7 @@ Result<double> budget_value(BudgetKind kind, const AxisValue& value, const Sourc
     }
     if (fits) return *number;
     return error_at(where,
-                    "'" + value.text() + "' is no budget of " + budget_kind_name(kind) + "; expected " + expected);
+                    "'" + value.text() + "' is not a budget of " + budget_kind_name(kind) + "; expected " + expected);
 }
 
 std::string listed(const std::vector<std::string>& names) {
@@ -77,7 +77,7 @@ std::string listed(const std::vector<std::string>& names) {
 Status require_name(const char* what, const std::string& name, const std::vector<std::string>& known,
                     const SourceLocation& where) {
     if (std::find(known.begin(), known.end(), name) != known.end()) return success();
-    return error_at(where, std::string("there is no ") + what + " '" + name + "'; expected one of: " + listed(known),
+    return error_at(where, std::string("unknown ") + what + " '" + name + "'; expected one of: " + listed(known),
                     near_miss(name, known));
 }
 
@@ -103,7 +103,7 @@ bool is_word(std::string_view text) {
     });
 }
 
-/// Every {word} of a command is one that the runner fills in. Other braces, and ${word}, are the shell's.
+/// Checks the {words} of a command, which the runner replaces. Other braces, and ${word}, belong to the shell.
 Status check_command(const MethodRequest& method, std::size_t scenes, bool replicates) {
     std::vector<std::string> known{"scene", "scene_name", "seed",   "spp",    "seconds",
                                    "out",   "width",      "height", "threads"};
@@ -118,8 +118,8 @@ Status check_command(const MethodRequest& method, std::size_t scenes, bool repli
     }
     if (!has_place(command, "out"))
         return error_at(method.location, "the command of method '" + method.name +
-                                             "' lacks {out}; expected it where the command has the image's file");
-    // A renderer with scenes in a format of its own names its file itself.
+                                             "' lacks {out}; expected it in place of the image file");
+    // A renderer with its own scene format can name its file by {scene_name}.
     if (scenes > 1 && !has_place(command, "scene") && !has_place(command, "scene_name"))
         return error_at(method.location, "the command of method '" + method.name +
                                              "' would render the same image for " + std::to_string(scenes) +
@@ -131,21 +131,22 @@ Status check_command(const MethodRequest& method, std::size_t scenes, bool repli
     return success();
 }
 
-/// What is asked of a render without beauty is in its channels.
+/// Checks a render without beauty, whose light is all in its channels.
 Status check_without_beauty(const ExperimentConfig& config, const Variant& variant) {
     const MethodRequest& method = config.methods[variant.method];
     const std::string who = "method '" + method.name + "' has beauty = false, ";
     const Job& base = config.base;
     if (base.expressions.empty() && !base.light_groups && !base.shipped_partition)
         return error_at(method.location,
-                        who + "and there is no channel: nothing is left to render; expected [[channel]]");
+                        who + "and there is no channel, so nothing is rendered; expected a [[channel]]");
     if (!variant.planned)
         return error_at(config.reference.location,
-                        who + "and references are of all that any method renders; expected another method");
+                        who + "but references contain everything that any method renders; expected another method");
     for (const Budget& budget : config.budgets)
         if (budget.kind == BudgetKind::error)
-            return error_at(budget.location,
-                            who + "and a budget of error is the beauty's; expected budgets of samples or seconds");
+            return error_at(
+                budget.location,
+                who + "but a budget of error applies to the beauty; expected budgets of samples or seconds");
     return success();
 }
 
@@ -182,7 +183,7 @@ void read_budgets(TomlTable& root, std::vector<Budget>& budgets) {
     if (table == nullptr) {
         if (!root.has("budget"))
             root.source().fail(root.location(),
-                               "the config has no [budget]; expected such as samples = \"pow2(0..8)\", "
+                               "the config has no [budget]; expected for example samples = \"pow2(0..8)\", "
                                "seconds = [1, 4] or error = [\"5%\", \"1%\"]");
         return;
     }
@@ -222,7 +223,7 @@ void read_reference(TomlTable& root, ExperimentConfig& config) {
     if (const toml::node* node = reader.take("error")) {
         auto values = read_axis(root.source(), *node, "error");
         if (values && values->size() != 1)
-            root.source().fail(reader.location_of("error"), "a reference has one error; expected such as \"0.2%\"");
+            root.source().fail(reader.location_of("error"), "a reference has one error; expected for example \"0.2%\"");
         auto value = values ? budget_value(BudgetKind::error, values->front(), reader.location_of("error"))
                             : Result<double>(values.error());
         if (value) reference.error = *value;
@@ -233,8 +234,8 @@ void read_reference(TomlTable& root, ExperimentConfig& config) {
     reader.close();
     if (reference.samples == 0 && reference.error == 0)
         root.source().fail(reader.location(),
-                           "[reference] does not say how good references are; expected error = \"0.2%\" or "
-                           "spp = 4096, or both, of which the first reached counts");
+                           "[reference] has neither error nor spp; expected error = \"0.2%\" or spp = 4096, or both, "
+                           "to stop at the first reached");
 }
 
 void read_regions(TomlTable& root, ExperimentConfig& config) {
@@ -259,7 +260,7 @@ void read_regions(TomlTable& root, ExperimentConfig& config) {
             }
             if (!fits || region.crop[0] >= region.crop[2] || region.crop[1] >= region.crop[3])
                 root.source().fail(table.location_of("crop"),
-                                   "'crop' is no rectangle; expected [x0, y0, x1, y1] in pixels, with "
+                                   "'crop' is not a rectangle; expected [x0, y0, x1, y1] in pixels, with "
                                    "x0 below x1 and y0 below y1");
         }
         if (table.has("crop") == table.has("mask"))
@@ -333,10 +334,9 @@ Status check_config(ExperimentConfig& config) {
                    (budget.kind == BudgetKind::seconds && has_place(method.command, "seconds"));
         });
         if (!usable)
-            return error_at(method.location,
-                            "no budget fits the command of method '" + method.name +
-                                "': it needs {spp} for budgets of samples or {seconds} for those of time, and cannot "
-                                "be given an error");
+            return error_at(method.location, "no budget suits the command of method '" + method.name +
+                                                 "': it needs {spp} for budgets of samples or {seconds} for budgets of "
+                                                 "time; budgets of error are not possible");
     }
     return success();
 }

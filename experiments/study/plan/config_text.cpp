@@ -22,13 +22,13 @@ toml::source_region region_of(const std::string& origin) {
     return {{1, 1}, {1, 1}, std::make_shared<const std::string>(origin)};
 }
 
-/// `value` holds the node under the key "v", with its origin.
+/// Puts a node at a path. `value` has the node under the key "v", with its origin.
 void put_node(toml::table& root, const std::vector<std::string>& path, std::size_t at, toml::table& value,
               const std::string& origin) {
     toml::table* table = &root;
     for (; at + 1 < path.size(); ++at) {
         toml::node* next = table->get(path[at]);
-        // A list of one table, such as a method's only [[method.sample_filter]], is gone through as that table.
+        // A list of one table, such as a method's only [[method.sample_filter]], counts as that table.
         if (next != nullptr && next->is_array_of_tables() && next->as_array()->size() == 1) {
             table = next->as_array()->front().as_table();
             continue;
@@ -43,12 +43,12 @@ void put_node(toml::table& root, const std::vector<std::string>& path, std::size
         table = table->get(path[at])->as_table();
     }
     table->erase(path[at]);
-    // Moved, for a copy of a node no longer says where it stands.
+    // Moved, because a copied node loses its source position.
     value.get("v")->visit(
         [&](auto& node) { table->insert_or_assign(toml::key(path[at], region_of(origin)), std::move(node)); });
 }
 
-/// VALUE as TOML, or else as a plain word.
+/// Parses VALUE as TOML, or else as a plain word.
 toml::table parse_value(const std::string& value, const std::string& origin) {
     try {
         return toml::parse("v = " + value, origin);
@@ -106,7 +106,8 @@ Status ConfigText::apply(const std::string& override, toml::table& root) const {
     const std::vector<std::string> path = split_key(std::string_view(override).substr(0, equals));
     const std::string value = override.substr(equals + 1);
     for (const std::string& each : path)
-        if (each.empty()) return error_at(where, "the key has an empty part; expected such as method.path.max_depth");
+        if (each.empty())
+            return error_at(where, "the key has an empty part; expected for example method.path.max_depth");
     toml::array* list = path.size() > 1 ? root[path.front()].as_array() : nullptr;
     const bool listed = list != nullptr && !list->empty() && list->front().is_table();
     if (!listed) {
@@ -131,9 +132,8 @@ Status ConfigText::apply(const std::string& override, toml::table& root) const {
         put_node(*each.as_table(), path, 2, node, origin);
     }
     if (found) return success();
-    return error_at(
-        where, "there is no [[" + path[0] + "]] with the name '" + path[1] + "'; expected one of: " + known + ", or *",
-        near_miss(path[1], names));
+    return error_at(where, "unknown [[" + path[0] + "]] '" + path[1] + "'; expected one of: " + known + ", or *",
+                    near_miss(path[1], names));
 }
 
 }  // namespace raylex::experiments

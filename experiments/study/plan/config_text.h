@@ -1,4 +1,4 @@
-// The text of an experiment's config as TOML tables, with values of the command line and of sweeps put in.
+// The text of an experiment's config as TOML tables, with values of the command line and of sweeps inserted.
 #pragma once
 
 #include <optional>
@@ -11,20 +11,20 @@
 
 namespace raylex::experiments {
 
-/// Parsed anew for every variant: nodes of toml++ know where they stand only as long as they are not copied.
+/// Parses the text again for every variant, because toml++ nodes lose their source position when copied.
 class ConfigText {
   public:
-    /// `overrides` are KEY=VALUE of --set: KEY is a path such as replicates, reference.spp, method.NAME.max_depth or
-    /// scene.*.resolution (tables of a list go by their names; * is all of them); VALUE is TOML, or else a plain word.
+    /// `overrides` are the KEY=VALUE of --set. KEY is a path such as replicates, reference.spp, method.NAME.max_depth
+    /// or scene.*.resolution (NAME selects a table of a list, * all of them). VALUE is TOML, or else a plain word.
     ConfigText(std::string file, std::string text, std::vector<std::string> overrides);
 
-    /// The whole config, overrides applied. Errors: no valid TOML (with its place), a KEY that leads nowhere.
+    /// Returns the whole config with overrides. Errors: invalid TOML (with its place), an unknown KEY.
     Result<toml::table> parse() const;
-    /// Puts a value under a dotted key of a table, making tables on the way. Where there is a plain word already, such
-    /// as integrator = "path" before integrator.strategy, it becomes that table's type.
+    /// Puts a value under a dotted key of a table, and makes tables as necessary. A plain word on the way, such as
+    /// integrator = "path" before integrator.strategy, becomes the type of the new table.
     static void put(toml::table& table, const std::string& key, const AxisValue& value);
 
-    /// For the errors of all that reads it.
+    /// Returns the source text, for errors of later readers.
     [[nodiscard]] TomlSource source() const { return {file_, text_}; }
     [[nodiscard]] const std::string& file() const { return file_; }
     [[nodiscard]] const std::string& text() const { return text_; }
@@ -36,7 +36,7 @@ class ConfigText {
     std::vector<std::string> overrides_;
 };
 
-/// The one of [[KEY]] with this name; null when there is none.
+/// Returns the table of [[KEY]] with this name; null if there is none.
 toml::table* named_table(toml::table& root, std::string_view key, std::string_view name);
 
 }  // namespace raylex::experiments

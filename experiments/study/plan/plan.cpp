@@ -10,7 +10,7 @@
 namespace raylex::experiments {
 namespace {
 
-/// Fit for a file name; other characters become '_'.
+/// Returns a text for file names; other characters become '_'.
 std::string file_text(const std::string& text) {
     std::string result;
     for (const char c : text) {
@@ -27,7 +27,7 @@ std::string cell_id(const Cell& cell) {
     return id + "." + budget_text(cell.budget_kind, cell.budget) + ".r" + std::to_string(cell.replicate);
 }
 
-/// Everything that tells the cell from others, without loss.
+/// Returns a text of everything that distinguishes the cell.
 std::string identity(const Cell& cell) {
     std::string text = cell.scene + "\n" + cell.method;
     for (const auto& [key, value] : cell.settings) text += "\n" + key + "=" + value;
@@ -50,7 +50,7 @@ bool matches(const Exclusion& exclusion, const Cell& cell) {
     });
 }
 
-/// Seeds that nothing else of the plan has, in their short form either.
+/// Makes seeds that are unique in the plan, also in their short form.
 class SeedSource {
   public:
     explicit SeedSource(std::uint64_t config_seed) : config_seed_(config_seed) {}
@@ -66,10 +66,10 @@ class SeedSource {
     std::set<std::uint32_t> taken_;
 };
 
-/// Why a command cannot be given this budget; empty when it can.
+/// Returns why a command cannot have this budget; empty if it can.
 std::string refusal(const MethodRequest& method, BudgetKind kind) {
     if (method.command.empty()) return {};
-    if (kind == BudgetKind::error) return "an external command cannot be told an error";
+    if (kind == BudgetKind::error) return "an external command cannot stop at an error";
     const std::string place = kind == BudgetKind::samples ? "spp" : "seconds";
     return has_place(method.command, place) ? std::string() : "its command has no {" + place + "}";
 }
@@ -95,7 +95,7 @@ Result<Plan> make_plan(const ExperimentConfig& config) {
     constexpr std::size_t most_cells = 1'000'000;
     Plan plan;
     SeedSource seeds(config.seed);
-    // References first: their seeds are the same whatever cells there are.
+    // References come first, so that their seeds do not depend on the cells.
     for (const SceneRequest& scene : config.scenes) plan.reference_seeds.push_back(seeds.next("reference", scene.name));
     std::vector<std::size_t> excluded(config.exclusions.size());
     std::set<std::string> ids;

@@ -1,4 +1,4 @@
-// All cells of an experiment, in the order in which they are run, each with its seed.
+// All cells of an experiment in the order of execution, each with its seed.
 #pragma once
 
 #include <string>
@@ -9,28 +9,30 @@
 namespace raylex::experiments {
 
 struct PlannedCell {
-    Cell cell;                           ///< what a plan says: no results
-    std::size_t scene = 0, variant = 0;  ///< in the config's lists
+    Cell cell;                           ///< planned values, without results
+    std::size_t scene = 0, variant = 0;  ///< indices in the config's lists
 };
 
 struct Plan {
-    /// Replicates outermost, then scenes, budgets and methods: what is compared is run close together, so that a
-    /// machine that slows down in an hour slows all methods down.
+    /// Ordered by replicate, then scene, budget and method: compared renders run close together, so a machine that
+    /// slows down within an hour affects all methods equally.
     std::vector<PlannedCell> cells;
-    std::vector<std::string> notes;              ///< what is left out by itself, and why
+    std::vector<std::string> notes;              ///< cells that were left out automatically, and why
     std::vector<std::uint64_t> reference_seeds;  ///< [scene]
 };
 
-/// Errors: an [[exclude]] that excludes nothing, no cell left, more than 1,000,000 of them.
+/// Makes the plan. Errors: an [[exclude]] that excludes nothing, no remaining cell, more than 1,000,000 cells.
 Result<Plan> make_plan(const ExperimentConfig& config);
 
-/// A seed of 63 bits for a purpose ("cell", "reference", "calibration"): the hash of it all. `attempt` gives another.
+/// Returns a seed of 63 bits, a hash of its arguments. `purpose` is "cell", "reference" or "calibration"; each
+/// `attempt` gives another seed.
 std::uint64_t seed_for(std::uint64_t config_seed, const std::string& purpose, const std::string& what,
                        unsigned attempt = 0);
-/// What external renderers get, whose seeds are often 32-bit integers. No two cells or references of a plan share it.
+/// Returns the seed for external renderers, which often accept only 32-bit integers. It is unique among the cells and
+/// references of a plan.
 std::uint32_t short_seed(std::uint64_t seed);
 
-/// "16spp", "2.5s", "e0.01".
+/// Returns a budget as text: "16spp", "2.5s", "e0.01".
 std::string budget_text(BudgetKind kind, double budget);
 
 }  // namespace raylex::experiments

@@ -8,7 +8,8 @@
 namespace raylex::experiments {
 namespace {
 
-/// Means the same to a shell wherever it stands: alone, in quotes of any kind, in arithmetic, in a here document.
+/// Returns whether the value has no special meaning for a shell in any context: bare, in any quotes, in arithmetic, in
+/// a here document.
 bool is_inert(const std::string& value) {
     return !value.empty() && value.front() != '-' && std::all_of(value.begin(), value.end(), [](char c) {
         return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
@@ -16,14 +17,14 @@ bool is_inert(const std::string& value) {
     });
 }
 
-/// Of those that take a program as an argument: sh -c, bash -lc, python3 -c, perl -e.
+/// Returns whether the program takes a script as an argument: sh -c, bash -lc, python3 -c, perl -e.
 bool is_interpreter(const std::string& name) {
     return name.ends_with("sh") || name.starts_with("python") || name.starts_with("perl") || name.starts_with("ruby") ||
            name.starts_with("node") || name.starts_with("lua");
 }
 
-/// What a command hands to another shell, which would read the values of variables that this one has put in; empty:
-/// nothing.
+/// Returns the part of a command that another shell reads, which would interpret the inserted values; empty if there is
+/// none.
 std::string other_shell(const std::string& command) {
     if (command.find("<<") != std::string::npos) return "a here document";
     std::string word, before;
@@ -52,7 +53,7 @@ class QuoteTracker {
   public:
     [[nodiscard]] Quote now() const { return nested_.back(); }
 
-    /// Past command[at]; how many characters that are one to a shell.
+    /// Steps past command[at]. Returns the number of characters that form one unit for the shell.
     std::size_t step(const std::string& command, std::size_t at) {
         const char c = command[at];
         const bool is_code = now() != Quote::single_quotes && now() != Quote::double_quotes;
@@ -84,7 +85,7 @@ class QuoteTracker {
     std::vector<Quote> nested_{Quote::none};
 };
 
-/// The variable where a value is wanted, so that it stays one word as it would have been.
+/// Returns the variable for a value, quoted so that the value stays one word.
 std::string quoted_variable(const std::string& variable, Quote around) {
     const std::string expansion = "${" + variable + "}";
     if (around == Quote::double_quotes) return expansion;
@@ -135,9 +136,9 @@ Result<ShellCommand> fill_command(const std::string& command, const NamedValues&
         const std::string variable = place_variable(place->first);
         if (!handed.empty())
             return error_at(where,
-                            "{" + place->first + "} is '" + place->second + "' here, and the command has " + handed +
-                                ", which would read it as a program; expected a name of letters, digits and _./:,+@%=-",
-                            "write \"$" + variable + "\" for the inner shell to read instead of {" + place->first +
+                            "{" + place->first + "} is '" + place->second + "' here, but the command has " + handed +
+                                ", which would interpret it as code; expected a name of letters, digits and _./:,+@%=-",
+                            "write \"$" + variable + "\" for the inner shell instead of {" + place->first +
                                 "}, or rename the file");
         filled.text += quoted_variable(variable, quotes.now());
     }

@@ -32,7 +32,7 @@ Status write_plots(const std::string& directory, const std::vector<Plot>& plots,
     return success();
 }
 
-/// tables/SCENE.CHANNEL.tex of every channel that was measured, insets/ and spectra/.
+/// Writes tables/SCENE.CHANNEL.tex of every measured channel, insets/ and spectra/.
 Status write_paper(const std::string& directory, const Study& study, std::size_t& files) {
     for (const SceneInfo& scene : study.experiment->scenes)
         for (const ChannelInfo& channel : scene.channels) {
@@ -52,9 +52,9 @@ Status write_paper(const std::string& directory, const Study& study, std::size_t
     return success();
 }
 
-/// The verdicts on bias of a variant in a scene in a line; empty when nothing of it was tested.
+/// Returns a line with the bias verdicts of a variant in a scene; empty if nothing was tested.
 std::string bias_line(const Study& study, const std::string& scene, const MethodVariant& variant) {
-    std::map<BiasJudgement, std::vector<const BiasEntry*>> found;  // channels in their order, the beauty first
+    std::map<BiasJudgement, std::vector<const BiasEntry*>> found;  // channels in order, the beauty first
     for (const BiasEntry& entry : study.bias)
         if (entry.scene == scene && entry.variant == variant.name) found[entry.judgement()].push_back(&entry);
     std::string text;
@@ -68,8 +68,8 @@ std::string bias_line(const Study& study, const std::string& scene, const Method
             add("first wrong path " + word->text + ", channel " + word->channel);
     } else if (const auto& clean = found[BiasJudgement::none_found]; !clean.empty()) {
         const BiasEntry& first = *clean.front();
-        add("no bias found; one of " + percent_text(first.verdict.detectable_whole) +
-            " of the mean would be, with 90 %" +
+        add("no bias found; a bias of " + percent_text(first.verdict.detectable_whole) +
+            " of the mean would be found with 90 %" +
             (first.against.empty() ? "" : " (compared with " + first.against + ")"));
     }
     for (const BiasJudgement other : {BiasJudgement::cannot_tell, BiasJudgement::rare, BiasJudgement::not_judged}) {
@@ -86,7 +86,8 @@ std::string bias_line(const Study& study, const std::string& scene, const Method
     return text;
 }
 
-/// All verdicts of a small study; of a large one those against methods that are declared unbiased, and how many others.
+/// Prints all verdicts of a small study. For a large one, prints those against methods declared unbiased, and the
+/// number of others.
 void print_verdicts(const Study& study) {
     constexpr std::size_t most_lines = 12;
     const std::vector<std::string> lines = verdict_lines(study);
@@ -97,7 +98,7 @@ void print_verdicts(const Study& study) {
     if (kept_back > 0) print_line(std::to_string(kept_back) + " other verdicts on bias are in the report");
 }
 
-/// What each setting buys, channel by channel, in a small study; a large one has it on the page alone.
+/// Prints the effect of each setting by channel for a small study. For a large one it is only on the page.
 void print_effects(const Study& study) {
     constexpr std::size_t most_lines = 24;
     if (study.effects.size() > most_lines) return;
@@ -113,8 +114,8 @@ void print_effects(const Study& study) {
     }
 }
 
-/// Cells and references whose files are not what was written, as failed and as none, and how many they are: each is a
-/// warning, and nothing is measured of it.
+/// Returns the experiment without damaged cells and references, and their number. Each is a warning and is not
+/// measured.
 std::pair<Experiment, std::size_t> without_damage(Experiment experiment) {
     std::size_t count = 0;
     for (Cell& cell : experiment.cells) {

@@ -23,19 +23,19 @@ Error merge_error(const std::string& directory, std::string message, std::string
 Status check_one_experiment(const Experiment& first, const Experiment& other) {
     if (first.config_hash != other.config_hash)
         return merge_error(other.directory,
-                           "these are results of another config (hash " + other.config_hash + ") than those in '" +
+                           "these results belong to another config (hash " + other.config_hash + ") than those in '" +
                                first.directory + "' (hash " + first.config_hash + ")",
-                           "merge takes the shards of one config, with the same --set");
+                           "expected shards of one config, with the same --set");
     for (const SceneInfo& scene : first.scenes)
         for (const SceneInfo& same : other.scenes)
             if (scene.name == same.name && !scene.hash.empty() && !same.hash.empty() &&
                 (scene.hash != same.hash || scene.width != same.width || scene.height != same.height))
                 return merge_error(other.directory,
-                                   "scene '" + scene.name + "' is another one than in '" + first.directory + "'");
+                                   "scene '" + scene.name + "' differs from the one in '" + first.directory + "'");
     return success();
 }
 
-/// Nothing damaged is taken for a result.
+/// Checks that no result is damaged.
 Status check_files(const Experiment& experiment) {
     for (const auto* list : {&experiment.cells, &experiment.parts})
         for (const Cell& cell : *list)
@@ -47,11 +47,11 @@ Status check_files(const Experiment& experiment) {
             if (const std::string damage = damage_of_reference(scene.reference); !damage.empty())
                 return merge_error(experiment.directory,
                                    "the reference of scene '" + scene.name + "' is damaged: " + damage,
-                                   "remove its folder, and 'raylex experiment resume' makes it again");
+                                   "remove its folder; 'raylex experiment resume' then renders it again");
     return success();
 }
 
-/// The directories in an order that does not depend on how they were given: of their first cells.
+/// Returns a sort key for directories: their first cells. The order does not depend on the command line.
 std::string order_key(const Experiment& experiment) {
     std::string key;
     for (const auto* list : {&experiment.cells, &experiment.parts})
@@ -66,7 +66,7 @@ Status copy(const std::string& from, const std::string& to) {
     return failed ? merge_error(to, "cannot copy '" + from + "' here: " + failed.message()) : success();
 }
 
-/// The references that the experiments found, each once.
+/// Copies the references of the experiments, each once.
 Status merge_references(const std::vector<Experiment>& experiments, Experiment& merged) {
     for (SceneInfo& scene : merged.scenes) {
         for (const Experiment& each : experiments)
@@ -76,12 +76,12 @@ Status merge_references(const std::vector<Experiment>& experiments, Experiment& 
                 if (same.reference.empty()) continue;
                 if (scene.reference.empty()) scene = same;
                 else if (fs::path(scene.reference).filename() != fs::path(same.reference).filename())
-                    return merge_error(each.directory, "the reference of scene '" + scene.name + "' is another one (" +
-                                                           same.reference + ") than elsewhere (" + scene.reference +
-                                                           ")");
+                    return merge_error(each.directory, "the reference of scene '" + scene.name + "' (" +
+                                                           same.reference + ") differs from another one (" +
+                                                           scene.reference + ")");
             }
         if (scene.reference.empty()) continue;
-        // One that stands in a shared cache stays there.
+        // A reference in a shared cache stays there.
         for (const Experiment& each : experiments) {
             const fs::path inside = fs::path(each.directory) / "references" / fs::path(scene.reference).filename();
             std::error_code failed;
@@ -96,7 +96,8 @@ Status merge_references(const std::vector<Experiment>& experiments, Experiment& 
     return success();
 }
 
-/// The parts of cells that no directory has whole, by cell; those that failed only where no directory has them done.
+/// Returns the parts of cells that no directory has complete, by cell. A failed part counts only if no directory has it
+/// finished.
 Result<std::map<std::string, std::vector<const Cell*>>> parts_of(const std::vector<Experiment>& experiments,
                                                                  const std::map<std::string, const Cell*>& cells) {
     std::map<std::string, std::vector<const Cell*>> parts;
@@ -109,8 +110,8 @@ Result<std::map<std::string, std::vector<const Cell*>>> parts_of(const std::vect
             if (const auto whole = cells.find(part.part_of); whole != cells.end() && !whole->second->failed)
                 return merge_error(
                     each.directory,
-                    "part '" + part.id + "' is here, and its cell is finished in '" + whole->second->directory + "'",
-                    "merge takes every sample once: leave out one of the two, or remove it");
+                    "part '" + part.id + "' is here, but its cell is finished in '" + whole->second->directory + "'",
+                    "every sample may occur once; leave out one of the two, or remove it");
             std::vector<const Cell*>& list = parts[part.part_of];
             const bool listed =
                 std::any_of(list.begin(), list.end(), [&](const Cell* known) { return known->id == part.id; });
@@ -125,7 +126,7 @@ Result<std::map<std::string, std::vector<const Cell*>>> parts_of(const std::vect
     return parts;
 }
 
-/// Parts add up to one render only where one program made them.
+/// Checks that one program rendered all parts; otherwise they do not sum to one render.
 Status check_one_program(const std::vector<Experiment>& experiments) {
     const Experiment* first = nullptr;
     const auto told = [](const Experiment& experiment, const char* what) {
@@ -139,15 +140,15 @@ Status check_one_program(const std::vector<Experiment>& experiments) {
         for (const char* what : {"revision", "compiler"})
             if (told(*first, what) != told(each, what))
                 return merge_error(each.directory,
-                                   std::string("its parts of cells were rendered by another program (") + what + " " +
+                                   std::string("its parts of cells come from another program (") + what + " " +
                                        told(each, what) + ") than those in '" + first->directory + "' (" +
                                        told(*first, what) + ")",
-                                   "parts of one cell need one program; whole cells do not");
+                                   "all parts of a cell must come from one program; whole cells need not");
     }
     return success();
 }
 
-/// A cell of its parts, under its partial name until it is whole.
+/// Writes a cell merged from its parts, under its partial name until it is complete.
 Status write_merged_cell(const std::string& output, Cell cell, const std::vector<const Cell*>& parts) {
     if (cell.failed) {
         std::error_code failed;
@@ -164,10 +165,10 @@ Status write_merged_cell(const std::string& output, Cell cell, const std::vector
     return close_cell_directory({cell, partial, cell_directory(output, cell.id), {}});
 }
 
-/// The cells of all, each once: a finished one before one that failed.
+/// All cells, each once; a finished cell takes precedence over a failed one.
 struct MergedCells {
     std::map<std::string, const Cell*> cells;
-    std::map<std::string, std::string> from;  ///< cell -> directory of results
+    std::map<std::string, std::string> from;  ///< cell -> results directory
 };
 
 Result<MergedCells> cells_of(const std::vector<Experiment>& experiments) {
@@ -180,8 +181,9 @@ Result<MergedCells> cells_of(const std::vector<Experiment>& experiments) {
                 merged.from[cell.id] = each.directory;
             } else if (!cell.failed) {
                 return merge_error(
-                    each.directory, "cell '" + cell.id + "' is finished here and in '" + merged.from[cell.id] + "' too",
-                    "merge takes every cell once: leave out one of the two directories, or remove the cell from one");
+                    each.directory,
+                    "cell '" + cell.id + "' is finished here and also in '" + merged.from[cell.id] + "'",
+                    "every cell may occur once; leave out one of the two directories, or remove the cell from one");
             }
         }
     std::map<std::uint64_t, std::string> seeds;
@@ -189,11 +191,11 @@ Result<MergedCells> cells_of(const std::vector<Experiment>& experiments) {
         if (const auto [known, is_new] = seeds.emplace(cell->seed, id); !is_new)
             return merge_error(merged.from[id], "cells '" + id + "' and '" + known->second + "' have the same seed " +
                                                     std::to_string(cell->seed) +
-                                                    ", so they are no independent renders");
+                                                    ", so they are not independent renders");
     return merged;
 }
 
-/// As the first describes itself, with the time that all took.
+/// Returns the description of the first experiment with the total time of all.
 Experiment description_of_all(const std::vector<Experiment>& experiments, const std::string& output) {
     Experiment merged = experiments.front();
     merged.directory = output;
@@ -212,7 +214,7 @@ Experiment description_of_all(const std::vector<Experiment>& experiments, const 
 Result<MergeOutcome> merge_experiments(const std::vector<std::string>& directories, const std::string& output) {
     std::error_code failed;
     if (fs::exists(output, failed) && (!fs::is_directory(output, failed) || !fs::is_empty(output, failed)))
-        return merge_error(output, "this is there already; expected a new directory for -o");
+        return merge_error(output, "this directory exists already; expected a new one for -o");
     std::vector<Experiment> experiments;
     for (const std::string& each : directories) {
         auto read = read_experiment(each);
@@ -247,7 +249,7 @@ Result<MergeOutcome> merge_experiments(const std::vector<std::string>& directori
         ++(cell.failed ? outcome.failed : outcome.done);
     }
     fs::create_directories(output, failed);
-    // Last: without it the directory is no results, so a merge that broke off is seen.
+    // Written last: without it the directory is not a results directory, so an interrupted merge is noticed.
     if (Status s = write_experiment_files(merged); !s) return s.error();
     outcome.missing = merged.planned.size() - outcome.done - outcome.failed;
     return outcome;

@@ -1,4 +1,4 @@
-// What an experiment will be, told before it is.
+// Prints the plan of an experiment.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -16,7 +16,7 @@
 namespace raylex::experiments {
 namespace {
 
-/// What all pairs of scene and settings need, and which scenes cannot be rendered.
+/// Requirements of all pairs of scene and settings, and the scenes that cannot be rendered.
 struct Survey {
     std::set<std::pair<std::size_t, std::size_t>> seen;
     std::map<std::size_t, Error> broken;
@@ -35,18 +35,18 @@ Survey survey(const Plan& plan, CellWorker& worker, const std::atomic<bool>* sto
     return result;
 }
 
-/// Prints all but the last, which is returned.
+/// Prints all errors except the last one, which it returns.
 Status broken_scenes(const ExperimentConfig& config, const std::map<std::size_t, Error>& broken) {
     for (const auto& [scene, error] : broken) {
         Error told = error;
-        told.message = "scene '" + config.scenes[scene].name + "' fails, and with it all of its cells: " + told.message;
+        told.message = "scene '" + config.scenes[scene].name + "' fails, and so do all its cells: " + told.message;
         if (scene == broken.rbegin()->first) return told;
         static_cast<void>(report_error(told));
     }
     return success();
 }
 
-/// ", references about 3 min 20 s, unless they are kept from before".
+/// Returns ", references about 3 min 20 s, unless they exist already".
 std::string references_text(const ExperimentConfig& config, const Estimates& estimates) {
     if (config.reference.method.empty()) return {};
     double references = 0;
@@ -59,7 +59,7 @@ std::string references_text(const ExperimentConfig& config, const Estimates& est
     }
     if (!(references > 0)) return {};
     return std::string(", references ") + (known ? "about " : "at least ") + duration_text(references) +
-           ", unless they are kept from before";
+           ", unless they exist already";
 }
 
 }  // namespace
@@ -96,7 +96,7 @@ Status print_plan(const ExperimentConfig& config, const std::string& directory, 
         if (seconds) total += *seconds;
         else ++unknown;
         print_line(each.cell.id + "  seed " + std::to_string(each.cell.seed) + "  " +
-                   (seconds ? "about " + duration_text(*seconds) : std::string("time unknown before it runs")));
+                   (seconds ? "about " + duration_text(*seconds) : std::string("time unknown")));
     }
     for (const auto* notes : {&plan->notes, &work.notes})
         for (const std::string& note : *notes) print_line("note: " + note);
@@ -110,11 +110,12 @@ Status print_plan(const ExperimentConfig& config, const std::string& directory, 
     print_line("time: " + time_left_text(unknown == count ? -1 : total, unknown) +
                (unknown > 0 ? " (the time of " + counted(unknown, "cell") + " is unknown)" : "") +
                references_text(config, estimates) +
-               (calibrate
-                    ? "; from a short render of every scene by every setting, " + duration_text(measured) + " in all"
-                    : "; budgets of samples and errors are not known without a calibration"));
+               (calibrate ? "; measured by a short render of every scene with all settings, " +
+                                duration_text(measured) + " in total"
+                          : "; the times for budgets of samples and errors are unknown without a calibration"));
     print_line("memory: " + display::memory_text(largest) + " for the largest frame buffer" +
-               (config.checkpoint_seconds > 0 ? ", as much again for its checkpoints" : "") + "; beside the scenes");
+               (config.checkpoint_seconds > 0 ? ", as much again for its checkpoints" : "") +
+               "; in addition to the scenes");
     return broken_scenes(config, broken);
 }
 

@@ -1,4 +1,4 @@
-// One cell once more, and whether its bits are the same.
+// Renders one cell again and compares its bits.
 #include <stdlib.h>
 #include <algorithm>
 #include <cstring>
@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Removed with all that is in it.
+/// A folder that is removed with its contents.
 struct TemporaryFolder {
     TemporaryFolder() {
         std::string name = (fs::temp_directory_path() / "raylex-replay-XXXXXX").string();
@@ -41,7 +41,7 @@ std::string content_of(const std::string& path) {
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// A header tells of times and machines; what an image shows are its pixels.
+/// Compares the pixels of two images. Headers differ because they contain times and machines.
 Result<bool> same_pixels(const std::string& a, const std::string& b) {
     auto first = display::read_exr(a), second = display::read_exr(b);
     if (!first) return first.error();
@@ -62,7 +62,7 @@ Result<bool> same_pixels(const std::string& a, const std::string& b) {
     return true;
 }
 
-/// The arrays and the image that the new render comes to, against those of the cell.
+/// Compares the arrays and the image of the new render with those of the cell.
 Status compare_files(const Cell& cell, const Rendered& again, const JobScene& scene, ReplayOutcome& outcome) {
     const TemporaryFolder folder;
     if (folder.path.empty()) return error_at({}, "cannot make a temporary folder; expected room in $TMPDIR");
@@ -75,9 +75,9 @@ Status compare_files(const Cell& cell, const Rendered& again, const JobScene& sc
     for (const std::string& name : names) {
         const std::string before = cell.directory + "/" + name, now = folder.path + "/" + name;
         bool same = true;
-        if (name == "record.bin") continue;  // its sums are the same; it also says who made it
+        if (name == "record.bin") continue;  // its sums are equal; it also contains its origin
         if (!fs::exists(before)) {
-            outcome.difference = name + ": this file is gone";
+            outcome.difference = name + ": this file is missing";
             return success();
         }
         if (name.ends_with(".exr")) {
@@ -108,7 +108,7 @@ Result<ReplayOutcome> replay_cell(ExperimentConfig config, const std::string& di
     const auto cell =
         std::find_if(results->cells.begin(), results->cells.end(), [&](const Cell& each) { return each.id == id; });
     if (cell == results->cells.end()) {
-        return directory_error(directory, "there is no finished cell '" + id + "'; cells/ has them",
+        return directory_error(directory, "unknown cell '" + id + "'; cells/ has the finished cells",
                                near_miss(id, ids));
     }
     auto plan = make_plan(config);
@@ -119,8 +119,7 @@ Result<ReplayOutcome> replay_cell(ExperimentConfig config, const std::string& di
         return directory_error(failed_file(directory, id), "this cell failed, so there is nothing to compare with");
     if (planned == plan->cells.end()) return directory_error(directory, "the config plans no cell '" + id + "'");
     if (!config.methods[config.variants[planned->variant].method].command.empty())
-        return directory_error(cell->directory,
-                               "this cell is of an external renderer, whose bits raylex cannot promise");
+        return directory_error(cell->directory, "this cell comes from an external renderer, whose bits may differ");
     ReplayOutcome outcome;
     outcome.difference = damage_of(*cell);
     if (!outcome.difference.empty()) return outcome;

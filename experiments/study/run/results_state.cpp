@@ -18,9 +18,9 @@ Status check_same_config(const Experiment& results, const ExperimentConfig& conf
     std::string there;
     for (const std::string& each : results.overrides) there += " --set " + each;
     return error_at({config.file, 1, 1},
-                    "the results in '" + results.directory + "' are of another config: hash " + results.config_hash +
+                    "the results in '" + results.directory + "' belong to another config: hash " + results.config_hash +
                         (there.empty() ? "" : " (with" + there + ")") + ", this one has " + config.hash,
-                    "choose another directory with -o, or give the config and the --set that they were made with");
+                    "choose another directory with -o, or use the config and --set of the results");
 }
 
 DirectoryLock::~DirectoryLock() {
@@ -35,7 +35,7 @@ void DirectoryLock::leave_to_parent() {
 Status DirectoryLock::take(const std::string& directory, const std::string& name) {
     const std::string path = directory + "/" + name;
     file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    // Where a file system knows no locks, one run at a time is the user's to see to.
+    // On file systems without locks, the user must make sure that only one run uses the directory.
     if (file_ < 0 || lock_file(file_)) return success();
     return directory_error(directory, "another process is running cells into this directory",
                            "wait for it, or choose another directory with -o");

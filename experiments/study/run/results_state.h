@@ -1,4 +1,4 @@
-// What a results directory is found to be, for all that go on with one.
+// Checks the state of a results directory before a run continues in it.
 #pragma once
 
 #include <string>
@@ -9,23 +9,24 @@
 
 namespace raylex::experiments {
 
-/// An Error about a directory or file of the results.
+/// Returns an Error about a directory or file of the results.
 Error directory_error(const std::string& path, std::string message, std::string hint = {});
 
-/// Whether the results are of this config, overrides included; an Error at the config names both.
+/// Checks that the results belong to this config, overrides included. The Error at the config names both.
 Status check_same_config(const Experiment& results, const ExperimentConfig& config);
 
-/// Held while a run writes to a directory of results, so that no second one renders the same cells into the same files.
-/// The system lets go of it when the process ends, however it does.
+/// A lock of a run on its results directory, so that no two runs render the same cells into the same files. The system
+/// releases it when the process ends for any reason.
 class DirectoryLock {
   public:
     DirectoryLock() = default;
     ~DirectoryLock();
     DirectoryLock(const DirectoryLock&) = delete;
     DirectoryLock& operator=(const DirectoryLock&) = delete;
-    /// Shards of one run may share a directory: each has a lock of its `name`. An Error when another process has it.
+    /// Takes the lock. Shards of one run may share a directory: each has its own lock, `name`. Error: another process
+    /// has the lock.
     Status take(const std::string& directory, const std::string& name);
-    /// In a copy of this process: the lock is not its own, and does not outlive the process that has it.
+    /// Disowns the lock in a forked process: it belongs to the parent and ends with it.
     void leave_to_parent();
 
   private:

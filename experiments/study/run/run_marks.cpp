@@ -87,7 +87,7 @@ bool is_done(const std::string& directory) {
 std::string error_mark(const std::string& directory) {
     std::error_code failed;
     if (!fs::exists(directory + "/error.txt", failed)) return {};
-    auto text = raylex::read_record(directory + "/error.txt", "what ended a run");
+    auto text = raylex::read_record(directory + "/error.txt", "an error mark");
     std::string message = text ? *text : text.error().to_string();
     while (!message.empty() && message.back() == '\n') message.pop_back();
     return message.empty() ? "it ended with an error" : message;

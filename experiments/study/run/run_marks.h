@@ -1,5 +1,5 @@
-// What a run that may be begun again and again leaves beside its results: that it began, that it is done, or why it
-// ended. A queue's tasks and 'raylex status' go by it.
+// Marks of a repeatable run beside its results: that it began, that it is finished, or why it ended. Queues and 'raylex
+// status' use them.
 #pragma once
 
 #include <cstddef>
@@ -15,26 +15,26 @@ struct RunMark {
     std::string config_hash;
     Shard shard;
     bool only_references = false;
-    std::size_t done = 0, failed = 0;  ///< cells and parts of cells, and references that could not be made
+    std::size_t done = 0, failed = 0;  ///< cells and parts of cells; `failed` also counts references
 };
 
-/// DIR/finished.json: there once all that a run was to do is done or has failed.
+/// Returns DIR/finished.json, which exists when all work of a run is done or has failed.
 std::string finished_file(const std::string& directory);
-/// Whether a file in a directory of results is one of these.
+/// Returns whether a file in a results directory is a mark.
 bool is_run_mark(const std::string& name);
 
-/// Makes the directory and says that a run of this shard began; what an earlier one left is taken away.
+/// Makes the directory, marks the beginning of a run of this shard, and removes marks of an earlier run.
 Status mark_begun(const std::string& directory, const RunMark& mark);
 Status mark_finished(const std::string& directory, const RunMark& mark);
-/// As far as the disk takes it: there may be no space left, and the message stands on the terminal too.
+/// Marks an error, if the disk has space. The message is also printed.
 void mark_error(const std::string& directory, const Error& error);
 
-/// Nothing where there is none, or none that can be read.
+/// Returns the mark of the beginning; nothing if it is missing or unreadable.
 std::optional<RunMark> begun_mark(const std::string& directory);
 std::optional<RunMark> finished_mark(const std::string& directory);
-/// Whether it finished, and no cell failed.
+/// Returns whether the run finished without failed cells.
 bool is_done(const std::string& directory);
-/// What ended the last run; empty where nothing did.
+/// Returns the error that ended the last run; empty if there is none.
 std::string error_mark(const std::string& directory);
 
 }  // namespace raylex::experiments

@@ -13,7 +13,7 @@ constexpr double seconds_between_lines = 5.0;
 }  // namespace
 
 std::string time_left_text(double seconds, std::size_t unknown) {
-    if (seconds < 0) return "not known";
+    if (seconds < 0) return "unknown";
     return (unknown > 0 ? "at least " : "about ") + duration_text(seconds);
 }
 
@@ -31,7 +31,7 @@ void RunProgress::update(const WorkProgress& now) {
     if (quiet_ || (!terminal_ && now.seconds - last_ < seconds_between_lines)) return;
     last_ = now.seconds;
     std::string text = title_ + "  " + number_text(100 * now.share, 2) + " %, " + duration_text(now.seconds);
-    // Half a second of rendering says too little about the rest.
+    // Half a second of rendering is too short for a prediction.
     const bool predicts = now.share > 0 && now.share < 1 && now.seconds > 0.5;
     const double own = predicts ? now.seconds * (1 - now.share) / now.share : 0;
     if (now.error >= 0) text += ", error " + number_text(100 * now.error, 2) + " %";

@@ -1,4 +1,4 @@
-// What a person sees while an experiment runs: the cell at hand, its error, and the time to the end.
+// Progress of an experiment for people: the current cell, its error, and the remaining time.
 #pragma once
 
 #include <cstddef>
@@ -10,18 +10,18 @@ namespace raylex::experiments {
 
 class RunProgress {
   public:
-    /// `quiet`: says nothing.
+    /// `quiet`: prints nothing.
     explicit RunProgress(bool quiet = false);
     ~RunProgress() { clear(); }
     RunProgress(const RunProgress&) = delete;
     RunProgress& operator=(const RunProgress&) = delete;
 
-    /// `title` is what is being rendered; `seconds_left` what follows it, negative when not known; `unknown` how many
-    /// cells of those cannot be told.
+    /// Begins a cell. `title` names it; `seconds_left` is the time of the cells after it, negative if unknown;
+    /// `unknown` is the number of those cells with unknown time.
     void begin(std::string title, double seconds_left, std::size_t unknown);
-    /// A line that redraws itself on a terminal, a plain one every few seconds elsewhere; on standard error.
+    /// Updates the line on standard error: it redraws itself on a terminal, or is printed every few seconds elsewhere.
     void update(const WorkProgress& now);
-    /// A line that stays, on standard output.
+    /// Prints a permanent line to standard output.
     void line(const std::string& text);
 
   private:
@@ -33,7 +33,7 @@ class RunProgress {
     bool quiet_, terminal_;
 };
 
-/// "3 min 20 s", "at least 3 min 20 s", "not known".
+/// Returns a time as text: "3 min 20 s", "at least 3 min 20 s", "unknown".
 std::string time_left_text(double seconds, std::size_t unknown);
 
 }  // namespace raylex::experiments

@@ -29,7 +29,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Empty, or left by a run that ended before it began: with nothing in it but locks, marks and a place for cells.
+/// Returns whether the directory is empty or has only traces of a run without results: locks, marks and a folder for
+/// cells.
 bool is_fresh(const std::string& directory) {
     std::error_code failed;
     if (!fs::is_directory(directory, failed)) return false;
@@ -42,18 +43,18 @@ bool is_fresh(const std::string& directory) {
     return true;
 }
 
-/// What stands in the directory already; nothing when it is new or empty.
+/// Returns the results that the directory already has; nothing if it is new or empty.
 Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config, const RunRequest& request,
                                                   const WorkList& work) {
     std::error_code failed;
     const std::string& directory = request.directory;
     if (!fs::exists(experiment_file(directory), failed)) {
         if (request.resume && !request.begin)
-            return directory_error(directory, "there are no results to go on with: no experiment.json",
-                                   "'raylex experiment run' begins");
+            return directory_error(directory, "there are no results to continue: no experiment.json",
+                                   "'raylex experiment run' starts a new run");
         if (fs::exists(directory, failed) && !is_fresh(directory))
-            return directory_error(directory,
-                                   "this is neither empty nor a results directory; expected a new directory for -o");
+            return directory_error(
+                directory, "this directory is neither empty nor a results directory; expected a new one for -o");
         return std::optional<Experiment>();
     }
     auto results = read_experiment(directory);
@@ -64,21 +65,20 @@ Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config
             directory,
             "there are " + std::to_string(results->cells.size() + results->parts.size()) +
                 " finished cells of this config already",
-            "'raylex experiment resume' goes on with them; to begin again, remove the directory or choose another");
+            "'raylex experiment resume' continues; to start again, remove the directory or choose another");
     std::set<std::string> items, settled;
     for (const PlannedCell& each : work.items) items.insert(each.cell.id);
     for (const Cell& each : results->parts) {
         settled.insert(each.id);
         if (!items.contains(each.id))
-            return directory_error(directory, "there is part '" + each.id + "', which is none of this run's",
-                                   "give the --split-cells that the directory was begun with, or choose another "
-                                   "directory with -o");
+            return directory_error(directory, "part '" + each.id + "' does not belong to this run",
+                                   "use the --split-cells of the earlier run, or choose another directory with -o");
     }
     for (const Cell& each : results->cells) settled.insert(each.id);
     for (const std::string& id : items)
         if (const std::string cell = cell_directory(directory, id); !settled.contains(id) && fs::exists(cell, failed))
-            return directory_error(cell, "this cell is half-written: it has no cell.json",
-                                   "remove this directory to have the cell rendered again; all others stay");
+            return directory_error(cell, "this cell is incomplete: it has no cell.json",
+                                   "remove this directory, so that the cell is rendered again; all others are kept");
     return std::optional(std::move(*results));
 }
 
@@ -86,7 +86,7 @@ NamedValues provenance(const ExperimentConfig& config) {
     const unsigned cores = std::thread::hardware_concurrency();
     const int threads = config.base.settings.threads;
     double load = 0;
-    if (getloadavg(&load, 1) != 1) load = 0;  // as an idle machine has it
+    if (getloadavg(&load, 1) != 1) load = 0;  // as on an idle machine
     return {{"version", raylex_version()},
             {"revision", raylex_revision()},
             {"compiler", build_description()},
@@ -140,7 +140,7 @@ class Run {
         return success();
     }
 
-    /// Cells whose files are not what was written go to damaged/ID, and are rendered again.
+    /// Moves cells with changed files to damaged/ID, so that they are rendered again.
     Status set_damaged_aside() {
         if (!earlier_) return success();
         for (auto* list : {&earlier_->cells, &earlier_->parts})
@@ -165,7 +165,7 @@ class Run {
         return success();
     }
 
-    /// Everything of experiment.json but what references come to.
+    /// Fills in experiment.json except for the references.
     Status describe() {
         experiment_.name = config_.name;
         experiment_.directory = request_.directory;
@@ -184,8 +184,8 @@ class Run {
             for (const auto& [name, value] : provenance(config_))
                 for (const auto& [known, before] : experiment_.provenance)
                     if (known == name && before != value && (name == "revision" || name == "machine"))
-                        print_warning("the results were begun with another " + name + ": " + before +
-                                      "; times do not compare");
+                        print_warning("earlier results have another " + name + ": " + before +
+                                      "; times are not comparable");
         }
         for (const PlannedCell& each : plan_.cells) experiment_.planned.push_back(each.cell);
         for (const MethodRequest& each : config_.methods) {
@@ -198,14 +198,14 @@ class Run {
             if (Status s = describe_scene(i); !s) return s;
             any_died = any_died || worker_.died();
             if (!stopped()) continue;
-            experiment_.scenes.clear();  // half a description is not written over a whole one
+            experiment_.scenes.clear();  // so that an incomplete description does not overwrite a complete one
             return success();
         }
-        // A mistake that all scenes share, such as in a channel, is to be mended before anything is rendered.
+        // An error in all scenes, such as in a channel, should be fixed before anything is rendered.
         if (broken_.size() == config_.scenes.size() && !any_died && !earlier_) return broken_.begin()->second;
         for (const auto& [index, error] : broken_)
             print_warning("scene '" + config_.scenes[index].name +
-                          "' fails, and with it all of its cells: " + error.to_string());
+                          "' fails, and so do all its cells: " + error.to_string());
         return write_experiment_files(experiment_);
     }
 
@@ -233,10 +233,10 @@ class Run {
                 if (known.name == info.name && !known.hash.empty() &&
                     (known.hash != info.hash || known.width != info.width || known.height != info.height))
                     return error_at(config_.scenes[index].location,
-                                    "scene '" + info.name + "' is not what it was when the results in '" +
-                                        request_.directory + "' were begun: its files have changed",
-                                    "choose another directory with -o, or bring the scene's files back");
-        if (earlier_)  // until it is found again, or made again
+                                    "scene '" + info.name + "' has changed since the results in '" +
+                                        request_.directory + "' were started",
+                                    "choose another directory with -o, or restore the scene's files");
+        if (earlier_)  // until it is found or made again
             for (const SceneInfo& known : earlier_->scenes)
                 if (known.name == info.name) {
                     info.reference = known.reference;
@@ -254,9 +254,9 @@ class Run {
     }
 
     Status warm_up() {
-        // Nothing that is done already is measured again.
+        // Finished work is not measured again.
         if (earlier_ && earlier_->missing.empty() && !request_.retry) return success();
-        // A task of many does no work that each of the others does too, but for what measures seconds.
+        // A shard does no work that every other shard would do too, except to measure times.
         if (request_.begin && !measures_seconds()) return success();
         const double rendered = worker_.seconds();
         std::set<std::size_t> skips;
@@ -335,7 +335,8 @@ class Run {
         return success();
     }
 
-    /// What follows the cell at hand. Of long plans added up anew about once a second, so that a million cells cost
+    /// Updates the estimate of the remaining cells. For long plans this happens about once a second, so that its cost
+    /// is negligible.
     /// nothing.
     void expect(std::size_t from) {
         constexpr std::size_t short_plan = 2000;
@@ -355,7 +356,7 @@ class Run {
         return [this](const WorkProgress& now) { progress_.update(now); };
     }
 
-    /// Each warning once, with the first cell that has it.
+    /// Prints each warning once, with the first cell that has it.
     void warn(const std::string& text, const std::string& id) {
         if (++warnings_[text] == 1) progress_.line("warning: " + (id.empty() ? "" : id + ": ") + text);
     }
@@ -426,9 +427,9 @@ class Run {
                                                           : std::to_string(std::lround(time.overhead_percent()))) +
                            " % of render time");
         if (outcome.parts > 0)
-            progress_.line("  'raylex experiment merge' makes cells of their parts, once all are there");
+            progress_.line("  'raylex experiment merge' combines the parts into cells when all exist");
         else if (outcome.left > 0 && request_.shard.parts == 1)
-            progress_.line("  'raylex experiment resume' with the same config and directory goes on from here");
+            progress_.line("  'raylex experiment resume' with the same config and directory continues from here");
     }
 
     const ExperimentConfig& config_;
@@ -442,7 +443,7 @@ class Run {
     Estimates estimates_;
     RunProgress progress_{request_.quiet};
     std::map<std::size_t, Error> broken_;          // scenes that cannot be rendered
-    std::map<std::string, std::size_t> warnings_;  // and how often they came
+    std::map<std::string, std::size_t> warnings_;  // with their counts
     std::size_t references_failed_ = 0;
     std::optional<Experiment> earlier_;
     Experiment experiment_;
@@ -463,7 +464,8 @@ Result<Shard> parse_shard(const std::string& text, const SourceLocation& where) 
         const auto [last, no_parts] = std::from_chars(slash + 1, end, shard.parts);
         if (no_parts == std::errc() && last == end && shard.part >= 1 && shard.part <= shard.parts) return shard;
     }
-    return error_at(where, "'" + text + "' is no shard; expected PART/PARTS, such as 2/4, with PART from 1 to PARTS");
+    return error_at(where,
+                    "'" + text + "' is not a shard; expected PART/PARTS, such as 2/4, with PART from 1 to PARTS");
 }
 
 Result<RunOutcome> run_experiment(const ExperimentConfig& config, const RunRequest& request,

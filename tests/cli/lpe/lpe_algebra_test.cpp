@@ -86,27 +86,27 @@ TEST_CASE("lpe explain says what an expression means and ends with 1 when nothin
     CHECK(wrong.err.find("^") != std::string::npos);
 }
 
-TEST_CASE("lpe match tells where a path fails, under the event, and what was wanted") {
+TEST_CASE("lpe match points at the event where a path fails and prints what was expected") {
     const Folder folder;
     CHECK(run_raylex(folder, "lpe match C.*L C,- R,D,floor L,-").code == 0);  // the path in several arguments
     const Outcome no = run_raylex(folder, "lpe match \"C<RD'floor'>L\" 'C,- R,D,flor L,-'");
     CHECK(no.code == 1);
     CHECK(no.out ==
           "no match\n"
-          "the path fits up to event 1: camera\n"
+          "the path matches up to event 1: camera\n"
           "  C,- R,D,flor L,-\n"
           "      ^\n"
-          "found diffuse reflection off 'flor' at column 5; wanted one diffuse reflection off 'floor'\n"
-          "that is '<RD'floor'>' (column 2) of the expression\n"
+          "found diffuse reflection off 'flor' at column 5; expected one diffuse reflection off 'floor'\n"
+          "the expected piece is '<RD'floor'>' (column 2) of the expression\n"
           "its label 'flor' is not 'floor'; did you mean 'floor'?\n");
     const Outcome early = run_raylex(folder, "lpe match --dialect osl 'CD+L' 'C,- R,D'");
     CHECK(early.code == 1);
-    CHECK(early.out.find("no match\nall 2 events fit, but the path ends too early") == 0);
-    CHECK(early.out.find("wanted one diffuse scattering or a light") != std::string::npos);
+    CHECK(early.out.find("no match\nall 2 events match, but the path ends too early") == 0);
+    CHECK(early.out.find("expected one diffuse scattering or a light") != std::string::npos);
     CHECK(run_raylex(folder, "lpe match 'CLD - C.*' 'C,-'").out == "no match\nthe expression matches no path at all\n");
 }
 
-TEST_CASE("lpe truth says what expressions must give in a room of emitting walls") {
+TEST_CASE("lpe truth computes the values of expressions in a room of emitting walls") {
     const Folder folder;
     const Outcome caustics = run_raylex(folder, "lpe truth 'C<RD><RS>+L' --kd .5 --ks .3");
     CHECK(caustics.code == 0);

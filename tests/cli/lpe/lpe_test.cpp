@@ -82,7 +82,7 @@ TEST_CASE("the command line's own errors end with 2, help with 0") {
         CHECK(help.code == 0);
         CHECK(help.err.empty());
     }
-    const std::string help = run_raylex(folder, "render --help").out;
+    const std::string help = run_raylex(folder, "render --help-all").out;
     for (const char* option : {"-o", "--spp", "--seed", "--threads", "--resolution", "--integrator", "--max-depth",
                                "--sampler", "--filter", "--lpe", "--dialect", "--no-beauty", "--aov", "--ocio",
                                "--rendering-space", "--isa", "--preview", "--stats"}) {

@@ -123,7 +123,7 @@ TEST_CASE("finished buckets are not rendered again after a kill, whatever the si
     CHECK_FALSE(folder.has("out.exr.checkpoint.lock"));
     // What a kill amid writing leaves: of a process that is no more, and of rows that no bucket will have again.
     folder.write("out.exr.checkpoint/rows-00012-00016.bucket.2147483647-3.partial", "half a bucket");
-    check_refused(folder, what + " -o out.exr --bucket-rows 4", {"--resume goes on with it"});
+    check_refused(folder, what + " -o out.exr --bucket-rows 4", {"--resume continues it"});
     check_refused(folder, what + " -o out.exr --resume", {"these are the buckets of a render with --memory"});
     check_refused(folder, what + " -o out.exr --bucket-rows 4 --resume --seed 9", {"seed: 0 there, 9 here"});
     check_refused(folder, what + " -o out.exr --bucket-rows 4 --resume --crop 0,1,9,9",
@@ -183,7 +183,7 @@ TEST_CASE("what is stopped amid a bucket is written, and goes on amid it", "[buc
     CAPTURE(stopped.out, stopped.err);
     REQUIRE(stopped.code == 130);
     CHECK(contains(stopped.out, "INCOMPLETE: interrupted"));
-    CHECK(contains(stopped.out, "out.exr.checkpoint: --resume goes on from here"));
+    CHECK(contains(stopped.out, "out.exr.checkpoint: --resume continues from here"));
     CHECK(raylex::display::read_exr(folder.path("out.exr"))->attributes.contains("raylex/incomplete"));
     const Outcome outcome = run_raylex(folder, what + " -o out.exr --bucket-rows 20 --resume");
     CAPTURE(outcome.err, outcome.out);

@@ -36,18 +36,18 @@ TEST_CASE("raylex render says which kinds of AOV are asked for, and by whom") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     Outcome outcome = run_raylex(folder, "render room.pbrt");
-    CHECK(outcome.out.find("AOVs ask for") == std::string::npos);
+    CHECK(outcome.out.find("AOVs need") == std::string::npos);
     outcome = run_raylex(folder, "render room.pbrt --aov P --aov Pw --aov z --stats s.json");
     CAPTURE(outcome.out, outcome.err);
     REQUIRE(outcome.code == 0);
-    CHECK(outcome.out.find("AOVs ask for: positions (P, Pw), depths of rays (z)\n") != std::string::npos);
+    CHECK(outcome.out.find("AOVs need: positions (P, Pw), depths of rays (z)\n") != std::string::npos);
     const std::string statistics = folder.read("s.json");
     CHECK(statistics.find("\"positions\"") != std::string::npos);
     CHECK(statistics.find("\"albedo\"") == std::string::npos);
     outcome = run_raylex(folder, "render room.pbrt --aov Nn --effects");
     REQUIRE(outcome.code == 0);
     CHECK(outcome.out.find("shading normals           on           for Nn\n") != std::string::npos);
-    CHECK(outcome.out.find("curvature                 off          nobody asks\n") != std::string::npos);
+    CHECK(outcome.out.find("curvature                 off          not requested\n") != std::string::npos);
 }
 
 TEST_CASE("choices of effects that cannot be are errors that say where and what was expected") {

@@ -229,7 +229,7 @@ Shape "sphere")");
     for (std::size_t c = 0; c < 3; ++c) CHECK(clamped[c] == Approx(free[c] * 2 / x).epsilon(3e-4));
     const auto [splatted, said] = centre("--integrator lighttracer");
     CHECK(splatted[0] == Approx(free[0]));
-    CHECK(contains(said, "the film's maxcomponentvalue is ignored: light that paths splat has no samples"));
+    CHECK(contains(said, "the film's maxcomponentvalue is ignored: splatted light has no samples"));
     const auto [both, nothing_said] = centre("--integrator bdpt");
     CHECK(both[0] == clamped[0]);
     CHECK_FALSE(contains(nothing_said, "maxcomponentvalue"));

@@ -56,7 +56,7 @@ TEST_CASE("layers that cannot be are refused before rendering", "[cli][layers][l
         CHECK(contains(outcome.err, message));
         CHECK_FALSE(folder.has("a.exr"));
     };
-    says("--layer z_far", "says nothing of a channel");
+    says("--layer z_far", "'z_far' is not a setting");
     says("--layer z_far=z", "names no rule");
     says("--layer z_far=z:zmxa", "did you mean 'zmax'?");
     says("--aov z --layer far=Z:zmax", "unknown channel 'Z'");

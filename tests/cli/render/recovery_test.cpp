@@ -99,13 +99,12 @@ TEST_CASE("Ctrl-C leaves an image of what there is and a checkpoint to go on fro
                                                   until_saved + "kill -INT $pid\nwait $pid");
     CAPTURE(stopped.out, stopped.err);
     REQUIRE(stopped.code == 130);
-    CHECK(stopped.out.find("out.exr.checkpoint: --resume goes on from here") != std::string::npos);
+    CHECK(stopped.out.find("out.exr.checkpoint: --resume continues from here") != std::string::npos);
     CHECK(folder.names() == std::vector<std::string>{"out.exr", "out.exr.checkpoint", "room.pbrt"});
     // Another render would lose it.
     const Outcome refused = run_raylex(folder, render + " -o out.exr --checkpoint 60s");
     CHECK(refused.code == 2);
-    CHECK(refused.err.find("out.exr.checkpoint: this is the checkpoint of a render that was not finished") !=
-          std::string::npos);
+    CHECK(refused.err.find("out.exr.checkpoint: this is the checkpoint of an unfinished render") != std::string::npos);
     REQUIRE(run_raylex(folder, render + " -o out.exr --resume").code == 0);
     REQUIRE(run_raylex(folder, render + " -o whole.exr").code == 0);
     CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
@@ -125,12 +124,12 @@ TEST_CASE("what cannot be resumed is refused with exit 2 and left alone", "[law7
     };
     refused("--resume", "out.exr.checkpoint: there is no checkpoint to resume from");
     refused("--resume", "leave out --resume to begin");
-    refused("--checkpoint 5x", "'5x' is no time between checkpoints; expected such as 60s, 5m or 1h");
+    refused("--checkpoint 5x", "'5x' is not a time between checkpoints; expected for example 60s, 5m or 1h");
     refused("--checkpoint 0", "at least 0.01s");
     refused("--checkpoint 60s --deep d.exr", "--deep: a deep image is not saved in checkpoints");
-    refused("--until-error 0", "'0' is no relative error; expected a number above 0 such as 1% or 0.01");
-    refused("--until-error 1x", "'1x' is no relative error");
-    refused("--until-error 5", "'5' is no relative error below 1");
+    refused("--until-error 0", "'0' is not a relative error; expected a number above 0 such as 1% or 0.01");
+    refused("--until-error 1x", "'1x' is not a relative error");
+    refused("--until-error 5", "'5' is not a relative error below 1");
     refused("--until-error 5", "did you mean '5%'?");
     refused("--until-error 5% --spp 1", "at most 1 samples a pixel; expected at least 2");
     const Outcome stopped =
@@ -222,9 +221,9 @@ neighbourhood = 2
         CHECK(bad.code == 2);
         CHECK(bad.err.find(word) != std::string::npos);
     };
-    refused("\"0.02s\"", "\"often\"", "bad.toml:7:15: 'often' is no time");
+    refused("\"0.02s\"", "\"often\"", "bad.toml:7:15: 'often' is not a time");
     refused("\"20%\"", "\"x\"", "bad.toml:15:");
-    refused("\"20%\"", "-1", "bad.toml:15:9: 'error' in [adaptive] is no number above 0");
+    refused("\"20%\"", "-1", "bad.toml:15:9: 'error' in [adaptive] is not a number above 0");
     refused("floor", "flor", "bad.toml:19:1");
     refused("\"direct\", w", "\"dirct\", w", "did you mean 'direct'?");
     refused("\"direct\", w", "\"dirct\", w", "bad.toml:16:");
@@ -239,7 +238,7 @@ TEST_CASE("--until-error says what it reached, and --spp is the most") {
     CAPTURE(outcome.err, outcome.out);
     REQUIRE(outcome.code == 0);
     CHECK(outcome.out.find("error of beauty ") != std::string::npos);
-    CHECK(outcome.out.find("pixels are above 1 % with the most samples that they may have") != std::string::npos);
+    CHECK(outcome.out.find("pixels are above 1 %") != std::string::npos);
     CHECK(run_raylex(folder, "verify room.exr").code == 2);  // nothing was split
 }
 
@@ -264,12 +263,12 @@ TEST_CASE("--time ends a render by the clock, and --spp with the samples it reac
         CHECK(bad.code == 2);
         CHECK(bad.err.find(word) != std::string::npos);
     };
-    refused("--time soon", "--time: 'soon' is no time to render for; expected such as 60s, 5m or 1h");
+    refused("--time soon", "--time: 'soon' is not a render time; expected for example 60s, 5m or 1h");
     refused("--time 5s --until-error 1%", "--until-error: adaptive sampling in a render that ends by itself");
     folder.write("bad.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\ntime = \"0s\"\n");
     const Outcome bad = run_raylex(folder, "render bad.toml");
     CHECK(bad.code == 2);
-    CHECK(bad.err.find("bad.toml:4:9: '0s' is no time to render for") != std::string::npos);
+    CHECK(bad.err.find("bad.toml:4:9: '0s' is not a render time") != std::string::npos);
 }
 
 TEST_CASE("a fault in any write, sync or rename of a run costs no bit", "[release-only][law7]") {

@@ -88,7 +88,7 @@ TEST_CASE("a shard that is done is not rendered again, and one of another render
     CHECK(contains(run_well(folder, shard + part_of(1, 2)).out, "samples 0 to 15 of 32 is done already"));
     CHECK((folder.read(record) == bits));
     check_refused(folder, shard + part_of(1, 2) + " --seed 1",
-                  {record, "the record of another render", "seed: 0 there, 1 here", "remove this one"});
+                  {record, "belongs to another render", "seed: 0 there, 1 here", "remove this record"});
     check_refused(folder, "render room.pbrt -o out.exr --spp 64 --lpe direct=CDL" + part_of(1, 2),
                   {"samples per pixel: 32 there, 64 here"});
     check_refused(folder, shard + part_of(1, 2) + " --lpe more=CSL", {"channel more"});
@@ -111,12 +111,12 @@ TEST_CASE("what is no whole render is not merged, by name, and what has no shard
     const std::string first = "out.exr.shard-1-of-3", second = "out.exr.shard-2-of-3", third = "out.exr.shard-3-of-3";
     const std::string to = " -o sum.exr";
     check_refused(folder, "merge " + first + " " + third + to,
-                  {"samples 16 to 31 of 48 are in none of the records", "run the shard that has them"});
+                  {"samples 16 to 31 of 48 are in no record", "run the shard with these samples"});
     check_refused(folder, "merge " + second + " " + first + to, {"samples 32 to 47 of 48"});
     check_refused(folder, "merge" + records(3) + " " + second + to, {second, "they overlap", "leave out one"});
     check_refused(folder, "merge" + records(3) + " out.exr.shard-2-of-2" + to, {"out.exr.shard-2-of-2", "overlap"});
     check_refused(folder, "merge " + first + " " + second + " other.exr.shard-3-of-3" + to,
-                  {"other.exr.shard-3-of-3", "of another render than '" + first + "'", "seed: 7 there, 0 here"});
+                  {"other.exr.shard-3-of-3", "belong to different renders", "seed: 7 there, 0 here"});
     check_refused(folder, "merge room.pbrt" + to, {"room.pbrt", "record"});
     check_refused(folder, "merge gone" + to, {"gone"});
     check_refused(folder, "merge" + records(3) + " -o sum.png", {"sum.png", ".exr"});
@@ -184,17 +184,17 @@ TEST_CASE("shards of another build, scene, seed or config are refused by that na
             if (name == field) value = "another", changed = true;
         REQUIRE(changed);
         REQUIRE(raylex::display::write_record_file(folder.path("other"), other).ok());
-        check_refused(folder, "merge " + first + " other -o sum.exr",
-                      {"other", "of another render than '" + first + "' (here), of another " + kind + ":",
-                       std::string(field) + ": another there, "});
+        check_refused(
+            folder, "merge " + first + " other -o sum.exr",
+            {"other", "'" + first + "' (here)", "different " + kind + ":", std::string(field) + ": another there, "});
     }
     // As they are mixed up in fact.
     folder.write("other.pbrt", folder.read("room.pbrt") + "\nLightSource \"point\"\n");
     run_well(folder, "render other.pbrt -o scene.exr --spp 32" + part_of(2, 2));
-    check_refused(folder, "merge " + first + " scene.exr.shard-2-of-2 -o sum.exr", {"of another scene:", "scene: "});
+    check_refused(folder, "merge " + first + " scene.exr.shard-2-of-2 -o sum.exr", {"different scene:", "scene: "});
     run_well(folder, "render room.pbrt -o config.exr --spp 32 --max-depth 2" + part_of(2, 2));
     check_refused(folder, "merge " + first + " config.exr.shard-2-of-2 -o sum.exr",
-                  {"of another config:", "max depth: 2"});
+                  {"different config:", "max depth: 2"});
     // One that was cut on its way.
     const std::string bytes = folder.read(second);
     for (const std::size_t size : {std::size_t{10}, bytes.size() / 2, bytes.size() - 1}) {
@@ -203,7 +203,7 @@ TEST_CASE("shards of another build, scene, seed or config are refused by that na
                       {"cut", "truncated: it ends after " + std::to_string(size) + " bytes"});
     }
     check_refused(folder, "merge " + first + " " + second + " " + second + " -o sum.exr", {second, "they overlap"});
-    check_refused(folder, "merge " + first + " -o sum.exr", {"samples 16 to 31 of 32 are in none of the records"});
+    check_refused(folder, "merge " + first + " -o sum.exr", {"samples 16 to 31 of 32 are in no record"});
 }
 
 TEST_CASE("shards in buckets of any size merge to the very image of one render", "[buckets][law3]") {

@@ -81,10 +81,9 @@ method = "chains"
 error = true
 )" + channels);
     const std::string plan = raylex_run(folder, "plan c.toml --split-cells 3 --no-calibration").out;
-    for (const char* note :
-         {"budget of 16spp are kept whole: a part has at least 16 samples",
-          "budget of e0.9 are kept whole: how many samples a budget of error comes to",
-          "'chains' with a budget of 56spp are kept whole: the Markov chains of integrator 'pssmlt'"}) {
+    for (const char* note : {"budget of 16spp stay whole: a part needs at least 16 samples",
+                             "budget of e0.9 stay whole: the number of samples for a budget of error",
+                             "'chains' with a budget of 56spp stay whole: the Markov chains of integrator 'pssmlt'"}) {
         CAPTURE(note);
         CHECK(plan.find(note) != std::string::npos);
     }
@@ -125,7 +124,7 @@ error = true
         CHECK(sum.cpu_seconds == Approx(cpu).epsilon(1e-14));
         CHECK(sum.wall_seconds == Approx(wall).epsilon(1e-14));
     }
-    CHECK(raylex_run(folder, "replay c.toml room.deep.56spp.r0 -o merged").out.find("the same bits again") !=
+    CHECK(raylex_run(folder, "replay c.toml room.deep.56spp.r0 -o merged").out.find("the same bits") !=
           std::string::npos);
 }
 
@@ -143,29 +142,29 @@ TEST_CASE("parts that are no whole are refused by name, before anything is writt
         CHECK(raylex_run(folder, arguments + " -o bad", 2).err.find(with) != std::string::npos);
         CHECK_FALSE(folder.has("bad"));
     };
-    refused("merge part1 part3", "cell '" + cell + "' is not whole: samples 16 to 31 are in none of the directories");
-    refused("merge part1 part2", "samples 32 to 55 are in none");
-    refused("merge part3 part2", "samples 0 to 15 are in none");
+    refused("merge part1 part3", "cell '" + cell + "' is incomplete: samples 16 to 31 are in no directory");
+    refused("merge part1 part2", "samples 32 to 55 are in no directory");
+    refused("merge part3 part2", "samples 0 to 15 are in no directory");
     refused(all + "part2", "has samples 16 to 31, and");
     refused(all + "halves", "they overlap");
     refused(all + "whole", "its cell is finished in 'whole/cells/" + cell + "'");
     raylex_run(folder, split + "other --set seed=5 --shard 1/3");
-    refused("merge part1 other", "results of another config");
-    CHECK(raylex_run(folder, "resume c.toml -o part1 --split-cells 2", 2).err.find("which is none of this run's") !=
+    refused("merge part1 other", "another config");
+    CHECK(raylex_run(folder, "resume c.toml -o part1 --split-cells 2", 2).err.find("does not belong to this run") !=
           std::string::npos);
-    CHECK(raylex_run(folder, split + "part1", 2).err.find("'raylex experiment resume' goes on") != std::string::npos);
+    CHECK(raylex_run(folder, split + "part1", 2).err.find("'raylex experiment resume' continues") != std::string::npos);
     // A failed part makes a failed cell; done elsewhere, it is done.
     const std::string second = "part2/cells/" + cell + ".p2of3";
     const std::string good = folder.read(second + "/cell.json");
     edit(folder, second + "/cell.json", [](Json& json) { json["isa"] = "sse2"; });
-    refused(all, "so they are not parts of one render");
+    refused(all, "so they do not belong to one render");
     folder.write(second + "/cell.json", good);
     edit(folder, second + "/cell.json", [](Json& json) { json["seed"] = 7; });
     refused(all, "this part has seed 7");
     folder.write(second + "/cell.json", good);
     const std::string record = folder.read("part2/experiment.json");
     edit(folder, "part2/experiment.json", [](Json& json) { json["provenance"]["revision"] = "elsewhere"; });
-    refused(all, "rendered by another program (revision elsewhere)");
+    refused(all, "come from another program (revision elsewhere)");
     folder.write("part2/experiment.json", record);
     fs::create_directories(folder.path("part2/failed"));
     Json failed = parse_json(good);

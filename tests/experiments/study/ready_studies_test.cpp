@@ -72,8 +72,8 @@ TEST_CASE("a channel without its beauty is compared with the same channel beside
         CHECK(outcome.err.find(message) != std::string::npos);
     };
     refused("--set clock=sun", "'clock' is 'sun'; expected \"wall\" or \"cpu\"");
-    refused("--set reference.method=alone", "references are of all that any method renders");
-    refused("--set budget.error=0.1", "a budget of error is the beauty's");
+    refused("--set reference.method=alone", "references contain everything");
+    refused("--set budget.error=0.1", "a budget of error applies to the beauty");
 }
 
 TEST_CASE("methods that begin at the lights agree with the path tracer in every channel of a partition, fog and all",
@@ -128,7 +128,7 @@ spp = 1024
     const Outcome run = run_raylex(folder, "experiment run own.toml -o out --report");
     INFO(run.out << run.err);
     REQUIRE(run.code == 0);
-    CHECK(run.out.find("\nmine on white-sky: no bias found; one of ") != std::string::npos);
+    CHECK(run.out.find("\nmine on white-sky: no bias found; a bias of ") != std::string::npos);
     CHECK(run.out.find("\nshort-sighted on white-sky: BIASED: it differs from the reference") != std::string::npos);
     CHECK(folder.has("out/report.html"));
 }

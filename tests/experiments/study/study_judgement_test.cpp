@@ -88,9 +88,9 @@ TEST_CASE("a method that declares what it omits is not judged for that reason, a
     CHECK(entry_of(study, "skewed", "bounce1").judgement() == BiasJudgement::none_found);
     const std::string page = page_of(folder, experiment);
     CHECK(has(page,
-              "Not judged, since the method declares that it does not find such paths:</span> skewed on ramp "
+              "Not judged, because the method declares that it does not find such paths:</span> skewed on ramp "
               "(C[DSV][DSV].*)"));
-    CHECK_FALSE(has(page, "No verdict on bias, since a few rare samples decide"));
+    CHECK_FALSE(has(page, "No verdict on bias, because a few rare samples dominate"));
 }
 
 TEST_CASE("where a bias above a tenth would be missed, nothing is passed", "[study][report]") {
@@ -138,10 +138,10 @@ TEST_CASE("the method that made the reference is judged by another one", "[study
     experiment.scenes[0].reference_method = "path max_depth=4";
     study = judged(experiment);
     CHECK(entry_of(study, "path max_depth=4", "beauty").judgement() == BiasJudgement::none_found);
-    CHECK(has(entry_of(study, "path max_depth=4", "beauty").verdict.note, "a mistake that is in both is not found"));
+    CHECK(has(entry_of(study, "path max_depth=4", "beauty").verdict.note, "a mistake in both is not found"));
 }
 
-TEST_CASE("a reference whose own error is not known convicts only with another method's images", "[study]") {
+TEST_CASE("a reference whose own error is unknown convicts only with another method's images", "[study]") {
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 2, 0.4});
     experiment.scenes[0].reference_method = "path max_depth=4";
@@ -151,13 +151,13 @@ TEST_CASE("a reference whose own error is not known convicts only with another m
     CHECK(met.verdict.differs);  // by the 10 % that the reference alone has
     CHECK(met.judgement() == BiasJudgement::cannot_tell);
     CHECK(has(verdict_of(study, met),
-              "cannot tell: it differs from the reference, whose own error is not known, and no "
+              "cannot tell: it differs from the reference, whose own error is unknown, and no "
               "other method's images confirm it: -9"));
     CHECK(wrong.convicts());  // the path's own images show it, too
     CHECK(entry_of(study, "path max_depth=4", "bounce1").judgement() == BiasJudgement::cannot_tell);
     const std::vector<std::string> lines = verdict_lines(study);
     REQUIRE(lines.size() == 2);
-    CHECK(has(lines[1], "whose own error is not known"));
+    CHECK(has(lines[1], "whose own error is unknown"));
     // What is not known is not taken off, and no plot claims it.
     for (const Plot& plot : plots_of(study)) CHECK_FALSE(has(plot.json, "noise subtracted"));
     const Folder known;
@@ -173,12 +173,12 @@ TEST_CASE("a bias and missing paths end the times to an error where the measured
     REQUIRE(std::isfinite(least_time("path max_depth=4", "bounce2").value));
     const Interval biased = least_time("clamped", "beauty");
     CHECK(std::isnan(biased.value));
-    CHECK(matches(biased.note, "not followed beyond [0-9.]+ % after [0-9.]+ s, since it differs by -.*"));
+    CHECK(matches(biased.note, "not followed beyond [0-9.]+ % after [0-9.]+ s, because it differs by -.*"));
     for (Cell& cell : experiment.cells)
         if (cell.method == "path") cell.omits = {{"C[DSV][DSV].*", "renderman"}};
     const Interval without = least_time("path max_depth=4", "bounce2");
     CHECK(std::isnan(without.value));
-    CHECK(has(without.note, "since it does not find C[DSV][DSV].*"));
+    CHECK(has(without.note, "because it does not find C[DSV][DSV].*"));
     CHECK(std::isfinite(least_time("path max_depth=4", "bounce1").value));
 }
 

@@ -166,7 +166,7 @@ TEST_CASE("a method that starts up is not taken for a biased one", "[study][stat
         const SlopeVerdict verdict = judge_slope(groups, true);
         accused += verdict.too_shallow;
         starting += verdict.nears;
-        if (verdict.nears) CHECK(verdict.text.starts_with("not at -1 yet, but nearer with every octave: from -0."));
+        if (verdict.nears) CHECK(verdict.text.starts_with("not at -1 yet, but closer with every octave: from -0."));
     }
     CHECK(accused <= 40);    // 2.5 %, and three standard errors
     CHECK(starting >= 950);  // of those whose slope is seen to be shallower than -1 at all
@@ -188,7 +188,7 @@ TEST_CASE("few budgets or replicates find no method too shallow", "[study]") {
     CHECK_FALSE(judge_slope(groups, true).too_shallow);
     groups.pop_back();
     CHECK_FALSE(judge_slope(groups, true).too_shallow);
-    CHECK(judge_slope(groups, true).text.starts_with("shallower than -1; not judged: four budgets"));
+    CHECK(judge_slope(groups, true).text.starts_with("shallower than -1; not judged: needs four budgets"));
 }
 
 TEST_CASE("a slope that is known well is not called noisy, and none by the name of its cause", "[study]") {
@@ -210,7 +210,7 @@ TEST_CASE("a slope that is known well is not called noisy, and none by the name 
     REQUIRE(open.judged()->slope_high < -0.9);  // well known, and not -1
     REQUIRE(open.judged()->slope_low > -0.98);
     CHECK_FALSE(open.too_shallow);
-    CHECK(open.text.find("not certainly over the last 2") != std::string::npos);
+    CHECK(open.text.find("not certain for the last 2") != std::string::npos);
     for (const SlopeVerdict& each : {open, near}) {
         CAPTURE(each.text);
         CHECK(each.text.find("noisy") == std::string::npos);

@@ -1,4 +1,4 @@
-// Closed meshes: rays at their edges and corners, bounces inside them, lines in and out.
+// Closed meshes: rays at their edges and corners, bounces inside them, lines through them.
 #include <array>
 #include <cmath>
 #include <map>
@@ -24,7 +24,7 @@ Mesh icosphere(int levels) {
         m.positions.push_back(normalize(DVec3(a, b, 0)));
         m.positions.push_back(normalize(DVec3(b, 0, a)));
     }
-    // Faces: all triples at the icosahedron's edge length, turned outwards.
+    // Faces: all triples of vertices at the icosahedron's edge length, facing outwards.
     const double edge = 4 / (1 + g * g) * 1.0001;
     const auto close = [&](std::size_t i, std::size_t j) {
         const DVec3 d = m.positions[i] - m.positions[j];
@@ -58,7 +58,8 @@ Mesh icosphere(int levels) {
     return m;
 }
 
-/// [-1, 1]^3. `fan`: the sides are cut into triangles around points `aspect` off a corner's edge: slivers.
+/// Returns the box [-1, 1]^3. `fan`: the sides consist of slivers, triangles around points with distance `aspect` from
+/// a corner's edge.
 Mesh box(double aspect) {
     Mesh m;
     for (int i = 0; i < 8; ++i) m.positions.push_back({i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0});
@@ -86,7 +87,7 @@ Result<Mesh> mesh_named(const ProbeInput& input) {
     return error_at(input.where(), "unknown mesh '" + name + "'; expected icosphere, box or slivers");
 }
 
-/// Turned, so that no edge is along an axis, and rounded.
+/// Returns the mesh as a shape, rotated so that no edge is parallel to an axis, and rounded.
 SceneShape shape_of(const Mesh& mesh, double scale, const DVec3& center) {
     const Transform turn = Transform::rotate(17, 1, 2, 3);
     SceneShape shape;
@@ -96,7 +97,7 @@ SceneShape shape_of(const Mesh& mesh, double scale, const DVec3& center) {
     return shape;
 }
 
-/// A point of an edge, a corner in one case of four, as exactly as a float holds it.
+/// Returns a point on an edge (in one of four cases a corner), as exactly as floats allow.
 DVec3 edge_point(Random& random, const SceneShape& shape) {
     const std::size_t face = 3 * random.below(shape.indices.size() / 3), k = random.below(3);
     const DVec3 a(Vec3(shape.positions[shape.indices[face + k]])),
@@ -105,7 +106,7 @@ DVec3 edge_point(Random& random, const SceneShape& shape) {
     return a * (1 - s) + b * s;
 }
 
-/// Row 4. Rays at the edges and corners of a closed convex mesh that do not meet it.
+/// Row 4. Counts rays at the edges and corners of a closed convex mesh that miss it.
 Result<ProbeResult> escapes(const ProbeInput& input) {
     const double scale = input.number("scale", 1);
     const auto rays = static_cast<std::uint64_t>(input.number("rays", 1e5));
@@ -126,7 +127,7 @@ Result<ProbeResult> escapes(const ProbeInput& input) {
             const DVec3 within = center + DVec3(random.point(Real(0.4))) * scale,
                         target = aimed ? edge_point(random, shape) : within + DVec3(random.direction()) * scale;
             const DVec3 line = normalize(target - within);
-            // From outside: through the target into the mesh, from as far behind it again.
+            // From outside: through the target into the mesh, starting at an equal distance before it.
             ray = ray_from((inside ? within : target + line * scale).to_real(), (inside ? line : line * -1).to_real());
         }
         built->intersect(all, hits);
@@ -136,7 +137,7 @@ Result<ProbeResult> escapes(const ProbeInput& input) {
     return never(missed, std::to_string(rays) + " rays");
 }
 
-/// Rows 1, 4. Diffuse bounces in a closed mesh after which the ray is outside, or meets nothing.
+/// Rows 1, 4. Counts diffuse bounces in a closed mesh after which the ray is outside or hits nothing.
 Result<ProbeResult> bounce_leaks(const ProbeInput& input) {
     const double scale = input.number("scale", 1);
     const auto bounces = static_cast<std::uint64_t>(input.number("bounces", 1e5));
@@ -155,7 +156,7 @@ Result<ProbeResult> bounce_leaks(const ProbeInput& input) {
     std::uint64_t leaks = 0;
     for (std::uint64_t i = 0; i < bounces; ++i) {
         const Found f = find(*built, ray);
-        // The meshes' faces are turned outwards: a hit against their normal is one from outside.
+        // The faces point outwards, so a hit against the normal comes from outside.
         if (!f.hit.valid() || dot(f.point.geometric_normal, ray.direction) < 0) {
             ++leaks;
             ray = start();
@@ -167,7 +168,7 @@ Result<ProbeResult> bounce_leaks(const ProbeInput& input) {
     return never(leaks, std::to_string(bounces) + " bounces");
 }
 
-/// Row 5. Lines through closed meshes inside one another that do not go in and out by turns.
+/// Row 5. Counts lines through nested closed meshes whose entries and exits do not alternate.
 Result<ProbeResult> parity(const ProbeInput& input) {
     const auto lines = static_cast<std::uint64_t>(input.number("lines", 2e4));
     const bool at_edges = input.number("edges", 0) != 0;
@@ -206,15 +207,17 @@ Result<ProbeResult> parity(const ProbeInput& input) {
 std::span<const NamedProbe> closed_mesh_probes() {
     static constexpr NamedProbe table[] = {
         {"escapes",
-         "rays at edges and corners of a closed mesh (aimed = 0: in any direction) that miss it; mesh (icosphere, box, "
+         "number of rays at edges and corners of a closed mesh (aimed = 0: in any direction) that miss it; mesh "
+         "(icosphere, box, "
          "slivers), levels, aspect, scale, away (scales), inside, aimed, seed, rays",
          escapes},
         {"bounce_leaks",
-         "diffuse bounces in a closed mesh that end outside; mesh, levels, aspect, scale, away (scales), instanced, "
+         "number of diffuse bounces in a closed mesh that end outside; mesh, levels, aspect, scale, away (scales), "
+         "instanced, "
          "seed, bounces",
          bounce_leaks},
         {"parity",
-         "lines through three closed meshes inside one another that do not go in and out by turns; mesh, levels, "
+         "number of lines through three nested closed meshes whose entries and exits do not alternate; mesh, levels, "
          "aspect, away, edges, lines",
          parity},
     };

@@ -1,4 +1,4 @@
-// Random numbers of probes: the same on every machine.
+// Random numbers of probes, the same on every machine.
 #pragma once
 
 #include <cmath>
@@ -9,15 +9,15 @@
 
 namespace raylex::experiments {
 
-/// Hashes of a counter.
+/// A sequence of hashes of a counter.
 class CountedNumbers {
   public:
     explicit CountedNumbers(std::uint64_t seed) : at_(seed << 32) {}
     std::uint64_t bits() { return transport::mix_bits(++at_); }
-    /// Uniform in [0, 1).
+    /// Returns a number uniform in [0, 1).
     double one() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
     float one_float() { return static_cast<float>(bits() >> 40) * 0x1p-24f; }
-    /// Normal, by Box and Muller.
+    /// Returns a normally distributed number (Box and Muller).
     double normal() { return std::sqrt(-2 * elementary::log(1 - one())) * elementary::cos(6.283185307179586 * one()); }
 
   private:

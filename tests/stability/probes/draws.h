@@ -1,4 +1,4 @@
-// What probes of sampling share: numbers to draw by, cells on the sphere, and how unlikely counts in cells are.
+// Shared code of sampling probes: random numbers, cells on the sphere, and a test of counts in cells.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace raylex::experiments {
 
 inline constexpr double exact_pi = 3.14159265358979323846;
 
-/// A fixed sequence of numbers in [0, 1): a probe gives the same answer whenever it is asked.
+/// A fixed sequence of numbers in [0, 1), so that a probe always gives the same result.
 class Draws {
   public:
     explicit Draws(std::uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15ull + 1) {}
@@ -23,14 +23,14 @@ class Draws {
         const transport::Real x = one();
         return {x, one()};
     }
-    /// All 53 bits of a double.
+    /// Returns a number with all 53 bits of a double.
     double fine() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
 
   private:
     std::uint64_t state_;
 };
 
-/// Mean of samples, with its standard error (Welford).
+/// The mean of samples and its standard error (Welford).
 class RunningMean {
   public:
     void add(double x) {
@@ -47,8 +47,8 @@ class RunningMean {
     double count_ = 0, mean_ = 0, sum_of_squares_ = 0;
 };
 
-/// Cells of the sphere about an axis. Rings are warped so that a lobe of width `scale` (radians) around the axis spans
-/// half of them: t = theta / (theta + scale), scaled to reach 1 at theta = pi.
+/// Cells of the sphere around an axis. The rings are warped so that half of them lie in a lobe of width `scale`
+/// (radians) around the axis: t = theta / (theta + scale), scaled to 1 at theta = pi.
 class LobeCells {
   public:
     LobeCells(const transport::Vec3& axis, double scale, int rings, int sectors)
@@ -64,7 +64,7 @@ class LobeCells {
         const int ring = std::min(static_cast<int>(t * rings_), rings_ - 1);
         return static_cast<std::size_t>(ring * sectors_ + std::min(static_cast<int>(phi * sectors_), sectors_ - 1));
     }
-    /// Integrals of `density` over every cell, by the midpoint rule on n x n points each.
+    /// Integrates `density` over every cell by the midpoint rule with n x n points.
     template <class Density>
     [[nodiscard]] std::vector<double> integrate(const Density& density, int n) const {
         std::vector<double> result(size());
@@ -91,9 +91,9 @@ class LobeCells {
     int rings_, sectors_;
 };
 
-/// How many standard deviations Pearson's chi-squared of `observed` counts lies above what `expected` ones give, by
-/// Wilson and Hilferty's cube root (error below 0.02 for 10 cells and more). Cells that expect fewer than 10 are
-/// pooled. Infinite where counts stand in cells that expect nothing.
+/// Returns by how many standard deviations Pearson's chi-squared of `observed` exceeds its mean for `expected` counts,
+/// by Wilson and Hilferty's cube root (error below 0.02 for at least 10 cells). Cells that expect fewer than 10 are
+/// pooled. Infinite if a cell has counts but expects none.
 inline double chi_squared_deviation(const std::vector<double>& observed, const std::vector<double>& expected) {
     double chi2 = 0, pooled_observed = 0, pooled_expected = 0, cells = 0;
     const auto add = [&](double o, double e) {

@@ -1,4 +1,4 @@
-// Our elementary functions at any argument, against the C library's in long double.
+// raylex's elementary functions for any argument, compared with the C library in long double.
 #include <cmath>
 
 #include "display/services/elementary.h"
@@ -51,7 +51,7 @@ Result<ProbeResult> value_of(const ProbeInput& input) {
         const auto narrow_x = static_cast<float>(x), narrow_y = static_cast<float>(y);
         result.measured = f.single(narrow_x, narrow_y);
         const auto exact = static_cast<double>(f.reference(narrow_x, narrow_y));
-        // Beyond float's largest number there is but infinity.
+        // Beyond float's largest number the result is infinity.
         result.expected = std::isinf(static_cast<float>(exact)) ? std::copysign(INFINITY, exact) : exact;
         return result;
     }
@@ -65,7 +65,7 @@ Result<ProbeResult> value_of(const ProbeInput& input) {
 std::span<const NamedProbe> elementary_probes() {
     static constexpr NamedProbe table[] = {
         {"elementary_function",
-         "what an elementary function of ours gives; function, x, y (of atan2, pow and hypot), precision (float or "
+         "value of raylex's elementary function; function, x, y (of atan2, pow and hypot), precision (float or "
          "double)",
          value_of}};
     return table;

@@ -1,5 +1,5 @@
-// Closed rooms of several shapes whose walls all emit 1 and scatter kd diffusely and ks as a mirror: radiance is the
-// same along every ray, and what an expression must give follows from its automaton alone (lpe/truth.h).
+// Closed rooms of several shapes whose walls emit 1, scatter kd diffusely and ks as a mirror. Radiance is the same
+// along every ray, and the value of an expression follows from its automaton (lpe/truth.h).
 #include <array>
 #include <cmath>
 #include <map>
@@ -33,7 +33,7 @@ MeshData tetrahedron() {
             .indices = {0, 1, 2, 0, 1, 3, 0, 2, 3, 1, 2, 3}};
 }
 
-/// An L of height 2 whose inner corner no wall sees around. Faces share their edges: there is no gap to slip through.
+/// An L-shaped room of height 2 with an inner corner that blocks the view. Faces share edges, so there are no gaps.
 MeshData corner_room() {
     constexpr std::array<std::array<float, 2>, 6> floor{{{0, 0.3f}, {0, 1}, {-1, 1}, {-1, -1}, {1, -1}, {1, 0.3f}}};
     MeshData mesh;
@@ -48,7 +48,7 @@ MeshData corner_room() {
     return mesh;
 }
 
-/// An icosahedron, each face divided into 16, on a sphere of radius 1.
+/// An icosahedron with each face divided into 16, projected to a sphere of radius 1.
 MeshData icosphere() {
     const float a = 0.525731112f, b = 0.850650808f;
     MeshData mesh;
@@ -83,7 +83,7 @@ MeshData icosphere() {
 struct Room {
     std::string shape;
     double kd, ks, scale, offset;
-    double sheets, kt;  ///< how many, at even distances from wall to centre, and what each lets through
+    double sheets, kt;  ///< number of sheets, equally spaced from wall to centre, and the transmittance of each
 
     [[nodiscard]] std::vector<double> radii() const {
         std::vector<double> radii;
@@ -117,7 +117,7 @@ Result<transport::SceneDescription> scene_of(const Room& room, const SourceLocat
     else if (room.shape == "icosphere") added = scene.add_mesh(icosphere(), placement);
     else if (room.shape == "corner") added = scene.add_mesh(corner_room(), placement);
     else
-        return error_at(where, "no enclosure has the shape '" + room.shape +
+        return error_at(where, "unknown shape of an enclosure '" + room.shape +
                                    "'; expected box, sphere, icosphere, tetrahedron or corner");
     if (!added) return added.error();
     const auto sheet = scene.add_material("raylex:sheet", {rgb("transmittance", {room.kt, room.kt, room.kt})});
@@ -143,12 +143,12 @@ lpe::Enclosure enclosure_of(const Room& room, std::uint64_t max_depth) {
     return enclosure;
 }
 
-/// What the light tracer cannot find, seen by a mirror, taken out.
+/// Removes paths that the light tracer cannot find, which the camera sees in a mirror.
 std::string found_by(const std::string& integrator, const std::string& expression) {
     return integrator == "lighttracer" ? "(" + expression + ")-C<RS>.*" : expression;
 }
 
-/// Expression number `index` of those that give some of the light and not all of it.
+/// Returns the `index`-th of the random expressions that match some but not all light.
 Result<std::string> random_one(double index, const std::string& integrator, const lpe::Enclosure& enclosure) {
     const auto first = static_cast<std::uint64_t>(index) * 1000;
     for (std::uint64_t seed = first; seed < first + 1000; ++seed) {
@@ -158,7 +158,7 @@ Result<std::string> random_one(double index, const std::string& integrator, cons
         const auto truth = lpe::enclosure_truth(source, enclosure);
         if (truth && truth->value > 0.01 && truth->value < 1.9) return expression;
     }
-    return error_at({}, "no random expression gives some of the light");
+    return error_at({}, "no random expression matches only a part of the light");
 }
 
 Result<ProbeResult> enclosure(const ProbeInput& input) {
@@ -166,7 +166,7 @@ Result<ProbeResult> enclosure(const ProbeInput& input) {
                     input.number("scale", 1),   input.number("offset", 0), input.number("sheets", 0),
                     input.number("kt", 0.8)};
     if (room.sheets > 0 && room.shape != "sphere")
-        return error_at(input.where(), "sheets are known to stand in a 'sphere' alone, not in a '" + room.shape + "'");
+        return error_at(input.where(), "sheets are supported only in a 'sphere', not in a '" + room.shape + "'");
     const std::string integrator = input.word("integrator", "path");
     const auto depth = static_cast<std::int64_t>(input.number("depth", 6));
     const lpe::Enclosure truth_of = enclosure_of(room, static_cast<std::uint64_t>(depth));
@@ -221,9 +221,9 @@ Result<ProbeResult> enclosure(const ProbeInput& input) {
 std::span<const NamedProbe> enclosure_probes() {
     static constexpr NamedProbe table[] = {
         {"enclosure",
-         "what an expression gives in a closed room that emits 1 everywhere; shape (box, sphere, icosphere, "
-         "tetrahedron, corner), kd, ks, scale, offset in sizes of the room, sheets (how many spheres in the sphere), "
-         "kt (what each lets through), integrator, expression or random (its "
+         "value of an expression in a closed room that emits 1 everywhere; shape (box, sphere, icosphere, "
+         "tetrahedron, corner), kd, ks, scale, offset in sizes of the room, sheets (number of spheres in the sphere), "
+         "kt (transmittance of each), integrator, expression or random (its "
          "number), depth, spp, seeds",
          enclosure}};
     return table;

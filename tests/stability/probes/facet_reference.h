@@ -1,4 +1,4 @@
-// What GGX facets give back, in double and apart from the closures: the reference of furnaces.
+// The albedo of GGX facets in double precision, independent of the closures: the reference of furnace tests.
 #pragma once
 
 #include <cmath>
@@ -9,11 +9,12 @@ namespace raylex::experiments {
 
 struct ReferenceFacets {
     double alpha_x, alpha_y;
-    double eta = 0;  ///< of glass, of the far side over wo's; 0: metal that reflects everything
+    double eta = 0;  ///< of glass: far side relative to wo's side; 0: metal that reflects everything
 
-    /// Directional albedo at `wo` (z > 0): reflected light, and for glass transmitted basic radiance. An integral over
-    /// slopes, which for GGX are P22 = 1 / (pi ax ay (1 + r^2)^2) in r^2 = (p/ax)^2 + (q/ay)^2 (Heitz 2014, equations
-    /// 11, 72, 99): s = r^2 / (1 + r^2) and the angle are uniform. n x n points by the midpoint rule.
+    /// Returns the directional albedo at `wo` (z > 0): reflected light, and for glass transmitted basic radiance.
+    /// Integrates over slopes, which for GGX have the density P22 = 1 / (pi ax ay (1 + r^2)^2) with r^2 = (p/ax)^2 +
+    /// (q/ay)^2 (Heitz 2014, equations 11, 72, 99), so s = r^2 / (1 + r^2) and the angle are uniform. Midpoint rule
+    /// with n x n points.
     [[nodiscard]] double albedo(const transport::BasicVec3<double>& wo, int n) const {
         double sum = 0;
         for (int i = 0; i < n; ++i) {

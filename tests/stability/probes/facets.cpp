@@ -1,4 +1,4 @@
-// Microfacets and interfaces at the ends of roughness, index and angle.
+// Microfacets and interfaces at extreme roughness, index and angle.
 #include "tests/stability/probes/draws.h"
 #include "tests/stability/probes/probes.h"
 #include "transport/materials/bsdf/conductor.h"
@@ -23,8 +23,8 @@ Ggx facets_asked_for(const ProbeInput& input) {
     return Ggx::from_alpha(static_cast<Real>(alpha), static_cast<Real>(input.number("alpha_y", alpha)));
 }
 
-/// Integral of D cos over normals, in slopes (p, q) = alpha r (cos phi, sin phi), dm = ax ay m.z^3 r dr dphi: the
-/// density in Real, all else in double.
+/// Integrates D cos over normals, in slopes (p, q) = alpha r (cos phi, sin phi), dm = ax ay m.z^3 r dr dphi. The
+/// density is in Real, everything else in double.
 Result<ProbeResult> ggx_normalisation(const ProbeInput& input) {
     const Ggx facets = facets_asked_for(input);
     if (Status given = input.status(); !given) return given.error();
@@ -50,7 +50,7 @@ Result<ProbeResult> ggx_normalisation(const ProbeInput& input) {
     return result;
 }
 
-/// What just not smooth metal reflects, over what the mirror does.
+/// Returns the reflectance of slightly rough metal relative to a mirror.
 Result<ProbeResult> ggx_smooth_limit(const ProbeInput& input) {
     const Vec3 wo = at_cosine(input.number("mu"));
     const Ggx facets = facets_asked_for(input);
@@ -71,9 +71,9 @@ Result<ProbeResult> ggx_smooth_limit(const ProbeInput& input) {
     return result;
 }
 
-/// The cosine so many steps of Real away from the critical angle inside glass.
+/// Returns the cosine that is `steps` units of Real away from the critical angle inside glass.
 Real cosine_near_critical(double eta, double steps) {
-    const double outwards = 1 / static_cast<Real>(eta);  // as it is rounded
+    const double outwards = 1 / static_cast<Real>(eta);  // as rounded to Real
     Real cosine = static_cast<Real>(std::sqrt(1 - outwards * outwards));
     for (int i = 0; i < std::abs(steps); ++i) cosine = std::nextafter(cosine, steps > 0 ? Real(1) : Real(0));
     return cosine;
@@ -97,7 +97,7 @@ Result<ProbeResult> critical_energy(const ProbeInput& input) {
     return result;
 }
 
-/// Steps at which reflectance falls as the angle grows, over `ulps` steps on either side of the critical angle.
+/// Counts the steps at which reflectance falls as the angle grows, within `ulps` steps of the critical angle.
 Result<ProbeResult> critical_monotone(const ProbeInput& input) {
     const double eta = input.number("eta"), steps = input.number("ulps", 64);
     if (Status given = input.status(); !given) return given.error();
@@ -113,7 +113,7 @@ Result<ProbeResult> critical_monotone(const ProbeInput& input) {
     return result;
 }
 
-/// Reflectance of dielectric or conductor against the same formula in complex double.
+/// Compares the reflectance of a dielectric or conductor with the same formula in complex double.
 Result<ProbeResult> interface_reflectance(const ProbeInput& input) {
     const double mu = input.number("mu"), n = input.number("eta"), k = input.number("k", 0);
     if (Status given = input.status(); !given) return given.error();
@@ -131,7 +131,7 @@ Result<ProbeResult> interface_reflectance(const ProbeInput& input) {
     return result;
 }
 
-/// The table of what facets of any roughness give back, against its integral by many more points.
+/// Compares the table of facet albedos with their integral by many more points.
 Result<ProbeResult> albedo_table(const ProbeInput& input) {
     const double eta = input.number("eta", 0), mu = input.number("mu");
     const Ggx facets = facets_asked_for(input);
@@ -150,15 +150,15 @@ Result<ProbeResult> albedo_table(const ProbeInput& input) {
 std::span<const NamedProbe> facet_probes() {
     static constexpr NamedProbe table[] = {
         {"ggx_normalisation", "integral of D cos over normals; alpha, alpha_y", ggx_normalisation},
-        {"ggx_smooth_limit", "reflectance of metal of this roughness over that of its mirror; alpha, mu",
+        {"ggx_smooth_limit", "reflectance of metal with this roughness relative to its mirror; alpha, mu",
          ggx_smooth_limit},
         {"critical_energy", "R + T of ideal glass from inside, `ulps` steps from the critical cosine; eta, ulps",
          critical_energy},
-        {"critical_monotone", "steps about the critical angle at which reflectance falls; eta, ulps (64)",
+        {"critical_monotone", "number of steps around the critical angle at which reflectance falls; eta, ulps (64)",
          critical_monotone},
-        {"fresnel", "reflectance of an interface, against double; mu, eta, k (0: dielectric)", interface_reflectance},
-        {"facet_albedo",
-         "table of what facets of any roughness give back, against its integral; alpha, mu, eta (0: metal)",
+        {"fresnel", "reflectance of an interface, compared with double; mu, eta, k (0: dielectric)",
+         interface_reflectance},
+        {"facet_albedo", "table of facet albedos, compared with its integral; alpha, mu, eta (0: metal)",
          albedo_table}};
     return table;
 }

@@ -1,4 +1,4 @@
-// What image files keep of values.
+// The precision of values in image files.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr int ramp_pixels = 1024;
 
-/// An image of one row whose light goes from one power of two to the next, as a float could hold it.
+/// An image of one row whose light rises from one power of two to the next.
 class Ramp final : public display::PixelImage {
   public:
     explicit Ramp(double from) : from_(from) {
@@ -33,7 +33,7 @@ class Ramp final : public display::PixelImage {
     }
     using display::PixelImage::resolve;
     using display::PixelImage::resolve_alpha;
-    /// Steps that are no multiples of a half's last place.
+    /// Returns values that are not multiples of the last place of a half.
     [[nodiscard]] double value(int x) const {
         return static_cast<float>(from_ * (1 + (double(x) + 1.0 / 3) / ramp_pixels));
     }
@@ -44,7 +44,7 @@ class Ramp final : public display::PixelImage {
     display::ChannelDefinition channel_;
 };
 
-/// A file of its own that is gone with it.
+/// A temporary file, removed at the end.
 class ScratchFile {
   public:
     ScratchFile() : folder_((std::filesystem::temp_directory_path() / "raylex-XXXXXX").string()) {
@@ -90,7 +90,7 @@ Result<ProbeResult> stored_error(const ProbeInput& input) {
 std::span<const NamedProbe> file_probes() {
     static constexpr NamedProbe table[] = {
         {"stored_error",
-         "the largest relative error of light between two powers of two, written to OpenEXR and read again; from, "
+         "largest relative error of light between two powers of two after writing to OpenEXR and reading; from, "
          "storage (float zip, half piz ...)",
          stored_error}};
     return table;

@@ -1,4 +1,4 @@
-// Rays and surfaces: leaving without coming back, hits where the closed form has them.
+// Rays and surfaces: rays that leave a surface, and hits compared with closed forms.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -14,7 +14,8 @@ namespace {
 
 using namespace geometry_probe;
 
-/// 200 triangles of size `scale` around a point `away` times as far, two of whose edges are as 1 to `aspect`.
+/// Returns 200 triangles of size `scale` at a distance of `away` times `scale`; two of their edges have the ratio 1 to
+/// `aspect`.
 SceneShape random_triangles(Random& random, Real scale, Real away, double aspect) {
     SceneShape shape;
     const DVec3 center(random.point(away * scale));
@@ -28,7 +29,7 @@ SceneShape random_triangles(Random& random, Real scale, Real away, double aspect
     return shape;
 }
 
-/// At an angle of asin(`sine`) to the plane; any direction for 0.
+/// Returns a direction at an angle of asin(`sine`) to the plane; any direction for 0.
 Vec3 direction_at(Random& random, const Vec3& normal, double sine) {
     const Vec3 any = random.direction();
     if (sine == 0) return any;
@@ -36,7 +37,7 @@ Vec3 direction_at(Random& random, const Vec3& normal, double sine) {
     return normalize(flat * std::sqrt(1 - sine * sine) + n * std::copysign(sine, dot(n, d))).to_real();
 }
 
-/// Row 1. Rays that leave a triangle and find it again.
+/// Row 1. Counts rays that leave a triangle and hit it again.
 Result<ProbeResult> rehits(const ProbeInput& input) {
     const auto scale = static_cast<Real>(input.number("scale", 1)), away = static_cast<Real>(input.number("away", 0));
     const double aspect = input.number("aspect", 1), sine = input.number("sine", 0);
@@ -61,7 +62,7 @@ Result<ProbeResult> rehits(const ProbeInput& input) {
         const Found f = find(*built, ray_from(at - toward * (scale * (random() + Real(0.01))), toward));
         if (!f.hit.valid()) continue;
         const Ray next = leaving(f, direction_at(random, f.point.geometric_normal, sine));
-        // Within 2^-20 of the plane the direction's own rounding decides on which side it goes.
+        // Within 2^-20 of the plane, rounding of the direction decides the side.
         if (sine == 0 && std::abs(dot(next.direction, f.point.geometric_normal)) < 0x1p-20f) continue;
         ++tested;
         const Found second = find(*built, next);
@@ -75,9 +76,9 @@ Result<ProbeResult> rehits(const ProbeInput& input) {
     return result;
 }
 
-/// Row 2. Of rays that leave the lower of two planes, those that the upper does not catch.
+/// Row 2. Counts rays from the lower of two planes that the upper plane does not stop.
 Result<ProbeResult> gap_leaks(const ProbeInput& input) {
-    const double gap = input.number("gap");  // of the planes' distance from the origin
+    const double gap = input.number("gap");  // relative to the planes' distance from the origin
     const auto rays = static_cast<std::uint64_t>(input.number("rays", 20000));
     if (Status s = input.status(); !s) return s.error();
     const Transform turn = Transform::rotate(input.number("degrees", 33), 1, 2, 0.5);
@@ -102,7 +103,7 @@ Result<ProbeResult> gap_leaks(const ProbeInput& input) {
             ++leaks;
             continue;
         }
-        // Up to 84 degrees: within 10 gaps of where it began.
+        // Up to 84 degrees, so that the ray stays within 10 gaps of its origin.
         DVec3 d(random.direction());
         d = d - n * dot(d, n);
         d = normalize(n + normalize(d) * (9.9 * double(random())));
@@ -112,7 +113,7 @@ Result<ProbeResult> gap_leaks(const ProbeInput& input) {
     return never(leaks);
 }
 
-/// Row 3. Shadow rays between two facing emitters that are taken for blocked.
+/// Row 3. Counts shadow rays between two facing emitters that appear blocked.
 Result<ProbeResult> emitters_blocked(const ProbeInput& input) {
     const auto scale = input.number("scale", 1);
     const auto rays = static_cast<std::uint64_t>(input.number("rays", 2e5));
@@ -162,8 +163,8 @@ SceneShape unit_sphere() {
     return sphere;
 }
 
-/// Rows 47, 54. Lines at a unit sphere for which "does it meet it, and where" is answered otherwise than by the closed
-/// form in long double of the same ray.
+/// Rows 47, 54. Counts lines for which the hit of a unit sphere differs from the closed form in long double for the
+/// same ray.
 Result<ProbeResult> sphere_hits(const ProbeInput& input) {
     const double distance = input.number("distance"), speed = input.number("length", 1);
     const auto rays = static_cast<std::uint64_t>(input.number("rays", 20000));
@@ -183,7 +184,7 @@ Result<ProbeResult> sphere_hits(const ProbeInput& input) {
         Long dd = 0, od = 0, oo = 0;
         for (int k = 0; k < 3; ++k) dd += d[k] * d[k], od += o[k] * d[k], oo += o[k] * o[k];
         const Long discriminant = od * od - dd * (oo - 1);
-        // Lines that pass a tangent by no more than double rounds the closest point by are left out.
+        // Skips lines that pass a tangent within the rounding error of the closest point.
         if (std::abs(discriminant) <= Long(0x1p-47) * std::sqrt(oo) * dd) continue;
         const Long root = discriminant > 0 ? std::sqrt(discriminant) : Long(0), t0 = (-od - root) / dd,
                    t1 = (-od + root) / dd;
@@ -197,8 +198,8 @@ Result<ProbeResult> sphere_hits(const ProbeInput& input) {
     return never(wrong, std::to_string(met) + " of " + std::to_string(rays) + " met it");
 }
 
-/// Row 53. How far the points and normals that a camera at a distance sees of a unit sphere lie from its surface, in
-/// units in the last place of 1, at worst.
+/// Row 53. Returns the largest distance of visible points and normals from a unit sphere's surface, seen by a distant
+/// camera, in units in the last place of 1.
 Result<ProbeResult> sphere_profile(const ProbeInput& input) {
     const double distance = input.number("distance");
     const auto rays = static_cast<std::uint64_t>(input.number("rays", 20000));
@@ -221,7 +222,8 @@ Result<ProbeResult> sphere_profile(const ProbeInput& input) {
     return result;
 }
 
-/// Row 51. Pixels of a film of so many a side whose tile does not hold them, or whose tile's number another has.
+/// Row 51. Counts pixels of a film with `side` pixels per side whose tile does not contain them, or whose tile index is
+/// not unique.
 Result<ProbeResult> film_indices(const ProbeInput& input) {
     const auto side = static_cast<int>(input.number("side"));
     const auto pixels = static_cast<std::uint64_t>(input.number("pixels", 20000));
@@ -244,13 +246,13 @@ Result<ProbeResult> film_indices(const ProbeInput& input) {
     return never(wrong);
 }
 
-/// Row 8. Rays through a quadrilateral that is tiled by a fan of slivers, and do not meet it.
+/// Row 8. Counts rays that miss a quadrilateral tiled by a fan of slivers.
 Result<ProbeResult> sliver_holes(const ProbeInput& input) {
     const double aspect = input.number("aspect");
     const auto rays = static_cast<std::uint64_t>(input.number("rays", 20000));
     if (Status s = input.status(); !s) return s.error();
     const Transform turn = Transform::rotate(input.number("degrees", 29), 3, 1, 2);
-    // From the corner (0, 0) to points of the opposite sides, half of them `aspect` from the diagonal's end.
+    // From the corner (0, 0) to points on the opposite sides, half of them `aspect` from the diagonal's end.
     std::vector<DVec3> rim{{1, 0, 0}};
     constexpr int slivers = 64;
     for (int i = slivers; i > 0; --i) rim.push_back({1, 1 - aspect * i, 0});
@@ -266,7 +268,7 @@ Result<ProbeResult> sliver_holes(const ProbeInput& input) {
     Random random(8);
     std::uint64_t holes = 0, broken = 0;
     for (std::uint64_t i = 0; i < rays; ++i) {
-        // Half of them along the diagonal, where the slivers are.
+        // Half of the rays go along the diagonal, where the slivers are.
         const double a = 0.01 + 0.98 * double(random()),
                      b = i % 2 == 0 ? 0.01 + 0.98 * double(random())
                                     : std::clamp(a * (1 + aspect * 70 * double(random.signed_unit())), 0.01, 0.99);
@@ -285,24 +287,28 @@ Result<ProbeResult> sliver_holes(const ProbeInput& input) {
 std::span<const NamedProbe> geometry_probes() {
     static constexpr NamedProbe table[] = {
         {"rehits",
-         "rays that leave a triangle and find it again; scale, away (scales), aspect, sine (to the plane, 0 any), "
+         "number of rays that leave a triangle and hit it again; scale, away (scales), aspect, sine (to the plane, 0 "
+         "any), "
          "instanced, rays",
          rehits},
         {"gap_leaks",
-         "rays between two planes that the other does not catch; gap (of their distance to the origin), degrees, rays",
+         "number of rays from one of two planes that the other does not stop; gap (of their distance to the origin), "
+         "degrees, rays",
          gap_leaks},
-        {"emitters_blocked", "shadow rays between facing plates taken for blocked; scale, away (scales), rays",
+        {"emitters_blocked",
+         "number of shadow rays between facing plates that appear blocked; scale, away (scales), rays",
          emitters_blocked},
         {"sphere_hits",
-         "rays whose hit of a unit sphere is not the closed form's; distance of the origin, length of the direction, "
+         "number of rays whose hit of a unit sphere differs from the closed form; distance of the origin, length of "
+         "the direction, "
          "rays",
          sphere_hits},
         {"sphere_profile",
-         "largest distance of seen points and normals from a unit sphere's, in ulps of 1; distance, rays",
+         "largest distance of visible points and normals from a unit sphere's, in ulps of 1; distance, rays",
          sphere_profile},
-        {"film_indices", "pixels that are not of the tile they belong to; side of the film in pixels, pixels tried",
+        {"film_indices", "number of pixels outside their tile; side of the film in pixels, number of tested pixels",
          film_indices},
-        {"sliver_holes", "rays through a quadrilateral tiled by slivers that miss it; aspect, degrees, rays",
+        {"sliver_holes", "number of rays that miss a quadrilateral tiled by slivers; aspect, degrees, rays",
          sliver_holes},
     };
     return table;

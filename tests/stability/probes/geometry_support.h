@@ -1,4 +1,4 @@
-// What probes of geometry are made of: small scenes in code, rays, and what these find.
+// Shared code of geometry probes: small scenes in code, rays, and their hits.
 #pragma once
 
 #include <algorithm>
@@ -77,7 +77,7 @@ inline StoredVec3 stored(const DVec3& p) {
     return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
 }
 
-/// How often something happened that never should.
+/// Returns the result for an event that must never occur: its count, with the expected value 0.
 inline ProbeResult never(std::uint64_t count, std::string note = {}) {
     ProbeResult result;
     result.measured = static_cast<double>(count);

@@ -1,4 +1,4 @@
-// Lights: what their samples add up to, whether densities agree with samples, image environments with black parts.
+// Lights: integrals of their samples, agreement of densities with samples, image environments with black parts.
 #include "transport/lights/light_table.h"
 
 #include "tests/stability/probes/draws.h"
@@ -34,8 +34,8 @@ std::string decimal(double v) {
     return text;
 }
 
-/// Word "light": a shape above the origin, facing down, in a plane z = distance, or another light. Numbers: distance
-/// (2), size (1).
+/// Returns a light for the word "light": a shape above the origin in the plane z = distance, facing down, or another
+/// light. Numbers: distance (2), size (1).
 Result<std::string> light_text(const ProbeInput& input) {
     const std::string light = input.word("light");
     if (Status given = input.status(); !given) return given.error();
@@ -73,7 +73,7 @@ Result<std::string> light_text(const ProbeInput& input) {
     if (light == "distant")
         return std::string("LightSource \"distant\" \"rgb L\" [1 1 1] \"point3 from\" [0 0 1] \"point3 to\" [0 0 0]");
     if (light == "sky") return std::string("LightSource \"infinite\" \"rgb L\" [1 1 1]");
-    return error_at(input.where(), "unknown light '" + light + "' of a probe");
+    return error_at(input.where(), "unknown light '" + light + "'");
 }
 
 Vec3 probed_point(const ProbeInput& input) {
@@ -84,8 +84,8 @@ Vec3 probed_point(const ProbeInput& input) {
 struct Corner {
     double x, y;
 };
-/// Lambert's formula for a polygon in the plane z = d over `p`, seen from below: E = L/2 sum of edge angles times the
-/// cosines of their planes.
+/// Lambert's formula for a polygon in the plane z = d above `p`, seen from below: E = L/2 times the sum of edge angles
+/// times the cosines of their planes.
 double polygon_irradiance(const std::vector<Corner>& corners, double d, const DVec3& p) {
     double sum = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -98,7 +98,7 @@ double polygon_irradiance(const std::vector<Corner>& corners, double d, const DV
     return std::abs(sum) / 2;
 }
 
-/// What falls on a plane z = 0 at the probed point below the light, unoccluded, or nothing where no formula is here.
+/// Returns the unoccluded irradiance of the plane z = 0 at the point below the light, or nothing without a formula.
 std::optional<double> irradiance_formula(const std::string& light, double d, double r, const DVec3& p) {
     const double h = d - p.z, aside = std::hypot(p.x, p.y);
     if (light == "sphere" && h > r) return exact_pi * r * r / (h * h + aside * aside) * h / std::hypot(h, aside);
@@ -113,7 +113,7 @@ std::optional<double> irradiance_formula(const std::string& light, double d, dou
     return std::nullopt;
 }
 
-/// Light samples by even points in 8 shifts (Roberts' R2 lattice).
+/// Samples a light with evenly distributed points in 8 shifts (Roberts' R2 lattice).
 template <class Use>
 ProbeResult mean_of_light_samples(const LitScene& scene, const Vec3& from, int samples, const Use& use) {
     Draws draws(7);
@@ -155,14 +155,14 @@ Result<ProbeResult> light_irradiance(const ProbeInput& input) {
     return result;
 }
 
-/// Van Oosterom and Strackee 1983: the solid angle of a triangle.
+/// Returns the solid angle of a triangle (Van Oosterom and Strackee 1983).
 double triangle_solid_angle(const DVec3& a, const DVec3& b, const DVec3& c) {
     const double la = length(a), lb = length(b), lc = length(c);
     return 2 *
            std::atan2(std::abs(dot(a, cross(b, c))), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 
-/// The mean of 1 / pdf is the solid angle that samples come from.
+/// The mean of 1 / pdf is the solid angle of the samples.
 Result<ProbeResult> light_solid_angle(const ProbeInput& input) {
     auto text = light_text(input);
     if (!text) return text.error();
@@ -188,10 +188,10 @@ Result<ProbeResult> light_solid_angle(const ProbeInput& input) {
 
 struct Identity {
     double largest = 0;
-    int compared = 0, elsewhere = 0;  ///< elsewhere: the ray of the sample met another primitive, or nothing
+    int compared = 0, elsewhere = 0;  ///< `elsewhere`: the sample's ray hit another primitive, or nothing
 };
 
-/// Densities of sampled directions where a scattering ray would find the light.
+/// Compares the densities of sampled directions with the density for a scattering ray that hits the light.
 Identity compare_densities(const LitScene& scene, const Vec3& from, int samples, double least_cosine) {
     Identity identity;
     Draws draws(9);
@@ -248,7 +248,7 @@ Result<ProbeResult> light_pdf_identity(const ProbeInput& input) {
     result.measured = identity->compared > 0 ? identity->largest : INFINITY;
     result.expected = 0;
     result.note = std::to_string(identity->compared) + " compared, " + std::to_string(identity->elsewhere) +
-                  " met another primitive, nothing, or the light at a grazing angle";
+                  " hit another primitive, nothing, or the light at a grazing angle";
     return result;
 }
 
@@ -261,7 +261,8 @@ Result<ProbeResult> light_pdf_elsewhere(const ProbeInput& input) {
     return result;
 }
 
-/// Directions of light samples against density() of what rays find: cells about the direction of the light's middle.
+/// Compares directions of light samples with density() of the rays' hits, in cells around the direction of the light's
+/// middle.
 Result<ProbeResult> light_chi_squared(const ProbeInput& input) {
     auto text = light_text(input);
     if (!text) return text.error();
@@ -269,7 +270,7 @@ Result<ProbeResult> light_chi_squared(const ProbeInput& input) {
     if (!scene) return scene.error();
     const Vec3 from = probed_point(input);
     const double d = input.number("distance", 2), r = input.number("size", 1);
-    // Aside of the middle: a silhouette along a ring of cells would be resolved by no point of it, or all.
+    // Beside the middle, because a silhouette along a ring of cells would contain all or none of a cell's points.
     const Vec3 aside{static_cast<Real>(0.4 * r), static_cast<Real>(0.3 * r), static_cast<Real>(d)};
     const Vec3 middle = normalize(aside - from);
     const LobeCells cells(middle, std::min(1.0, r / d), 10, 12);
@@ -310,7 +311,8 @@ Result<ProbeResult> light_chi_squared(const ProbeInput& input) {
     return result;
 }
 
-/// Word "image": flat, rows (every second one black), black-half, pixel (one lit of all), none. Number "resolution".
+/// Returns an environment for the word "image": flat, rows (every second one black), black-half, pixel (one lit), none.
+/// Number: "resolution".
 Result<EnvironmentImage> environment_of(const ProbeInput& input) {
     const std::string image = input.word("image");
     const auto n = static_cast<int>(input.number("resolution", 8));
@@ -329,7 +331,7 @@ Result<EnvironmentImage> environment_of(const ProbeInput& input) {
     return EnvironmentImage(n, std::move(pixels), Placement(Transform::rotate(40, 1, 1, 0)));
 }
 
-/// Counts of samples in pixels against the pixels' share of the light.
+/// Compares counts of samples per pixel with the pixels' fractions of the light.
 Result<ProbeResult> environment_chi_squared(const ProbeInput& input) {
     auto image = environment_of(input);
     if (!image) return image.error();
@@ -367,11 +369,13 @@ Result<ProbeResult> environment_chi_squared(const ProbeInput& input) {
     result.measured = wrong > 0 ? INFINITY : chi_squared_deviation(observed, expected);
     if (none == samples) result.measured = image->mean_luminance() == 0 ? 0 : INFINITY;
     result.expected = 0;
-    result.note = std::to_string(across) + " of " + std::to_string(samples) + " draws rounded into another pixel";
+    result.note =
+        std::to_string(across) + " of " + std::to_string(samples) + " samples were rounded into another pixel";
     return result;
 }
 
-/// Share of draws whose pdf is not pdf() of their direction: those that rounding takes into the next pixel.
+/// Returns the fraction of samples whose pdf differs from pdf() of their direction, which rounding moved to the next
+/// pixel.
 Result<ProbeResult> environment_identity(const ProbeInput& input) {
     auto image = environment_of(input);
     if (!image) return image.error();
@@ -390,7 +394,7 @@ Result<ProbeResult> environment_identity(const ProbeInput& input) {
     return result;
 }
 
-/// Mean of the irradiance that samples of an image give, over that of the pixels.
+/// Returns the mean irradiance by samples of an image, relative to that of its pixels.
 Result<ProbeResult> environment_flux(const ProbeInput& input) {
     auto image = environment_of(input);
     if (!image) return image.error();
@@ -410,7 +414,7 @@ Result<ProbeResult> environment_flux(const ProbeInput& input) {
     return result;
 }
 
-/// Points of a lens in the cells of its disk: 8 rings of equal area, 12 sectors.
+/// Tests points of a lens in cells of its disk: 8 rings of equal area, 12 sectors.
 Result<ProbeResult> lens_chi_squared(const ProbeInput& input) {
     SceneEntity entity;
     entity.type = "perspective";
@@ -450,27 +454,30 @@ std::span<const NamedProbe> light_probes() {
     static constexpr NamedProbe table[] = {
         {"light_irradiance",
          "irradiance on z = 0 by light samples, unoccluded; light, distance, size, x, y, z, samples", light_irradiance},
-        {"light_solid_angle", "mean of 1 / pdf of light samples; light, distance, size, x, y, z, samples",
+        {"light_solid_angle", "mean of 1 / pdf over light samples; light, distance, size, x, y, z, samples",
          light_solid_angle},
         {"light_pdf_identity",
-         "the largest relative difference of a light sample's pdf and the density of what its ray hits; light, "
+         "largest relative difference between a light sample's pdf and the density of its ray's hit; light, "
          "distance, "
          "size, x, y, z, samples, least_cosine",
          light_pdf_identity},
-        {"light_pdf_elsewhere", "share of light samples whose ray does not come to their point; as light_pdf_identity",
+        {"light_pdf_elsewhere",
+         "fraction of light samples whose ray does not hit their point; parameters as for light_pdf_identity",
          light_pdf_elsewhere},
         {"light_chi_squared",
-         "deviations by which Pearson's chi-squared of directions against densities is too large; light, distance, "
+         "excess of Pearson's chi-squared of directions against densities, in standard deviations; light, distance, "
          "size, "
          "x, y, z, samples, grid, seed",
          light_chi_squared},
-        {"environment_chi_squared", "the same of an image environment, by pixels; image, resolution, samples, seed",
+        {"environment_chi_squared",
+         "excess of chi-squared of an image environment, by pixels; image, resolution, samples, seed",
          environment_chi_squared},
         {"environment_pdf_identity",
-         "share of draws that rounding takes into the next pixel; image, resolution, samples", environment_identity},
-        {"environment_flux", "mean of radiance / pdf of an image environment; image, resolution, samples",
+         "fraction of samples that rounding moves to the next pixel; image, resolution, samples", environment_identity},
+        {"environment_flux", "mean of radiance / pdf over samples of an image environment; image, resolution, samples",
          environment_flux},
-        {"lens_chi_squared", "the same of points of the perspective camera's lens; radius, seed", lens_chi_squared}};
+        {"lens_chi_squared", "excess of chi-squared of points on the perspective camera's lens; radius, seed",
+         lens_chi_squared}};
     return table;
 }
 

@@ -5,7 +5,7 @@ namespace {
 
 using namespace transport;
 
-/// A closure as a plugin brings it: half Lambert, half a lobe cos^n about the normal.
+/// A closure as a plugin could add it: half Lambert, half a lobe cos^n around the normal.
 struct TwoCosines {
     Real exponent;
 
@@ -62,7 +62,7 @@ struct Chosen {
     [[nodiscard]] CoatLayer coat() const {
         return {{Ggx::from_alpha(coat_alpha, coat_alpha), eta}, thickness, g, transport::Rgb(albedo), 100, 1, false};
     }
-    /// Conductors' facets and coats with a name in common.
+    /// Facets of conductors and coats by the same name.
     [[nodiscard]] ConductorClosure conductor() const {
         return {facets(), transport::Rgb(reflectance), transport::Rgb(0), true};
     }
@@ -122,7 +122,7 @@ Result<ProbedBsdf> probed_bsdf(const ProbeInput& input) {
         result.about_wo = true;
         result.forward = n.g < 0 ? -1 : 1;
         result.width = 1 - std::abs(static_cast<double>(n.g));
-    } else return error_at(input.where(), "unknown material '" + name + "' of a probe");
+    } else return error_at(input.where(), "unknown material '" + name + "'");
     return result;
 }
 

@@ -1,4 +1,4 @@
-// Flights through media of any optical depth, and the phase function's integral.
+// Flights through media of any optical depth, and the integral of the phase function.
 #include "transport/media/medium.h"
 
 #include "tests/stability/probes/draws.h"
@@ -13,8 +13,8 @@ using transport::Real;
 using transport::Rgb;
 using transport::Vec2;
 
-/// Numbers "tau" (of green), "albedo" (1), "red" and "blue": factors of the other colours' extinction (1); "length"
-/// (1).
+/// A slab with the numbers "tau" (of green), "albedo" (1), "red" and "blue" (factors of the other colours' extinction,
+/// 1), and "length" (1).
 struct Slab {
     Medium medium;
     double length, sigma[3];
@@ -33,14 +33,14 @@ struct Slab {
     }
 };
 
-/// The unit square as one number v of 48 bits, as flights take it: the chance of what happens at a v is even.
+/// Maps one number v of 48 bits to the unit square, so that v orders the outcomes of flights.
 Vec2 unit_square(double v) {
     const double high = std::floor(v * 0x1p24);
     return {static_cast<Real>(std::floor((v * 0x1p24 - high) * 0x1p24) * 0x1p-24), static_cast<Real>(high * 0x1p-24)};
 }
 
-/// Mean weight of green of flights that collide, or that pass. Collisions lie at small v: the first `dense` of the
-/// interval is looked at as closely as all the rest.
+/// Returns the mean weight of green of flights that collide, or that pass. Collisions have small v; the first fraction
+/// `dense` of the interval is sampled as finely as the rest.
 ProbeResult mean_flight(const ProbeInput& input, bool collided) {
     const Slab slab(input);
     const int n = static_cast<int>(input.number("samples", 1048576));
@@ -54,7 +54,7 @@ ProbeResult mean_flight(const ProbeInput& input, bool collided) {
         for (int i = 0; i < n / 16; ++i) {
             const double at = (i + shift) / (n / 16);
             for (const double v : {at * dense, dense + at * (1 - dense)}) {
-                // Coloured media choose a colour by u.x: the middle of each, in turn.
+                // Coloured media choose a colour by u.x; uses the middle of each colour in turn.
                 for (int colour = 0; colour < (slab.medium.grey ? 1 : 3); ++colour) {
                     Vec2 u = unit_square(v);
                     if (!slab.medium.grey) u.x = (static_cast<Real>(colour) + u.x) / 3;
@@ -89,7 +89,7 @@ Result<ProbeResult> flight_passed(const ProbeInput& input) {
     return result;
 }
 
-/// The optical depth that the last pair of numbers reaches.
+/// Returns the optical depth that the last pair of numbers reaches.
 Result<ProbeResult> flight_deepest(const ProbeInput&) {
     Medium medium;
     medium.sigma_t = medium.sigma_s = Rgb(1);
@@ -112,8 +112,8 @@ Result<ProbeResult> medium_glow(const ProbeInput& input) {
     return result;
 }
 
-/// Integral of the phase function over directions, in h = 1 - cos about its axis: h = w (1 / s^2 - 1), w of the lobe's
-/// own size, since beyond it the density falls with h^(-3/2).
+/// Integrates the phase function over directions, in h = 1 - cos around its axis: h = w (1 / s^2 - 1), with w of the
+/// size of the lobe, because beyond it the density falls with h^(-3/2).
 Result<ProbeResult> phase_integral(const ProbeInput& input) {
     const auto g = static_cast<Real>(input.number("g"));
     if (Status given = input.status(); !given) return given.error();
@@ -139,7 +139,7 @@ std::span<const NamedProbe> media_probes() {
          flight_scattered},
         {"flight_passed", "mean weight of flights that pass a slab; tau, albedo, red, blue, length, samples",
          flight_passed},
-        {"flight_deepest", "optical depth that the largest numbers reach", flight_deepest},
+        {"flight_deepest", "optical depth reached by the largest random numbers", flight_deepest},
         {"medium_glow", "radiance of a slab that emits as a black body of radiance 1; tau, length", medium_glow},
         {"phase_integral", "integral of Henyey-Greenstein's phase function; g", phase_integral}};
     return table;

@@ -1,4 +1,4 @@
-// The Henyey-Greenstein phase function at the ends of its asymmetry.
+// The Henyey-Greenstein phase function at extreme asymmetry.
 #include <cmath>
 
 #include "tests/stability/probes/probes.h"
@@ -11,15 +11,15 @@ using transport::Real;
 using transport::Vec2;
 using transport::Vec3;
 
-/// 1 - cos theta of the sample by `u`, in double: the inversion of Henyey and Greenstein's distribution, written so
-/// that nothing cancels for any g in [0, 1).
+/// Returns 1 - cos theta of the sample for `u`, in double, by the inversion of Henyey and Greenstein's distribution in
+/// a form without cancellation for any g in [0, 1).
 double reference(double g, double u) {
     const double denominator = (1 - g) + 2 * g * (1 - u);
     return 2 * (1 - g) * (1 - g) * u * (1 + g - g * u) / (denominator * denominator);
 }
 
-/// The mean of 1 - cos over a lattice of points, whose last is the largest number below 1. As a sum of what samples
-/// give it hides no sample: all are positive.
+/// Returns the mean of 1 - cos over a lattice of points; the last point is the largest number below 1. All terms are
+/// positive, so no error can cancel.
 Result<ProbeResult> mean_cosine(const ProbeInput& input) {
     const auto g = static_cast<Real>(input.number("g"));
     const auto samples = static_cast<std::uint64_t>(input.number("samples", 65536));
@@ -27,7 +27,7 @@ Result<ProbeResult> mean_cosine(const ProbeInput& input) {
     double sum = 0, expected = 0;
     for (std::uint64_t i = 0; i < samples; ++i) {
         const float u = i + 1 == samples ? 1 - 0x1p-24f : static_cast<float>(double(i) / double(samples));
-        // 1 - cos without cancellation: near g = 1 the cosine has no digits left.
+        // 1 - cos without cancellation, because near g = 1 the cosine has no digits left.
         const Vec3 axis = g < 0 ? -forward : forward;
         const Vec3 wi = transport::sample_phase(g, forward, Vec2{u, Real(0.5)}).wi;
         sum += 0.5 * double(transport::length_squared(wi - axis));
@@ -44,7 +44,7 @@ Result<ProbeResult> mean_cosine(const ProbeInput& input) {
 std::span<const NamedProbe> phase_probes() {
     static constexpr NamedProbe table[] = {
         {"phase_mean_cosine",
-         "the mean of 1 - cos theta of Henyey-Greenstein samples, theta to the axis of sign g; g, samples",
+         "mean of 1 - cos theta of Henyey-Greenstein samples, with theta from the axis of sign g; g, samples",
          mean_cosine}};
     return table;
 }

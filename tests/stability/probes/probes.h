@@ -1,4 +1,4 @@
-// The tables of probes, one for each file of this folder.
+// The tables of probes, one for each file in this folder.
 #pragma once
 
 #include <span>

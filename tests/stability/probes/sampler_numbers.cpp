@@ -1,4 +1,4 @@
-// Numbers of samplers at indices and dimensions beyond any table.
+// Numbers of samplers at indices and dimensions beyond their tables.
 #include <cmath>
 #include <set>
 #include <utility>
@@ -23,7 +23,7 @@ Result<SamplerKind> kind_of(const ProbeInput& input) {
     return error_at(input.where(), "no sampler '" + name + "'; expected sobol, zsobol or independent");
 }
 
-/// How many of `count` points from index `first` on are distinct and lie in [0, 1).
+/// Counts the distinct points in [0, 1) among `count` points from index `first`.
 Result<ProbeResult> distinct_points(const ProbeInput& input) {
     auto kind = kind_of(input);
     if (!kind) return kind.error();
@@ -41,8 +41,8 @@ Result<ProbeResult> distinct_points(const ProbeInput& input) {
     return result;
 }
 
-/// Pearson's statistic of pairs (a number of one dimension, one of another) over an 8 x 8 grid, standardised: 0 on
-/// average and 1 in deviation where the dimensions are independent.
+/// Returns Pearson's statistic of pairs (one number of each of two dimensions) over an 8 x 8 grid, standardised to mean
+/// 0 and deviation 1 for independent dimensions.
 Result<ProbeResult> dimension_correlation(const ProbeInput& input) {
     auto kind = kind_of(input);
     if (!kind) return kind.error();
@@ -54,7 +54,7 @@ Result<ProbeResult> dimension_correlation(const ProbeInput& input) {
     constexpr std::size_t bins = 8;
     std::vector<double> counts(bins * bins);
     for (std::uint64_t i = 0; i < samples; ++i) {
-        // One sample of each of many pixels: what a pixel's own samples stratify has to be no part of it.
+        // One sample from each of many pixels, because the stratification inside a pixel must not count.
         const auto x = static_cast<std::int32_t>(i % 1024), y = static_cast<std::int32_t>(i / 1024);
         const PixelSampler sampler(*kind, 0, x, y, first);
         const auto bin = [&](std::uint32_t dimension) {
@@ -77,12 +77,12 @@ Result<ProbeResult> dimension_correlation(const ProbeInput& input) {
 std::span<const NamedProbe> sampler_probes() {
     static constexpr NamedProbe table[] = {
         {"sampler_distinct_points",
-         "how many of a sampler's points are distinct and in [0, 1); sampler (sobol, zsobol or independent), first "
+         "number of a sampler's points that are distinct and in [0, 1); sampler (sobol, zsobol or independent), first "
          "(index), "
          "count, dimension",
          distinct_points},
         {"sampler_dimension_correlation",
-         "chi-squared of two dimensions' numbers over an 8 x 8 grid, less its mean, in standard deviations; sampler, "
+         "excess of chi-squared of two dimensions over an 8 x 8 grid, in standard deviations; sampler, "
          "dimension, other, first (index), samples",
          dimension_correlation}};
     return table;

@@ -1,4 +1,4 @@
-// Closures against themselves and against references in double: densities, energy, reciprocity, edges.
+// Closures compared with themselves and with references in double: densities, energy, reciprocity, edges.
 #include <array>
 
 #include "tests/stability/probes/draws.h"
@@ -16,8 +16,8 @@ using transport::Real;
 using transport::Vec2;
 using transport::Vec3;
 
-/// Points of the unit cube that fill it evenly, by one of several shifts (Roberts' R3 lattice): integrals converge
-/// nearly as 1/n, and shifts tell how far.
+/// Evenly distributed points in the unit cube with several shifts (Roberts' R3 lattice). Integrals converge almost as
+/// 1/n, and the shifts give an error estimate.
 class EvenPoints {
   public:
     explicit EvenPoints(Draws& draws) : at_{draws.fine(), draws.fine(), draws.fine()} {}
@@ -36,7 +36,7 @@ class EvenPoints {
     std::array<double, 3> at_;
 };
 
-/// Mean over samples of `value(sample)`, by 8 shifts of even points.
+/// Returns the mean over samples of `value(sample)`, by 8 shifts of even points.
 template <class Value>
 Result<ProbeResult> mean_of_samples(const ProbeInput& input, const ProbedBsdf& probed, const Value& value) {
     const auto samples = static_cast<int>(input.number("samples", 131072)) / 8;
@@ -60,7 +60,7 @@ Result<ProbeResult> mean_of_samples(const ProbeInput& input, const ProbedBsdf& p
     return result;
 }
 
-/// Basic radiance: radiance over the squared index is what is conserved.
+/// Basic radiance, radiance divided by the squared index, is the conserved quantity.
 double basic_weight(const BsdfSample& s) {
     return static_cast<double>(s.weight.average()) * static_cast<double>(s.eta) * static_cast<double>(s.eta);
 }
@@ -108,7 +108,7 @@ Result<ProbeResult> bsdf_transmitted(const ProbeInput& input) {
     return mean_of_samples(input, *probed, [](const BsdfSample& s) { return s.transmitted ? basic_weight(s) : 0; });
 }
 
-/// Where a closure's lobes lie: about the mirrored direction, and for glass about the refracted one.
+/// The directions of a closure's lobes: the mirrored direction, and for glass also the refracted one.
 struct Lobes {
     std::vector<LobeCells> cells;
     Frame frame;
@@ -147,7 +147,7 @@ Result<ProbeResult> bsdf_chi_squared(const ProbeInput& input) {
         expected.insert(expected.end(), part.begin(), part.end());
     }
     const double integral = std::accumulate(expected.begin(), expected.end(), 0.0);
-    expected.push_back(std::max(0.0, 1 - integral));  // samples that fail
+    expected.push_back(std::max(0.0, 1 - integral));  // failed samples
     std::vector<double> observed(expected.size());
     Draws random(static_cast<std::uint64_t>(input.number("seed", 1)));
     double deltas = 0;
@@ -185,7 +185,7 @@ Result<ProbeResult> bsdf_pdf_identity(const ProbeInput& input) {
     ProbeResult result;
     result.measured = largest;
     result.expected = 0;
-    result.note = std::to_string(with_density) + " draws with a density";
+    result.note = std::to_string(with_density) + " samples with a density";
     return result;
 }
 
@@ -201,11 +201,11 @@ Result<ProbeResult> bsdf_value_identity(const ProbeInput& input) {
     auto weights = mean_of_samples(input, *probed, [](const BsdfSample& s) { return s.delta ? 0 : basic_weight(s); });
     if (!mean || !weights) return mean ? weights : mean;
     mean->expected = weights->measured;
-    mean->standard_error = 0;  // the same draws
+    mean->standard_error = 0;  // both means use the same samples
     return mean;
 }
 
-/// f(a, b) / index_b^2 of basic radiance is symmetric.
+/// f(a, b) / index_b^2 for basic radiance is symmetric.
 Result<ProbeResult> bsdf_reciprocity(const ProbeInput& input) {
     auto probed = probed_bsdf(input);
     if (!probed) return probed.error();
@@ -235,8 +235,8 @@ Result<ProbeResult> bsdf_reciprocity(const ProbeInput& input) {
     return result;
 }
 
-/// What is not finite, negative or not a unit vector, of samples from numbers at the ends of [0, 1) and of evaluations
-/// at wi = +-wo and along the normal.
+/// Counts results that are not finite, negative or not unit vectors, for samples from numbers at the ends of [0, 1) and
+/// for evaluations at wi = +-wo and along the normal.
 Result<ProbeResult> bsdf_extremes(const ProbeInput& input) {
     auto probed = probed_bsdf(input);
     if (!probed) return probed.error();
@@ -257,7 +257,7 @@ Result<ProbeResult> bsdf_extremes(const ProbeInput& input) {
                 const BsdfSample s = bsdf.sample(wo, l, {x, y});
                 wrong += !std::isfinite(s.pdf);
                 if (!(s.pdf > 0)) continue;
-                // A direction in float is a unit vector to some roundings of its largest coordinate.
+                // A direction in float is a unit vector up to some roundings of its largest coordinate.
                 wrong += !(is_finite(s.wi) && is_finite(s.weight) &&
                            std::abs(double(length_squared(s.wi)) - 1) < 64 * 0x1p-24);
                 if (!s.delta) check(wo, s.wi);
@@ -274,21 +274,24 @@ std::span<const NamedProbe> scattering_probes() {
     static constexpr NamedProbe table[] = {
         {"bsdf_furnace", "albedo of a material under a white sky: mean of sample weights; materials.h, mu, samples",
          bsdf_furnace},
-        {"bsdf_largest_weight", "the largest weight of a sample; materials.h, mu, samples", bsdf_largest_weight},
-        {"bsdf_transmitted", "share of basic radiance that is transmitted; materials.h, mu, samples", bsdf_transmitted},
+        {"bsdf_largest_weight", "largest weight of a sample; materials.h, mu, samples", bsdf_largest_weight},
+        {"bsdf_transmitted", "fraction of basic radiance that is transmitted; materials.h, mu, samples",
+         bsdf_transmitted},
         {"bsdf_chi_squared",
-         "deviations by which Pearson's chi-squared of draws against pdf() is too large; materials.h, mu, samples, "
+         "excess of Pearson's chi-squared of samples against pdf(), in standard deviations; materials.h, mu, samples, "
          "grid, seed",
          bsdf_chi_squared},
         {"bsdf_pdf_identity",
-         "the largest relative difference between a sample's pdf and pdf() of its direction; materials.h, mu, samples",
+         "largest relative difference between a sample's pdf and pdf() of its direction; materials.h, mu, samples",
          bsdf_pdf_identity},
         {"bsdf_value_identity",
-         "mean of evaluate() over pdf where samples fall, against their weights; materials.h, mu, samples",
+         "mean of evaluate() / pdf at samples, compared with their weights; materials.h, mu, samples",
          bsdf_value_identity},
-        {"bsdf_reciprocity", "the largest relative difference of f under exchange; materials.h, samples, least_cosine",
+        {"bsdf_reciprocity",
+         "largest relative difference of f under exchange of directions; materials.h, samples, least_cosine",
          bsdf_reciprocity},
-        {"bsdf_extremes", "how many samples and values at the edges are no numbers; materials.h, mu", bsdf_extremes}};
+        {"bsdf_extremes", "number of samples and values at the edges that are not finite; materials.h, mu",
+         bsdf_extremes}};
     return table;
 }
 

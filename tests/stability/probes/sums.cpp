@@ -1,4 +1,4 @@
-// What the frame buffer makes of very many samples: means, variances, merged parts, filter weights, sizes.
+// Sums of very many samples in the frame buffer: means, variances, merged parts, filter weights, sizes.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,7 +26,7 @@ std::vector<ChannelDefinition> one_channel(bool statistics) {
     return {channel};
 }
 
-/// Samples [first, last) of the one pixel of `buffer`; `fill` gives a sample its value, and its row what else it has.
+/// Fills samples [first, last) of the only pixel of `buffer`; `fill` sets a sample's value and the rest of its row.
 template <class Fill>
 void feed(FrameBuffer& buffer, std::uint64_t first, std::uint64_t last, Fill&& fill) {
     display::SampleTable table(buffer.channels(), batch);
@@ -48,7 +48,7 @@ void feed(FrameBuffer& buffer, std::uint64_t first, std::uint64_t last, Fill&& f
     }
 }
 
-/// The mean of two values in turn.
+/// Returns the mean of two alternating values.
 Result<ProbeResult> alternating_mean(const ProbeInput& input) {
     const double a = input.number("a"), b = input.number("b");
     const auto samples = static_cast<std::uint64_t>(input.number("samples"));
@@ -63,7 +63,7 @@ Result<ProbeResult> alternating_mean(const ProbeInput& input) {
     return result;
 }
 
-/// The variance of samples `offset` + N(0, deviation), from what the frame buffer says of the mean's.
+/// Returns the variance of samples `offset` + N(0, deviation), from the frame buffer's variance of the mean.
 Result<ProbeResult> sample_variance(const ProbeInput& input) {
     const double offset = input.number("offset"), deviation = input.number("deviation", 1);
     const auto samples = static_cast<std::uint64_t>(input.number("samples", 65536));
@@ -71,7 +71,7 @@ Result<ProbeResult> sample_variance(const ProbeInput& input) {
     CountedNumbers numbers(static_cast<std::uint64_t>(input.number("seed", 5)));
     if (Status given = input.status(); !given) return given.error();
     const std::vector<ChannelDefinition> channels = one_channel(true);
-    // Parts are shards of samples, merged as `raylex merge` merges them.
+    // Parts are shards of samples, merged as by `raylex merge`.
     std::vector<FrameBuffer> buffers;
     long double sum = 0, squares = 0;
     const auto blocks = std::max<std::uint64_t>(1, samples / 16);
@@ -80,7 +80,7 @@ Result<ProbeResult> sample_variance(const ProbeInput& input) {
         const std::uint64_t first = blocks * part / parts * 16, last = blocks * (part + 1) / parts * 16;
         feed(buffers.back(), first, last, [&](std::uint64_t, display::CameraRow&) {
             const double deviate = deviation * numbers.normal(), value = offset + deviate;
-            // About the offset, so that the reference cancels nothing.
+            // Relative to the offset, so that the reference has no cancellation.
             const long double centred = static_cast<long double>(value) - static_cast<long double>(offset);
             sum += centred;
             squares += centred * centred;
@@ -96,7 +96,7 @@ Result<ProbeResult> sample_variance(const ProbeInput& input) {
     return result;
 }
 
-/// A constant seen through a filter by importance-sampled offsets: the value furthest from it.
+/// Returns the value of a filtered constant that is farthest from it, with importance-sampled offsets.
 Result<ProbeResult> filtered_constant(const ProbeInput& input) {
     const double value = input.number("value", 0.7);
     const auto samples = static_cast<std::uint64_t>(input.number("samples", 16));
@@ -118,7 +118,7 @@ Result<ProbeResult> filtered_constant(const ProbeInput& input) {
             weights += double(row.filter_weight);
             return value;
         });
-        // Weights of +-w that cancel exactly leave no mean to take.
+        // Weights of +-w that cancel exactly leave no mean.
         if (weights == 0) {
             ++cancelled;
             continue;
@@ -130,12 +130,12 @@ Result<ProbeResult> filtered_constant(const ProbeInput& input) {
     return result;
 }
 
-/// What a frame buffer of that size says that it takes, over pixels and samples as a double counts them.
+/// Returns the frame buffer's estimate of its size, relative to pixels and samples counted in double.
 Result<ProbeResult> buffer_bytes(const ProbeInput& input) {
     const double width = input.number("width"), height = input.number("height");
     if (Status given = input.status(); !given) return given.error();
     if (!(width >= 1 && width <= 2147483647 && height >= 1 && height <= 2147483647))
-        return error_at(input.where(), "'width' and 'height' are from 1 to 2^31 - 1");
+        return error_at(input.where(), "'width' or 'height' is out of range; expected 1 to 2^31 - 1");
     const std::vector<ChannelDefinition> channels = one_channel(false);
     const auto bytes_of = [&](double w, double h) {
         const auto items = display::frame_buffer_memory({static_cast<int>(w), static_cast<int>(h)}, channels);
@@ -151,15 +151,16 @@ Result<ProbeResult> buffer_bytes(const ProbeInput& input) {
 
 std::span<const NamedProbe> sum_probes() {
     static constexpr NamedProbe table[] = {
-        {"alternating_mean", "the mean of a pixel whose samples are a and b in turn; a, b, samples", alternating_mean},
+        {"alternating_mean", "mean of a pixel whose samples alternate between a and b; a, b, samples",
+         alternating_mean},
         {"sample_variance",
-         "the variance of a pixel's samples, offset + N(0, deviation); offset, deviation, samples (whole blocks of "
+         "variance of a pixel's samples, offset + N(0, deviation); offset, deviation, samples (whole blocks of "
          "16), "
-         "parts (merged shards), seed; expected is that of the samples in long double",
+         "parts (merged shards), seed; expected: the variance of the samples in long double",
          sample_variance},
-        {"filtered_constant", "a constant image under a pixel filter, the worst of 64 pixels; filter, value, samples",
+        {"filtered_constant", "constant image under a pixel filter, worst of 64 pixels; filter, value, samples",
          filtered_constant},
-        {"buffer_bytes", "bytes of a frame buffer of one channel; width, height; expected from a small one's",
+        {"buffer_bytes", "bytes of a frame buffer of one channel; width, height; expected: scaled from a small buffer",
          buffer_bytes}};
     return table;
 }

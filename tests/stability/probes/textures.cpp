@@ -1,4 +1,4 @@
-// Image look-ups wherever they are asked for, and images with values that are no numbers.
+// Image look-ups at any coordinates, and images with invalid values.
 #include <limits>
 
 #include "tests/stability/probes/draws.h"
@@ -16,8 +16,8 @@ Image ramp(int width, int height, int channels) {
     return image;
 }
 
-/// How many look-ups give something that no texel and no mixture of texels has. Word "wrap": repeat, black, clamp,
-/// octahedralsphere. Numbers: width, height, nearest (0 or 1).
+/// Counts look-ups whose result is not a mixture of texels. Word "wrap": repeat, black, clamp, octahedralsphere.
+/// Numbers: width, height, nearest (0 or 1).
 Result<ProbeResult> lookups(const ProbeInput& input) {
     const std::string wrap = input.word("wrap");
     if (Status given = input.status(); !given) return given.error();
@@ -41,7 +41,7 @@ Result<ProbeResult> lookups(const ProbeInput& input) {
                 const transport::Rgb c = sampler.rgb(st);
                 const Real mean = sampler.real(st);
                 ++asked;
-                // Four weights sum to 1 within their roundings.
+                // Four weights sum to 1 up to rounding.
                 for (const Real v : {c.r, c.g, c.b, mean})
                     result.measured += !(v >= least * (1 - Real(4e-7)) && v <= 7 * (1 + Real(4e-7)));
             }
@@ -50,13 +50,13 @@ Result<ProbeResult> lookups(const ProbeInput& input) {
     return result;
 }
 
-/// Share of the mean of bilinear look-ups at even points of the unit square over the mean of texels: every texel has
-/// the same weight.
+/// Returns the mean of bilinear look-ups at even points of the unit square, relative to the mean of the texels. Every
+/// texel must have the same weight.
 Result<ProbeResult> texel_weights(const ProbeInput& input) {
     const Image image =
         ramp(static_cast<int>(input.number("width", 5)), static_cast<int>(input.number("height", 3)), 1);
     const ImageSampler sampler{&image, WrapMode::repeat, input.number("nearest", 0) != 0, false};
-    const int n = 32;  // points in each texel, on each axis
+    const int n = 32;  // points per texel and axis
     double sum = 0, texels = 0;
     for (const float v : image.pixels) texels += double(v);
     const int columns = n * image.width, rows = n * image.height;
@@ -69,7 +69,7 @@ Result<ProbeResult> texel_weights(const ProbeInput& input) {
     return result;
 }
 
-/// Values that were taken as 0, of a light's image (textures keep negative ones) with `invalid` values that are NaN,
+/// Counts values of a light's image that were replaced by 0 (textures keep negative ones). `invalid` values are NaN,
 /// infinite or negative in turn.
 Result<ProbeResult> invalid_texels(const ProbeInput& input) {
     const auto invalid = static_cast<std::size_t>(input.number("invalid"));
@@ -84,7 +84,7 @@ Result<ProbeResult> invalid_texels(const ProbeInput& input) {
     ProbeResult result;
     result.measured = said ? std::stod(*said) : 0;
     result.expected = double(invalid);
-    result.note = said.value_or("nothing said");
+    result.note = said.value_or("no warning");
     for (const float v : image.pixels) result.measured += !(v >= 0 && std::isfinite(v)) ? 1e9 : 0;
     return result;
 }
@@ -94,9 +94,10 @@ Result<ProbeResult> invalid_texels(const ProbeInput& input) {
 std::span<const NamedProbe> texture_probes() {
     static constexpr NamedProbe table[] = {
         {"texture_lookups",
-         "how many look-ups at extreme coordinates give what no texel has; wrap, width, height, nearest", lookups},
-        {"texel_weights", "mean of look-ups over the mean of texels; width, height, nearest", texel_weights},
-        {"invalid_texels", "values of a light's image that are said to be no numbers or negative; invalid, channels",
+         "number of look-ups at extreme coordinates with a value that no texel has; wrap, width, height, nearest",
+         lookups},
+        {"texel_weights", "mean of look-ups relative to the mean of texels; width, height, nearest", texel_weights},
+        {"invalid_texels", "number of values of a light's image reported as negative or not finite; invalid, channels",
          invalid_texels}};
     return table;
 }

@@ -1,4 +1,4 @@
-// Warps at the ends of the unit interval: what they make of 0 and of the largest number below 1.
+// Warps at the ends of the unit interval: their results for 0 and for the largest number below 1.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,7 +17,7 @@ using transport::Real;
 using transport::Vec2;
 using transport::Vec3;
 
-/// How far a point lies outside of where it belongs, and the density with which it was drawn.
+/// How far a point is outside its domain, and its density.
 struct Drawn {
     double outside = 0;
     double pdf = 1;
@@ -27,7 +27,7 @@ Drawn direction(const Vec3& w, double pdf) {
     return {std::abs(double(length(w)) - 1), pdf};
 }
 double beyond(double x, double least, double most) {
-    return x >= least && x <= most ? 0 : std::max(least - x, x - most);  // NaN stays
+    return x >= least && x <= most ? 0 : std::max(least - x, x - most);  // NaN is kept
 }
 
 constexpr Real shallow = Real(1e-4);
@@ -47,7 +47,7 @@ const Warp warps[] = {
          const Vec2 p = transport::sample_disk_polar(u);
          return Drawn{beyond(std::sqrt(double(p.x) * p.x + double(p.y) * p.y), 0, 1), 1};
      }},
-    // On the horizon the density is 0, and closures refuse such a direction.
+    // On the horizon the density is 0, and closures reject such a direction.
     {"cosine-hemisphere",
      [](const Vec2& u, Real) {
          const Vec3 w = transport::sample_cosine_hemisphere(u);
@@ -100,7 +100,7 @@ const Warp warps[] = {
          drawn.outside += beyond(double(back.x), 0, 1) + beyond(double(back.y), 0, 1);
          return drawn;
      }},
-    // A flight may be of no length, and then it is no collision that a path could start from; it is never infinite.
+    // A flight may have length 0, from which no path can start, but it is never infinite.
     {"free-flight",
      [](const Vec2& u, Real sigma) {
          transport::Medium medium;
@@ -108,14 +108,14 @@ const Warp warps[] = {
          medium.scatters = true;
          const auto flight =
              transport::sample_free_flight(medium, transport::Rgb(1), std::numeric_limits<Real>::infinity(), u);
-         // -ln 2^-24 = 16.6 mean free paths is the longest that 24 bits make.
+         // The longest flight with 24 bits has -ln 2^-24 = 16.6 mean free paths.
          return Drawn{beyond(double(flight.distance) * double(sigma), 0, 33.28), double(flight.weight.r)};
      }},
 };
 
 Result<ProbeResult> warp_outside(const ProbeInput& input) {
     const std::string name = input.word("warp");
-    // In double the samplers' numbers are those of float, so the ends are the same.
+    // In the double build the samplers' numbers are still those of float, so the ends are the same.
     const auto number = [&input](const char* which) {
         return std::min(static_cast<Real>(input.number(which)), transport::one_minus_epsilon);
     };
@@ -131,7 +131,7 @@ Result<ProbeResult> warp_outside(const ProbeInput& input) {
         result.expected = 0;
         const bool possible = drawn.pdf > 0 && std::isfinite(drawn.pdf);
         result.measured = possible ? drawn.outside : std::numeric_limits<double>::infinity();
-        if (!possible) result.note = "drawn with density " + std::to_string(drawn.pdf);
+        if (!possible) result.note = "sampled with density " + std::to_string(drawn.pdf);
         return result;
     }
     return error_at(input.where(), "no warp '" + name + "'; expected one of " + known);
@@ -142,8 +142,9 @@ Result<ProbeResult> warp_outside(const ProbeInput& input) {
 std::span<const NamedProbe> warp_probes() {
     static const NamedProbe table[] = {
         {"warp_outside",
-         "how far a warp throws the numbers u, v outside of its domain, or a direction off the unit sphere; infinite "
-         "where its density is 0 or infinite there; warp, u, v, parameter (of cone, linear, bilinear, visible-normal, "
+         "distance of a warped point from its domain, or of a direction from the unit sphere, for the numbers u, v; "
+         "infinite "
+         "if the density is 0 or infinite; warp, u, v, parameter (of cone, linear, bilinear, visible-normal, "
          "phase, free-flight)",
          warp_outside}};
     return table;

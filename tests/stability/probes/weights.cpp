@@ -1,4 +1,4 @@
-// Weights of multiple importance sampling: they sum to 1 whatever the densities are.
+// Weights of multiple importance sampling, which sum to 1 for any densities.
 #include <cmath>
 #include <vector>
 
@@ -19,7 +19,7 @@ Result<ProbeResult> power_heuristic_sum(const ProbeInput& input) {
     if (Status given = input.status(); !given) return given.error();
     ProbeResult result;
     result.measured = double(transport::power_heuristic(a, b)) + double(transport::power_heuristic(b, a));
-    result.expected = a > 0 || b > 0 ? 1 : 0;  // what no strategy makes has no weight
+    result.expected = a > 0 || b > 0 ? 1 : 0;  // a sample that no strategy makes has no weight
     return result;
 }
 
@@ -27,13 +27,13 @@ Result<ProbeResult> power_heuristic_sum(const ProbeInput& input) {
 struct PathDensities {
     std::vector<double> from_light, from_camera;
     std::vector<bool> specular;
-    double light_sample = 1;  ///< of vertex 0 as light sampling finds it
+    double light_sample = 1;  ///< density of vertex 0 by light sampling
 
     [[nodiscard]] std::size_t size() const { return specular.size(); }
     [[nodiscard]] bool joins(std::size_t s) const { return s == 0 || (s < size() && !specular[s - 1] && !specular[s]); }
 };
 
-/// Densities spread over e^-spread to e^spread.
+/// Returns densities spread from e^-spread to e^spread.
 PathDensities random_path(CountedNumbers& numbers, std::size_t vertices, double spread, double specular) {
     PathDensities path;
     const auto density = [&] { return elementary::exp(spread * (2 * numbers.one() - 1)); };
@@ -46,7 +46,7 @@ PathDensities random_path(CountedNumbers& numbers, std::size_t vertices, double 
     return path;
 }
 
-/// Sums at the light subpath's vertex `last`, made vertex by vertex as a walk makes them.
+/// Returns the sums at the light subpath's vertex `last`, made vertex by vertex as in a walk.
 StrategySums from_light(const PathDensities& path, std::size_t last) {
     StrategySums sums;
     sums.previous = path.from_light[0];
@@ -62,7 +62,7 @@ StrategySums from_light(const PathDensities& path, std::size_t last) {
     return sums;
 }
 
-/// Sums at the camera subpath's vertex `last`, counted from the light.
+/// Returns the sums at the camera subpath's vertex `last`, counted from the light.
 StrategySums from_camera(const PathDensities& path, std::size_t last) {
     StrategySums sums;
     sums.join = 1;
@@ -73,7 +73,7 @@ StrategySums from_camera(const PathDensities& path, std::size_t last) {
     }
 }
 
-/// Of the strategy with s vertices from the light.
+/// Returns the weight of the strategy with s vertices from the light.
 double weight(const PathDensities& path, std::size_t s) {
     const std::size_t n = path.size();
     StrategySums::Wide others = 0;
@@ -92,13 +92,13 @@ double weight(const PathDensities& path, std::size_t s) {
     return static_cast<double>(1 / (1 + others));
 }
 
-/// The sum furthest from 1 of some paths.
+/// Returns the sum that is farthest from 1, over some paths.
 Result<ProbeResult> strategy_weights_sum(const ProbeInput& input) {
     const auto segments = static_cast<std::size_t>(input.number("segments"));
     const double spread = input.number("spread"), specular = input.number("specular", 0);
     CountedNumbers numbers(static_cast<std::uint64_t>(input.number("seed", 1)));
     if (Status given = input.status(); !given) return given.error();
-    if (segments < 2) return error_at(input.where(), "'segments' is below 2: such a path has one strategy");
+    if (segments < 2) return error_at(input.where(), "'segments' is below 2; such a path has only one strategy");
     ProbeResult result;
     result.measured = result.expected.emplace(1);
     for (int repeat = 0; repeat < 10; ++repeat) {
@@ -115,10 +115,10 @@ Result<ProbeResult> strategy_weights_sum(const ProbeInput& input) {
 
 std::span<const NamedProbe> weight_probes() {
     static constexpr NamedProbe table[] = {
-        {"power_heuristic_sum", "the two weights of a sample with densities a and b, added", power_heuristic_sum},
+        {"power_heuristic_sum", "sum of the two weights of a sample with densities a and b", power_heuristic_sum},
         {"strategy_weights_sum",
-         "the weights of all bidirectional strategies of a path, added: the worst of ten paths; segments, spread "
-         "(densities lie within e^-spread and e^spread), specular (chance of a vertex), seed",
+         "sum of the weights of all bidirectional strategies of a path, worst of ten paths; segments, spread "
+         "(densities lie within e^-spread and e^spread), specular (probability of a vertex), seed",
          strategy_weights_sum}};
     return table;
 }

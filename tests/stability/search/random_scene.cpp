@@ -40,7 +40,7 @@ class SceneMaker {
   private:
     // --- numbers ---
 
-    /// Mostly of ordinary size; in wild scenes now and then of any that a float has.
+    /// Returns a size, usually ordinary. In wild scenes some sizes have any magnitude that a float can have.
     double size() {
         if (tame_) return std::pow(10.0, random_.between(-1, 0.5));
         const double u = random_.unit();
@@ -55,7 +55,7 @@ class SceneMaker {
     }
     Triple point() { return {signed_size(), signed_size(), signed_size()}; }
     Triple color(double scale) { return {scale * random_.unit(), scale * random_.unit(), scale * random_.unit()}; }
-    /// Albedos: up to 0.95 in tame scenes.
+    /// Returns an albedo, at most 0.95 in tame scenes.
     Triple albedo() {
         if (tame_) return color(random_.chance(0.2) ? 0.95 : 0.9 * random_.unit());
         return color(random_.chance(0.03) ? size() : random_.chance(0.2) ? 1.0 : random_.unit());
@@ -65,7 +65,7 @@ class SceneMaker {
         return !tame_ && random_.chance(0.2) ? size() : random_.unit();
     }
 
-    /// What the API refuses is not in the scene.
+    /// Adds an item unless the API rejects it.
     template <typename Outcome>
     static bool kept(const Outcome& outcome) {
         return outcome.ok();
@@ -272,7 +272,7 @@ class SceneMaker {
                 return Transform::translate(random_.between(-2, 2), random_.between(-2, 2), 0);
         }
     }
-    /// Shears and mirrors.
+    /// Returns a matrix with shears and mirroring.
     transport::Matrix4 matrix() {
         transport::Matrix4 m{};
         for (std::size_t i = 0; i < 3; ++i)
@@ -303,7 +303,7 @@ class SceneMaker {
         if (!mixes_.empty() && random_.chance(0.3)) return mixes_.front();
         return materials_[random_.below(materials_.size())];
     }
-    /// A closed box around everything, so that paths go on.
+    /// Adds a closed box around everything, so that paths are long.
     void room() {
         const double s = 8;
         for (int axis = 0; axis < 3; ++axis)
@@ -406,7 +406,7 @@ class SceneMaker {
     std::vector<transport::MaterialHandle> materials_, mixes_;
 };
 
-/// An 8 x 8 float image, colour.
+/// Returns an 8 x 8 colour image in PFM format.
 std::string pfm(const std::function<std::array<float, 3>()>& pixel) {
     std::string bytes = "PF\n8 8\n-1.0\n";
     for (int i = 0; i < 64; ++i)
@@ -420,7 +420,7 @@ Status write_scene_files(const std::string& folder) {
     const std::filesystem::path files = std::filesystem::path(folder) / "files";
     std::error_code failed;
     std::filesystem::create_directories(files, failed);
-    if (failed) return error_at({files.string()}, "the folder cannot be made: " + failed.message());
+    if (failed) return error_at({files.string()}, "cannot make this folder: " + failed.message());
     Random random(7);
     const auto unit = [&] { return static_cast<float>(random.between(0.05, 0.9)); };
     const std::array<std::pair<const char*, std::string>, 2> images{{

@@ -1,9 +1,9 @@
-// Random small scenes: every material, texture, light, medium, filter, sampler, integrator and strategy there is, in
-// transforms that shear, mirror, nest and lie far away.
+// Random small scenes with every material, texture, light, medium, filter, sampler, integrator and strategy, under
+// transforms that shear, mirror, nest and move far away.
 //
-// Wild ones have numbers of any size that a float has: their images say whether numbers stay finite, sum up and do not
-// depend on threads, and an error is a fair answer to them. Tame ones are of ordinary size, albedos below 1: what is
-// true of every scene can be measured on them.
+// Wild scenes have numbers of any magnitude; they test that numbers stay finite, that layers sum, and that results do
+// not depend on threads. An error message is a valid result for them. Tame scenes have ordinary sizes and albedos below
+// 1, so all invariants can be measured on them.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,11 @@ struct RandomScene {
     transport::SceneDescription scene;
 };
 
-/// Writes the images that random scenes read to FOLDER/files.
+/// Writes the image files of random scenes to FOLDER/files.
 Status write_scene_files(const std::string& folder);
 
-/// Scene number `seed`; `folder` is where its files are. What the scene-building API refuses is left out of it.
-/// Errors: of scenes that are refused as a whole.
+/// Makes scene number `seed`, whose files are in `folder`. Items that the scene API rejects are left out. Errors: the
+/// whole scene is rejected.
 Result<RandomScene> random_scene(std::uint64_t seed, const std::string& folder);
 
 }  // namespace raylex::experiments

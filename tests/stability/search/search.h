@@ -1,5 +1,5 @@
-// Looks for scenes on which an invariant does not hold: random ones, each checked in a process of its own that may die
-// or hang; what fails is shrunk and saved.
+// Searches for scenes that violate an invariant. Each random scene is checked in a separate process, which may crash or
+// hang. Failing scenes are shrunk and saved.
 #pragma once
 
 #include <atomic>
@@ -15,37 +15,38 @@
 namespace raylex::experiments {
 
 struct SearchOptions {
-    std::uint64_t seed = 0;    ///< of the first scene; the others follow
-    std::uint64_t scenes = 0;  ///< at most; 0: any number
-    double seconds = 0;        ///< at most; 0: any time
+    std::uint64_t seed = 0;    ///< number of the first scene; others are consecutive
+    std::uint64_t scenes = 0;  ///< maximum number; 0: no limit
+    double seconds = 0;        ///< time limit in seconds; 0: no limit
     std::size_t most_findings = 20;
-    double seconds_a_scene = 30;           ///< what takes longer hangs
-    std::uint64_t means_every = 6;         ///< of scenes of ordinary size, for invariants of means; 0: never
-    std::string folder = "raylex-search";  ///< for scenes that fail, and the images that scenes read
+    double seconds_a_scene = 30;  ///< a scene that takes longer counts as hanging
+    /// every how many scenes of ordinary size invariants of means are checked; 0: never
+    std::uint64_t means_every = 6;
+    std::string folder = "raylex-search";  ///< folder for failing scenes and for the images of scenes
     InvariantOptions check;
     ShrinkLimits shrink;
 };
 
-/// A scene that fails.
+/// A failing scene.
 struct Finding {
     std::uint64_t scene = 0;
-    std::string invariant;  ///< or "death": what ended the process
-    Verdict verdict;        ///< of the scene as it was found
-    std::string text;       ///< shrunk
-    std::string file;       ///< where it is saved
+    std::string invariant;  ///< name of the invariant, or "death" if the process ended
+    Verdict verdict;        ///< for the scene before shrinking
+    std::string text;       ///< after shrinking
+    std::string file;       ///< path of the saved scene
     std::size_t lines_before = 0, lines = 0, trials = 0;
 };
 
 struct SearchReport {
     std::uint64_t scenes = 0, refused = 0, tame = 0;
     double seconds = 0;
-    std::map<std::string, std::uint64_t> checked, skipped;  ///< by invariant
+    std::map<std::string, std::uint64_t> checked, skipped;  ///< counts by invariant
     std::vector<Finding> findings;
 };
 
 using SearchProgress = std::function<void(const SearchReport&, const Finding*)>;
 
-/// Errors: a folder that cannot be written to, processes that cannot be made.
+/// Runs the search. Errors: the folder is not writable; a process cannot be started.
 Result<SearchReport> search_scenes(const SearchOptions& options, const SearchProgress& progress = {},
                                    const std::atomic<bool>* stop = nullptr);
 

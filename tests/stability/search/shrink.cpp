@@ -35,7 +35,7 @@ bool closes(const std::string& line) {
     return line == "AttributeEnd" || line == "ObjectEnd";
 }
 
-/// Behind the last line of the block that line `at` opens.
+/// Returns the index after the last line of the block that line `at` opens.
 std::size_t end_of_block(const Lines& lines, std::size_t at) {
     std::size_t depth = 0;
     for (std::size_t i = at; i < lines.size(); ++i) {
@@ -45,7 +45,7 @@ std::size_t end_of_block(const Lines& lines, std::size_t at) {
     return at + 1;
 }
 
-/// A line in pieces: blanks part them, strings and brackets are one each.
+/// Splits a line at blanks. A string is one piece, and so is a bracket.
 std::vector<std::string> pieces_of(const std::string& line) {
     std::vector<std::string> pieces;
     for (std::size_t i = 0; i < line.size();) {
@@ -76,7 +76,7 @@ bool is_declaration(const std::string& piece) {
     return piece.size() > 2 && piece.front() == '"' && piece.find(' ') != std::string::npos;
 }
 
-/// Behind the values of the parameter that piece `at` declares.
+/// Returns the index after the values of the parameter that piece `at` declares.
 std::size_t end_of_values(const std::vector<std::string>& pieces, std::size_t at) {
     if (at + 1 >= pieces.size() || pieces[at + 1] != "[") return std::min(at + 2, pieces.size());
     std::size_t stop = at + 1;
@@ -84,7 +84,7 @@ std::size_t end_of_values(const std::vector<std::string>& pieces, std::size_t at
     return std::min(stop + 1, pieces.size());
 }
 
-/// Simpler numbers to try in place of one, the simplest first.
+/// Returns simpler numbers to try, the simplest first.
 std::vector<std::string> simpler(const std::string& piece) {
     double value = 0;
     const auto read = std::from_chars(piece.data(), piece.data() + piece.size(), value);
@@ -197,7 +197,7 @@ class Shrinker {
         }
         return any;
     }
-    /// Faces of meshes, and what belongs to one vertex each, stay as they are but for the faces that are not needed.
+    /// Removes unnecessary faces of meshes. Other faces and per-vertex values stay.
     bool faces() {
         bool any = false;
         for (std::size_t line = 0; line < lines_.size() && !spent(); ++line) {

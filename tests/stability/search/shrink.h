@@ -1,8 +1,9 @@
-// A scene that fails, made small: what is not needed to fail is taken out of its text.
+// Shrinks a failing scene: removes everything from its text that is not needed for the failure.
 //
-// Delta debugging (Zeller and Hildebrandt 2002, "Simplifying and Isolating Failure-Inducing Input"): halves, quarters
-// ... of the directives, then blocks, parameters and faces of meshes one by one, then numbers towards 0 and 1 and fewer
-// digits, again and again until nothing more can go. What is no scene any more does not fail, so no grammar is needed.
+// Delta debugging (Zeller and Hildebrandt 2002, "Simplifying and Isolating Failure-Inducing Input"): tries to remove
+// halves, quarters ... of the directives, then single blocks, parameters and mesh faces; then it moves numbers towards
+// 0 and 1 and removes digits. It repeats until nothing can be removed. A text that is not a scene does not fail in the
+// same way, so no grammar is needed.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +21,8 @@ struct Shrunk {
     std::size_t trials = 0;
 };
 
-/// `text`: one directive a line, as pbrt_text() writes it. `fails`: whether a text still fails in the same way; it is
-/// called for texts that are no scenes, too.
+/// Shrinks `text`, which has one directive per line, as pbrt_text() writes it. `fails` returns whether a text still
+/// fails in the same way; it is also called for texts that are not scenes.
 Shrunk shrink_scene(const std::string& text, const std::function<bool(const std::string&)>& fails,
                     const ShrinkLimits& limits = {});
 

@@ -15,7 +15,7 @@ using transport::Vec3;
 
 namespace {
 
-/// Dimensions that Python may name: those of keys for closures stand behind them.
+/// Number of dimensions for Python. The dimensions after them are keys for closures.
 constexpr std::uint32_t most_dimensions = 1U << 20;
 
 std::uint32_t dimension_of(std::uint32_t dimension) {
@@ -33,7 +33,7 @@ Vec3 vec_of(const transport::Rgb& rgb) {
 
 Batch::Batch(const transport::CameraBatch& camera, const transport::IntegratorContext& context,
              transport::IntegratorThread& thread, transport::ThreadServices& services)
-    : CallScope("this batch is over; expected its use within integrate() only"),
+    : CallScope("this batch is no longer valid; it can be used only within integrate()"),
       camera_(camera),
       context_(context),
       thread_(thread),
@@ -44,7 +44,7 @@ Batch::Batch(const transport::CameraBatch& camera, const transport::IntegratorCo
 
 void Batch::check_own(const Points& points) const {
     check();
-    if (points.batch.get() != this) fail("these points are of another batch; expected points that this one traced");
+    if (points.batch.get() != this) fail("these points belong to another batch; expected points from this batch");
 }
 
 std::vector<std::uint32_t> Batch::rows_of(const py::object& rows) const {
@@ -155,7 +155,7 @@ py::array_t<bool> Batch::live() const {
 void Batch::scatter(const Points& points, const std::vector<transport::LobeList>& lobes) {
     check_own(points);
     if (lobes.size() != points.count())
-        fail("the scattering is of " + std::to_string(lobes.size()) + " points; expected " +
+        fail("the scattering has " + std::to_string(lobes.size()) + " points; expected " +
              std::to_string(points.count()));
     transport::LobeParts parts;
     for (std::size_t i = 0; i < points.count(); ++i)
@@ -291,7 +291,7 @@ py::array_t<bool> visible(const LightSamples& lights) {
 
 std::shared_ptr<Points> Points::go_on(const Sample& sample, const py::object& keep) const {
     if (sample.samples.size() != count())
-        fail("the sample is of " + std::to_string(sample.samples.size()) + " points; expected " +
+        fail("the sample has " + std::to_string(sample.samples.size()) + " points; expected " +
              std::to_string(count()));
     std::vector<std::uint8_t> kept(count(), 1);
     if (!keep.is_none()) {

@@ -1,5 +1,5 @@
-// What an integrator in Python works on: a batch of camera rays, and the surface points that rays of it found. All of
-// it arrays with a row for each ray or point; C++ does per ray what experiments/plugins/planted_error.cpp does.
+// The data of an integrator in Python: a batch of camera rays, and the surface points that rays of the batch hit. All
+// data are arrays with one row per ray or point; C++ does the same per ray as experiments/plugins/planted_error.cpp.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace raylex::python {
 
 class Points;
 
-/// One call of integrate(); no use after it.
+/// The batch of one call of integrate(). It is invalid after the call.
 class Batch : public CallScope, public std::enable_shared_from_this<Batch> {
   public:
     Batch(const transport::CameraBatch& camera, const transport::IntegratorContext& context,
@@ -39,22 +39,23 @@ class Batch : public CallScope, public std::enable_shared_from_this<Batch> {
         return services_.display;
     }
 
-    /// Numbers of the samples of these rows; None: all. (rows,) and (rows, 2).
+    /// Random numbers of the samples of these rows (None: all), of shape (rows,) and, in numbers_2d(), (rows, 2).
     [[nodiscard]] py::array_t<float> numbers(std::uint32_t dimension, const py::object& rows) const;
     [[nodiscard]] py::array_t<float> numbers_2d(std::uint32_t dimension, const py::object& rows) const;
 
-    // All of them are errors once the batch is over.
+    // All following functions report an error after the call.
 
-    /// The camera's rays, and any other: row r[i] of the batch sends one from origins[i] in directions[i].
+    /// Traces the camera's rays; trace_rays() traces any rays: row r[i] of the batch sends one from origins[i] in
+    /// directions[i].
     std::shared_ptr<Points> trace();
     std::shared_ptr<Points> trace_rays(const py::object& origins, const py::object& directions, const py::object& rows);
     std::shared_ptr<Points> trace(std::vector<transport::Ray> rays, std::vector<std::uint32_t> rows, bool first);
 
-    /// Whether anything that the path of each row may still meet counts.
+    /// Returns for each row whether any event that can follow on its path matters.
     [[nodiscard]] py::array_t<bool> live() const;
-    /// Errors: points of another batch, whose rows this one may not have.
+    /// Reports an error if the points belong to another batch, whose rows this batch may not have.
     void check_own(const Points& points) const;
-    /// One event along each path: the scattering towards light that a sample or evaluation was of.
+    /// Adds one event to each path: the scattering towards light in a sample or evaluation.
     void scatter(const Points& points, const std::vector<transport::LobeList>& lobes);
     void contribute(std::uint32_t row, const Points* points, std::size_t i, const transport::LobeList* lobes,
                     std::uint32_t light, const transport::Rgb& value);
@@ -66,20 +67,20 @@ class Batch : public CallScope, public std::enable_shared_from_this<Batch> {
     transport::IntegratorThread& thread_;
     transport::ThreadServices& services_;
     std::vector<display::Tracker> paths_;  // by row
-    std::uint32_t depth_ = 0;              // batches of rays traced so far
+    std::uint32_t depth_ = 0;              // number of traced batches of rays so far
 };
 
-/// What a light sample of each point is; pdf 0 where there is none.
+/// A light sample for each point; pdf 0 if there is none.
 struct LightSamples {
     std::shared_ptr<const Points> from;
     std::vector<transport::LightSample> samples;
 };
-/// f |cos| towards a direction for each point.
+/// f |cos| towards a direction, for each point.
 struct Evaluation {
     std::vector<transport::BsdfEvaluation> values;
     [[nodiscard]] std::vector<transport::LobeList> lobes() const;
 };
-/// A direction drawn for each point.
+/// A sampled direction for each point.
 struct Sample {
     std::vector<transport::BsdfSample> samples;
     [[nodiscard]] std::vector<transport::LobeList> lobes() const;
@@ -88,15 +89,15 @@ struct Sample {
 class Points : public std::enable_shared_from_this<Points> {
   public:
     std::shared_ptr<Batch> batch;
-    std::vector<std::uint32_t> rows, missed;        ///< of the batch: with a point, and those whose ray hit nothing
-    std::vector<transport::Ray> rays, missed_rays;  ///< that found the points, and the others
+    std::vector<std::uint32_t> rows, missed;  ///< rows of the batch: with a point, and those whose ray hit nothing
+    std::vector<transport::Ray> rays, missed_rays;  ///< rays that found the points, and the others
     std::vector<transport::Hit> hits;
     std::vector<transport::SurfacePoint> points;
     std::vector<transport::SurfaceSource> sources;
     std::vector<transport::Bsdf> bsdfs;
 
     [[nodiscard]] std::size_t count() const { return rows.size(); }
-    /// The light of the surface itself; Hit::none where it does not shine.
+    /// Returns the light of the surface itself; Hit::none if it does not emit.
     [[nodiscard]] std::uint32_t light(std::size_t i) const;
     [[nodiscard]] transport::Ray ray_from(std::size_t i, const transport::Vec3& direction) const;
 
@@ -108,10 +109,10 @@ class Points : public std::enable_shared_from_this<Points> {
     [[nodiscard]] std::shared_ptr<Points> go_on(const Sample& sample, const py::object& keep) const;
 };
 
-/// Whether light of the samples arrives: nothing stands in the way.
+/// Returns for each sample whether its light is unoccluded.
 py::array_t<bool> visible(const LightSamples& lights);
 
-/// What `value(i)` gives for each of `count`, as (count, 3).
+/// Returns `value(i)` for each of `count`, as an array of shape (count, 3).
 template <class Value>
 py::array_t<float> triples_of(std::size_t count, Value value) {
     std::vector<float> numbers;
@@ -129,7 +130,7 @@ py::array_t<T> column_of(std::size_t count, Value value) {
     for (std::size_t i = 0; i < count; ++i) numbers.push_back(static_cast<T>(value(i)));
     return owning_array(std::move(numbers), {static_cast<py::ssize_t>(count)});
 }
-/// The same of truths: std::vector<bool> has no memory to hand out.
+/// Returns `value(i)` for each of `count` as an array of bool. std::vector<bool> has no contiguous memory.
 template <class Value>
 py::array_t<bool> truths_of(std::size_t count, Value value) {
     py::array_t<bool> array(static_cast<py::ssize_t>(count));

@@ -1,5 +1,5 @@
-// Sample filters in Python: display/services/samples/sample_filter.h with the samples of a batch as arrays, changed in
-// place.
+// Sample filters in Python: display/services/samples/sample_filter.h with the samples of a batch as arrays that are
+// changed in place.
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -18,11 +18,11 @@ using display::ChannelId;
 
 namespace {
 
-/// The samples of a batch; no use after apply().
+/// The samples of a batch. They are invalid after apply().
 class Samples {
   public:
     Samples(display::SampleTable& table, ChannelId beauty) : table_(&table), beauty_(beauty) {}
-    /// What a filter changed goes into the table, where it counts as written.
+    /// Writes the changes of a filter to the table, as written values.
     void end() {
         for (const auto& [id, copy] : copies_) {
             const auto components = static_cast<std::size_t>(display::component_count(table().channel(id).type));
@@ -42,7 +42,8 @@ class Samples {
             if (display::takes_samples(table().channel(i))) names.push_back(name_of(i));
         return names;
     }
-    /// (rows, components), (rows,) of one number: a copy for end(), since Python may keep it longer than the table.
+    /// Returns values of shape (rows, components), or (rows,) for single numbers: a copy for end(), because Python may
+    /// keep it longer than the table exists.
     [[nodiscard]] py::array_t<double> values(const std::string& name) {
         for (ChannelId id = 0; id < table().channel_count(); ++id) {
             if (name_of(id) != name || !display::takes_samples(table().channel(id))) continue;
@@ -56,7 +57,7 @@ class Samples {
             const py::capsule owner(new Copy(copy), [](void* p) { delete static_cast<Copy*>(p); });
             return py::array_t<double>(std::move(shape), copy->data(), owner);
         }
-        fail("there is no channel '" + name + "' in the samples", near_miss(name, names()));
+        fail("unknown channel '" + name + "' in the samples", near_miss(name, names()));
     }
     [[nodiscard]] py::array_t<std::int32_t> pixels() const {
         std::vector<std::int32_t> xy;
@@ -69,7 +70,7 @@ class Samples {
   private:
     using Copy = std::shared_ptr<std::vector<double>>;
     [[nodiscard]] display::SampleTable& table() const {
-        if (table_ == nullptr) fail("these samples are over; expected their use within apply() only");
+        if (table_ == nullptr) fail("these samples are no longer valid; they can be used only within apply()");
         return *table_;
     }
     [[nodiscard]] std::string name_of(ChannelId id) const {
@@ -84,7 +85,7 @@ class PythonFilter final : public display::SampleFilter {
   public:
     PythonFilter(py::object object, const display::SampleFilterContext& context)
         : beauty_(context.beauty), control_(RunControl::current()) {
-        // What is not said to keep splits is taken to change each layer in its own way.
+        // Without keeps_splits, a filter is assumed to change each layer differently.
         const py::object keeps = py::getattr(object, "keeps_splits", py::bool_(false));
         if (!py::bool_(keeps))
             for (std::size_t i = 0; i < context.channels.size(); ++i) alters_.push_back(static_cast<ChannelId>(i));
@@ -128,12 +129,12 @@ void register_filter(const std::string& name, const py::object& type, const std:
 void add_filters(py::module_& module) {
     py::class_<Samples, std::shared_ptr<Samples>>(
         module, "Samples",
-        "The raw samples of a batch, before the pixel filter: arrays that a sample filter changes in place.")
-        .def_property_readonly("names", &Samples::names, "channels, 'beauty' among them")
+        "The samples of a batch before the pixel filter, as arrays that a sample filter changes in place.")
+        .def_property_readonly("names", &Samples::names, "names of the channels, including 'beauty'")
         .def_property_readonly("pixels", &Samples::pixels, "int32 (rows, 2): x, y of each sample's pixel")
         .def("__len__", &Samples::rows)
         .def("__getitem__", &Samples::values, "name"_a,
-             "float64 (rows, components), (rows,) of one number. Writing changes the sample.");
+             "float64 (rows, components), or (rows,) for single numbers. Writing changes the samples.");
     module.def("_register_sample_filter", &register_filter, "name"_a, "type"_a, "help"_a, "defaults"_a);
 }
 

@@ -21,7 +21,7 @@ class PythonIntegrator final : public transport::Integrator {
     [[nodiscard]] transport::IntegratorTraits traits() const override {
         transport::IntegratorTraits traits;
         traits.max_depth = max_depth_;
-        traits.saved_state = transport::SavedState::none;  // a sample is a function of its number
+        traits.saved_state = transport::SavedState::none;  // a sample depends only on its number
         return traits;
     }
     Status prepare(const transport::IntegratorContext& context) override {
@@ -30,7 +30,7 @@ class PythonIntegrator final : public transport::Integrator {
     }
     [[nodiscard]] std::vector<std::string> omissions() const override {
         std::vector<std::string> all;
-        if (context_.scene.asks_for_media()) all.emplace_back("media: rays of Python integrators pass through them");
+        if (context_.scene.asks_for_media()) all.emplace_back("media: rays of Python integrators ignore them");
         return all;
     }
     void integrate(const transport::CameraBatch& camera, transport::IntegratorThread& thread,
@@ -78,7 +78,7 @@ void register_integrator(const std::string& name, const py::object& type, const 
                   }});
 }
 
-/// (rows,) of light that no point sends: environments in the directions that hit nothing.
+/// Adds light that no point emits: environments in the directions that hit nothing. `throughput` has shape (rows,).
 void add_background(Batch& batch, const Points& points, const py::object& throughput) {
     const Triples factor(throughput, points.missed.size(), "throughput");
     batch.check_own(points);
@@ -106,11 +106,11 @@ void add_emission(Batch& batch, const Points& points, const py::object& throughp
 void add_light(Batch& batch, const Points& points, const Evaluation& f, const LightSamples& lights,
                const py::object& value) {
     if (f.values.size() != points.count() || lights.samples.size() != points.count())
-        fail("evaluation and light samples are of " + std::to_string(f.values.size()) + " and " +
+        fail("evaluation and light samples have " + std::to_string(f.values.size()) + " and " +
              std::to_string(lights.samples.size()) + " points; expected " + std::to_string(points.count()));
     const Triples values(value, points.count(), "value");
     batch.check_own(points);
-    batch.check_own(*lights.from);  // their lights are numbers of this scene's
+    batch.check_own(*lights.from);  // light indices belong to this scene
     for (std::size_t i = 0; i < points.count(); ++i) {
         const transport::Rgb light = values[i];
         if (!(lights.samples[i].pdf > 0) || light.is_black()) continue;
@@ -121,14 +121,14 @@ void add_light(Batch& batch, const Points& points, const Evaluation& f, const Li
 void add_batch(py::module_& module) {
     py::class_<Batch, std::shared_ptr<Batch>>(
         module, "Batch",
-        "Camera rays of one call of integrate(); row i is one sample of one pixel. No use after the call.")
+        "Camera rays of one call of integrate(); row i is one sample of one pixel. It is invalid after the call.")
         .def("__len__", &Batch::count)
         .def_property_readonly(
             "origins",
             [](const Batch& b) {
                 return triples_of(b.count(), [&](std::size_t i) { return b.camera().rays[i].origin; });
             },
-            "float32 (rows, 3), render space: the world's axes and unit, another origin")
+            "float32 (rows, 3) in render space, which differs from world space in its origin")
         .def_property_readonly(
             "directions",
             [](const Batch& b) {
@@ -148,28 +148,27 @@ void add_batch(py::module_& module) {
             [](const Batch& b) {
                 return column_of<std::uint64_t>(b.count(), [&](std::size_t i) { return b.camera().rows[i].sample; });
             },
-            "uint64 (rows,): which sample of the pixel")
+            "uint64 (rows,): index of the sample in its pixel")
         .def("numbers", &Batch::numbers, "dimension"_a, "rows"_a = py::none(),
-             "float32 (rows,) in [0, 1): a number of each sample. The same dimension, the same number: name each use "
-             "by its "
-             "own.")
+             "float32 (rows,) in [0, 1): one random number per sample. Equal dimensions give equal numbers, so use "
+             "each dimension once.")
         .def("numbers_2d", &Batch::numbers_2d, "dimension"_a, "rows"_a = py::none(), "float32 (rows, 2) in [0, 1)^2.")
-        .def("trace", py::overload_cast<>(&Batch::trace), "Points that the camera's rays see. Call it once.")
+        .def("trace", py::overload_cast<>(&Batch::trace), "Points hit by the camera's rays. Call it once.")
         .def("trace", &Batch::trace_rays, "origins"_a, "directions"_a, "rows"_a = py::none(),
-             "Points that other rays find: (n, 3) each, directions of unit length, rows (n,) whose they are.")
-        .def("live", &Batch::live, "bool (rows,): whether anything that a path may still meet counts.")
+             "Points hit by other rays: origins and unit directions (n, 3); rows (n,) are the rows of the batch that "
+             "they belong to.")
+        .def("live", &Batch::live, "bool (rows,): whether light that the path can still find matters.")
         .def(
             "scatter", [](Batch& b, const Points& p, const Sample& s) { b.scatter(p, s.lobes()); }, "points"_a,
-            "sample"_a, "The paths are scattered at these points as the sample says: one event of their words.")
+            "sample"_a, "Adds to the words of the paths the scattering event of the sample at these points.")
         .def("add_emission", &add_emission, "points"_a, "throughput"_a,
-             "Adds throughput (points, 3) times the light that the points' own surfaces send along their paths.")
-        .def(
-            "add_background", &add_background, "points"_a, "throughput"_a,
-            "Adds throughput (missed, 3) times what infinite lights send to the rays that hit nothing (points.missed).")
+             "Adds throughput (points, 3) times the light that the points' surfaces emit along their paths.")
+        .def("add_background", &add_background, "points"_a, "throughput"_a,
+             "Adds throughput (missed, 3) times the light of infinite lights along rays that hit nothing "
+             "(points.missed).")
         .def("add_light", &add_light, "points"_a, "evaluation"_a, "lights"_a, "value"_a,
-             "Adds value (points, 3): light of these samples, scattered at the points as evaluated. Light path "
-             "expressions get "
-             "it by their words.");
+             "Adds value (points, 3): the light of these samples, scattered at the points as evaluated. Light path "
+             "expressions receive it by its words.");
 }
 
 }  // namespace

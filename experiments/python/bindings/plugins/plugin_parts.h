@@ -1,4 +1,4 @@
-// The parts of raylex.plugins that stand in files of their own.
+// The parts of raylex.plugins, each in its own file.
 #pragma once
 
 #include "experiments/python/bindings/bindings.h"

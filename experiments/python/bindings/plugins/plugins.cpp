@@ -1,4 +1,4 @@
-// Plugins: C++ ones loaded, and the kinds that Python may register.
+// Loads C++ plugins, and registers the kinds of plugin that Python supports.
 #include <pybind11/stl/filesystem.h>
 
 #include "experiments/python/bindings/bindings.h"

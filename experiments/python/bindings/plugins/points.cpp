@@ -1,4 +1,4 @@
-// Points, directions drawn there, and light samples, as integrators in Python see them.
+// Points, sampled directions and light samples for integrators in Python.
 #include "experiments/python/bindings/plugins/batch.h"
 
 namespace raylex::python {
@@ -13,7 +13,7 @@ std::array<float, 3> numbers(const Rgb& rgb) {
     return {transport::to_float(rgb.r), transport::to_float(rgb.g), transport::to_float(rgb.b)};
 }
 
-/// A property of points: three numbers of each.
+/// Returns a property of points with three numbers each.
 template <class Value>
 auto triple(Value value) {
     return
@@ -43,38 +43,38 @@ void add_point_properties(py::class_<Points, std::shared_ptr<Points>>& points) {
         .def_property_readonly(
             "rows",
             [](const Points& p) { return column_of<std::int64_t>(p.count(), [&](auto i) { return p.rows[i]; }); },
-            "int64 (points,): the rows of the batch whose rays they are")
+            "int64 (points,): the rows of the batch that they belong to")
         .def_property_readonly(
             "missed",
             [](const Points& p) {
                 return column_of<std::int64_t>(p.missed.size(), [&](auto i) { return p.missed[i]; });
             },
-            "int64 (missed,): the rows whose rays hit nothing")
+            "int64 (missed,): the rows of the batch whose rays hit nothing")
         .def_property_readonly(
             "distance",
             [](const Points& p) { return column_of<float>(p.count(), [&](auto i) { return p.hits[i].t; }); },
-            "float32 (points,), world units when directions have unit length")
+            "float32 (points,): distance, in world units if directions have unit length")
         .def_property_readonly("position", triple([](const Point& p) { return p.position; }),
-                               "float32 (points, 3), render space: what trace() takes")
+                               "float32 (points, 3) in render space, for trace()")
         .def_property_readonly("world_position", &world_positions, "float64 (points, 3), world space")
         .def_property_readonly("normal", triple([](const Point& p) { return p.geometric_normal; }),
-                               "float32 (points, 3), unit, on the shape's outside")
+                               "float32 (points, 3), unit vectors on the shape's outside")
         .def_property_readonly("shading_normal", triple([](const Point& p) { return p.shading_normal; }),
                                "float32 (points, 3), unit")
         .def_property_readonly("wo", triple([](const Point& p) { return p.wo; }),
-                               "float32 (points, 3), unit, towards where the ray came from")
+                               "float32 (points, 3), unit vectors towards the origin of the ray")
         .def_property_readonly("uv", &positions_2d, "float32 (points, 2): texture coordinates")
-        .def_property_readonly("emitted", &Points::emitted, "float32 (points, 3): radiance that they send along wo")
+        .def_property_readonly("emitted", &Points::emitted, "float32 (points, 3): radiance emitted along wo")
         .def_property_readonly(
             "albedo",
             [](const Points& p) {
-                p.batch->check();  // closures may point to tables of the scene
+                p.batch->check();  // closures may refer to tables of the scene
                 return triples_of(p.count(), [&](auto i) {
                     const Rgb albedo = p.bsdfs[i].albedo(p.points[i].wo);
                     return numbers(albedo);
                 });
             },
-            "float32 (points, 3): a rough estimate");
+            "float32 (points, 3): rough estimate of the albedo");
 }
 
 void add_samples(py::module_& module) {
@@ -90,8 +90,8 @@ void add_samples(py::module_& module) {
             [](const Evaluation& e) {
                 return column_of<float>(e.values.size(), [&](auto i) { return e.values[i].pdf; });
             },
-            "float32 (points,): density with which sample() draws the direction, 1 / sr");
-    py::class_<Sample, std::shared_ptr<Sample>>(module, "Sample", "A direction drawn at each point.")
+            "float32 (points,): density of sample() for the direction, 1 / sr");
+    py::class_<Sample, std::shared_ptr<Sample>>(module, "Sample", "A sampled direction at each point.")
         .def_property_readonly(
             "wi", [](const Sample& s) { return triples_of(s.samples.size(), [&](auto i) { return s.samples[i].wi; }); },
             "float32 (points, 3), unit")
@@ -106,13 +106,13 @@ void add_samples(py::module_& module) {
             [](const Sample& s) {
                 return column_of<float>(s.samples.size(), [&](auto i) { return s.samples[i].pdf; });
             },
-            "float32 (points,): 1 / sr, of mirrors a probability; 0 where there is no direction")
+            "float32 (points,): density in 1 / sr, for mirrors a probability; 0 without a direction")
         .def_property_readonly(
             "delta",
             [](const Sample& s) { return truths_of(s.samples.size(), [&](auto i) { return s.samples[i].delta; }); },
-            "bool (points,): mirrors and smooth glass, whose light no light sample finds");
+            "bool (points,): mirror or smooth glass, whose light no light sample can find");
     py::class_<LightSamples, std::shared_ptr<LightSamples>>(module, "LightSamples",
-                                                            "A direction towards a light, for each.")
+                                                            "A direction towards a light at each point.")
         .def_property_readonly(
             "wi",
             [](const LightSamples& l) { return triples_of(l.samples.size(), [&](auto i) { return l.samples[i].wi; }); },
@@ -122,33 +122,35 @@ void add_samples(py::module_& module) {
             [](const LightSamples& l) {
                 return triples_of(l.samples.size(), [&](auto i) { return numbers(l.samples[i].radiance); });
             },
-            "float32 (points, 3): what arrives when nothing is in the way, to be divided by pdf")
+            "float32 (points, 3): unoccluded radiance, to be divided by pdf")
         .def_property_readonly(
             "pdf",
             [](const LightSamples& l) {
                 return column_of<float>(l.samples.size(), [&](auto i) { return l.samples[i].pdf; });
             },
-            "float32 (points,): 1 / sr with the chance of the light; 0 where there is no light")
-        .def("visible", &visible, "bool (points,): whether nothing stands in the way. Traces a shadow ray each.");
+            "float32 (points,): density in 1 / sr, including the probability of the light; 0 without a light")
+        .def("visible", &visible, "bool (points,): whether the light is unoccluded. Traces one shadow ray per point.");
 }
 
 }  // namespace
 
 void add_points(py::module_& module) {
     add_samples(module);
-    py::class_<Points, std::shared_ptr<Points>> points(module, "Points", "Surface points that rays of a batch found.");
+    py::class_<Points, std::shared_ptr<Points>> points(module, "Points", "Surface points hit by rays of a batch.");
     points.def("__len__", &Points::count);
     add_point_properties(points);
-    points.def("evaluate", &Points::evaluate, "wi"_a, "Evaluation of scattering towards wi (points, 3), unit.")
+    points
+        .def("evaluate", &Points::evaluate, "wi"_a, "Evaluation of scattering towards the unit vectors wi (points, 3).")
         .def("sample", &Points::sample, "choice"_a, "numbers"_a,
-             "Sample: directions drawn as the materials scatter, by numbers (points,) and (points, 2) in [0, 1).")
+             "Sample: directions sampled from the materials, by random numbers (points,) and (points, 2) in [0, 1).")
         .def("sample_light", &Points::sample_light, "choice"_a, "numbers"_a,
-             "LightSamples: a light for each point, by numbers (points,) and (points, 2) in [0, 1).")
+             "LightSamples: a light for each point, by random numbers (points,) and (points, 2) in [0, 1).")
         .def("occluded", &Points::occluded, "directions"_a, "distance"_a = std::numeric_limits<double>::infinity(),
-             "bool (points,): whether something stands within `distance` (world units) in the unit directions (points, "
+             "bool (points,): whether there is a surface within `distance` (world units) along the unit directions "
+             "(points, "
              "3).")
         .def("go_on", &Points::go_on, "sample"_a, "keep"_a = py::none(),
-             "Points that the sampled directions lead to; keep: bool (points,), which to follow.");
+             "Points hit along the sampled directions; keep: bool (points,), which directions to follow.");
 }
 
 }  // namespace raylex::python

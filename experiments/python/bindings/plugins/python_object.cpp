@@ -24,7 +24,7 @@ ParameterDescription describe_parameter(const std::string& name, const py::handl
         parameter.type = ParameterType::string;
     } else {
         fail("parameter '" + name + "' has the default " + std::string(py::repr(value)) +
-             "; expected a bool, int, float or str, which says its type");
+             "; expected a bool, int, float or str, which determines its type");
     }
     return parameter;
 }
@@ -42,7 +42,8 @@ std::shared_ptr<const PythonClass> describe_class(const std::string& kind, const
     described->defaults = defaults;
     for (const auto& [parameter, value] : defaults)
         described->parameters.push_back(describe_parameter(parameter.cast<std::string>(), value));
-    // Registries live as long as the process, and so do their classes: nothing of Python is destroyed after its end.
+    // Registries live as long as the process, and so do their classes, so no Python object is destroyed after the
+    // interpreter.
     return {described.release(), [](const PythonClass*) {}};
 }
 
@@ -73,9 +74,9 @@ Result<py::object> make_instance(const PythonClass& python, transport::Parameter
 
 void claim_name(const std::string& kind, const std::string& name, bool taken) {
     static std::set<std::pair<std::string, std::string>> ours;
-    if (name.empty()) fail("the " + kind + " has no name; expected one by which scenes and jobs ask for it");
+    if (name.empty()) fail("the " + kind + " has no name; expected a name for scenes and jobs");
     if (taken && !ours.contains({kind, name}))
-        fail("there is a " + kind + " '" + name + "' in raylex or a plugin already; expected a name of its own");
+        fail("the " + kind + " '" + name + "' exists already in raylex or a plugin; expected a different name");
     ours.emplace(kind, name);
 }
 

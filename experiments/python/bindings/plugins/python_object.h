@@ -1,5 +1,5 @@
-// Classes in Python behind the registries that plugins register with: their parameters are those that __init__ takes by
-// name, with a default that says the type.
+// Python classes in the registries of plugins. Their parameters are the keyword arguments of __init__; the default of
+// each determines its type.
 #pragma once
 
 #include <memory>
@@ -22,16 +22,17 @@ struct PythonClass {
     py::dict defaults;
 };
 
-/// `defaults`: {parameter: value}, bool, int, float or str. Errors: any other.
+/// Describes a class. `defaults` is {parameter: value} with bool, int, float or str values. Error: any other value.
 std::shared_ptr<const PythonClass> describe_class(const std::string& kind, const std::string& name,
                                                   const std::string& help, const py::object& type,
                                                   const py::dict& defaults);
 
-/// An instance, its parameters as `reader` has them; `more` override. Errors: reader's; what the class raises.
+/// Makes an instance with the parameters in `reader`; `more` overrides them. Errors: those of the reader; exceptions of
+/// the class.
 Result<py::object> make_instance(const PythonClass& python, transport::ParameterReader& reader,
                                  const std::vector<std::pair<std::string, std::int64_t>>& more = {});
 
-/// Holds an object of Python in one of C++ that any thread may destroy.
+/// Holds a Python object in a C++ object that any thread may destroy.
 class Held {
   public:
     explicit Held(py::object object) : object_(new py::object(std::move(object))) {}
@@ -41,19 +42,18 @@ class Held {
     }
     Held(const Held&) = delete;
     Held& operator=(const Held&) = delete;
-    /// With Python's lock held.
+    /// Call it with Python's lock held.
     [[nodiscard]] const py::object& operator*() const { return *object_; }
 
   private:
     py::object* object_;
 };
 
-/// Registers, in place of what Python registered under this name before. Errors: the name is raylex's own or a
-/// plugin's.
+/// Claims a name for a registration. A class that Python registered earlier under this name is replaced. Error: the
+/// name belongs to raylex or a plugin.
 void claim_name(const std::string& kind, const std::string& name, bool taken);
 
-/// Calls `work` with Python's lock; what it throws ends the render that `control` is of, or goes on where there is
-/// none.
+/// Calls `work` with Python's lock. An exception ends the render of `control`; without a render it is thrown on.
 template <class Work>
 void guarded_call(const std::shared_ptr<RunControl>& control, Work&& work) {
     const Callback locked;

@@ -17,7 +17,7 @@ bool send(display::DisplayServices& services, display::ChannelId id, int row, co
 }
 
 std::vector<int> rows_of(const Batch& batch, const py::object& rows) {
-    batch.check();  // no rows at all are an error too once the batch is over
+    batch.check();  // empty rows are an error too after the call
     if (rows.is_none()) {
         const std::vector<std::uint32_t> all = batch.rows_of(rows);
         return {all.begin(), all.end()};
@@ -39,7 +39,7 @@ void write_distance(Batch& batch, const py::object& distance, const py::object& 
     const Array<float> values = numbers_of(distance, rows.size(), "distance");
     for (std::size_t i = 0; i < rows.size(); ++i)
         if (!batch.display().write_distance(rows[i], values.data()[i]))
-            fail("distance or row refused; expected numbers");
+            fail("a distance or row is invalid; expected finite numbers and rows of this batch");
 }
 
 void write_opacity(Batch& batch, const py::object& opacity, const py::object& of) {
@@ -47,7 +47,7 @@ void write_opacity(Batch& batch, const py::object& opacity, const py::object& of
     const Triples values(opacity, rows.size(), "opacity");
     for (std::size_t i = 0; i < rows.size(); ++i)
         if (!batch.display().write_opacity(rows[i], transport::to_float(values[i])))
-            fail("opacity or row refused; expected numbers from 0 to 1");
+            fail("an opacity or row is invalid; expected numbers from 0 to 1 and rows of this batch");
 }
 
 py::array_t<std::int32_t> add_rows(Batch& batch, const py::object& depth, const py::object& opacity,
@@ -69,13 +69,13 @@ void send_values(display::DisplayServices& services, const std::string& name, co
     if (id == display::invalid_channel) return;
     const auto channel =
         std::find_if(channels.begin(), channels.end(), [&](const auto& each) { return each.id == id; });
-    const std::string what = "what is sent to channel '" + name + "'";
+    const std::string what = "the value for channel '" + name + "'";
     bool all = true;
     const auto each = [&](auto value_of) {
         for (std::size_t i = 0; i < rows.size(); ++i) all &= send(services, id, rows[i], value_of(i), how);
     };
     if (channel->type == ChannelType::integer) {
-        if (how == Sending::splat) fail("channel '" + name + "' holds integers, which are written and not splatted");
+        if (how == Sending::splat) fail("channel '" + name + "' holds integers, which can be written but not splatted");
         const Array<std::int32_t> numbers = array_of<std::int32_t>(values, what);
         check_shape(numbers, rows.size(), 0, what);
         each([&](std::size_t i) { return numbers.data()[i]; });
@@ -86,7 +86,7 @@ void send_values(display::DisplayServices& services, const std::string& name, co
         const Triples triples(values, rows.size(), what);
         each([&](std::size_t i) { return transport::to_float(triples[i]); });
     }
-    if (!all) fail(what + " was refused in part; expected finite numbers and rows of this batch");
+    if (!all) fail(what + " is partly invalid; expected finite numbers and rows of this batch");
 }
 
 py::array_t<bool> TextureServices::seen() const {
@@ -103,7 +103,7 @@ py::array_t<std::int32_t> TextureServices::depth() const {
 }
 
 void TextureServices::write(const std::string& name, const py::object& values) const {
-    const Use use(*this);  // NumPy lets go of Python's lock while it converts
+    const Use use(*this);  // NumPy releases Python's lock during the conversion
     std::vector<int> rows;
     std::vector<std::size_t> seen;
     for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -136,33 +136,34 @@ void add_services(py::module_& module) {
                 send_values(b.display(), name, rows_of(b, rows), values, Sending::write);
             },
             "name"_a, "values"_a, "rows"_a = py::none(),
-            "Replaces what rows of a channel hold: (rows,), or (rows, 3) for channels of triples. A channel that "
-            "nobody "
-            "requested takes nothing.")
+            "Replaces the values of rows in a channel: (rows,), or (rows, 3) for channels of triples. Does nothing if "
+            "the channel was not requested.")
         .def(
             "splat",
             [](Batch& b, const std::string& name, const py::object& values, const py::object& rows) {
                 const Batch::Use use(b);
                 send_values(b.display(), name, rows_of(b, rows), values, Sending::splat);
             },
-            "name"_a, "values"_a, "rows"_a = py::none(), "Adds to what rows of a channel hold; else as write().")
+            "name"_a, "values"_a, "rows"_a = py::none(),
+            "Adds to the values of rows in a channel; arguments as for write().")
         .def("write_distance", &write_distance, "distance"_a, "rows"_a = py::none(),
-             "The distance along the camera ray, world units: what depth and deep images are made of.")
+             "Writes the distance along the camera ray, in world units, for depth and deep images.")
         .def("write_opacity", &write_opacity, "opacity"_a, "rows"_a = py::none(),
-             "The opacity of rows, 0 to 1, one number or three: what alpha and deep alpha are made of.")
+             "Writes the opacity of rows, 0 to 1, one number or three, for alpha and deep alpha.")
         .def("add_samples", &add_rows, "depth"_a, "opacity"_a, "rows"_a = py::none(), "volume"_a = false,
-             "Adds a row to the camera ray of each of `rows` and returns the new rows, int32: surfaces and volumes "
-             "behind "
-             "one another.")
+             "Adds a row to the camera ray of each of `rows`, for surfaces and volumes behind one another. Returns the "
+             "new rows, int32.")
         .def(
             "discard", [](Batch& b) { return b.display().discard_iteration(); },
-            "Drops all that this call of integrate() sent, before and after.");
+            "Drops everything that this call of integrate() sends, before and after.");
     py::class_<TextureServices, std::shared_ptr<TextureServices>>(
-        module, "TextureServices", "What a texture can write at the points it is evaluated at. No use after the call.")
-        .def_property_readonly("seen", &TextureServices::seen, "bool (points,): the camera sees the point directly")
+        module, "TextureServices",
+        "The values that a texture can write at its evaluated points. They are invalid after the call.")
+        .def_property_readonly("seen", &TextureServices::seen,
+                               "bool (points,): whether the camera sees the point directly")
         .def_property_readonly(
             "depth", &TextureServices::depth,
-            "int32 (points,): scattering events between camera and point; -1: nothing can be written")
+            "int32 (points,): number of scattering events between camera and point; -1: nothing can be written")
         .def("write", &TextureServices::write, "name"_a, "values"_a,
              "Writes to a channel at the points that the camera sees: (points,), or (points, 3) for channels of "
              "triples.");

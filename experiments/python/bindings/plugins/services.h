@@ -1,4 +1,4 @@
-// The display services as plugins in Python see them: values of many rows in one call, by the names of channels.
+// The display services for plugins in Python: values of many rows in one call, by channel name.
 #pragma once
 
 #include <string>
@@ -12,22 +12,22 @@ namespace raylex::python {
 
 enum class Sending : std::uint8_t { write, splat };
 
-/// Sends `values`, one for each row, to the channel `name`: (rows,), or (rows, 3) for channels of triples. A channel
-/// that the render does not have takes nothing. Errors: a shape that does not fit; values that the services refuse.
+/// Sends `values`, one per row, to the channel `name`: (rows,), or (rows, 3) for channels of triples. Does nothing if
+/// the render does not have the channel. Errors: a shape that does not match; values that the services reject.
 void send_values(display::DisplayServices& services, const std::string& name, const std::vector<int>& rows,
                  const py::object& values, Sending how);
 
-/// What a texture in Python writes through: the services of each point it is evaluated at.
+/// The services of a texture in Python, for each point where it is evaluated.
 class TextureServices : public CallScope {
   public:
     explicit TextureServices(std::span<const transport::TexturePoint> points)
-        : CallScope("these services are over; expected their use within evaluate() only"), points_(points) {}
+        : CallScope("these services are no longer valid; they can be used only within evaluate()"), points_(points) {}
 
-    /// bool (points,): whether the camera sees the point directly.
+    /// Returns bool (points,): whether the camera sees the point directly.
     [[nodiscard]] py::array_t<bool> seen() const;
-    /// int32 (points,): scattering events between the camera and the point; -1 where nothing can be written.
+    /// Returns int32 (points,): the number of scattering events between camera and point; -1 if nothing can be written.
     [[nodiscard]] py::array_t<std::int32_t> depth() const;
-    /// Writes `values`, one for each point, at the points that the camera sees.
+    /// Writes `values`, one per point, at the points that the camera sees.
     void write(const std::string& name, const py::object& values) const;
 
   private:

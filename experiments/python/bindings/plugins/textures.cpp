@@ -1,4 +1,4 @@
-// Textures in Python: patterns (transport/textures/pattern.h) that are asked for a batch of hits at once.
+// Textures in Python: patterns (transport/textures/pattern.h) that evaluate a batch of hits at once.
 #include <cstring>
 #include <unordered_map>
 
@@ -15,7 +15,7 @@ using transport::TexturePoint;
 
 namespace {
 
-/// Where look-ups are: all that a texture may depend on, bit by bit.
+/// The place of a look-up: everything that a texture may depend on, bit by bit.
 struct Place {
     std::array<std::uint32_t, 8> bits{};
     explicit Place(const TexturePoint& at) {
@@ -53,7 +53,7 @@ class PythonTexture final : public transport::Pattern {
     }
     [[nodiscard]] bool looks_ahead() const override { return true; }
     void look_ahead(std::span<const TexturePoint> points) const override {
-        if (known_here().size() > most_kept) known_here().clear();  // of textures of earlier renders
+        if (known_here().size() > most_kept) known_here().clear();  // removes entries of textures of earlier renders
         Known& known = known_here()[number_];
         known.clear();
         const std::vector<Rgb> values = evaluate(points);
@@ -63,7 +63,7 @@ class PythonTexture final : public transport::Pattern {
   private:
     using Known = std::unordered_map<Place, Rgb, PlaceHash>;
     static constexpr std::size_t most_kept = 64;
-    /// [number of the texture] of this thread.
+    /// Values known in this thread, by index of the texture.
     static std::unordered_map<std::uint64_t, Known>& known_here() {
         thread_local std::unordered_map<std::uint64_t, Known> known;
         return known;
@@ -77,7 +77,7 @@ class PythonTexture final : public transport::Pattern {
         return values.empty() ? Rgb() : values.front();
     }
 
-    /// Empty where the render has failed.
+    /// Returns an empty vector if the render has failed.
     [[nodiscard]] std::vector<Rgb> evaluate(std::span<const TexturePoint> points) const {
         std::vector<Rgb> values;
         if (points.empty()) return values;
@@ -100,8 +100,8 @@ class PythonTexture final : public transport::Pattern {
                                                              owning_array(std::move(position), {count, 3}),
                                                              owning_array(std::move(normal), {count, 3}), services);
             const Array<float> result =
-                array_of<float>((*object_).attr("evaluate")(at), "what texture '" + name_ + "' returned");
-            check_shape(result, points.size(), spectrum_ ? 3 : 0, "what texture '" + name_ + "' returned");
+                array_of<float>((*object_).attr("evaluate")(at), "the result of texture '" + name_ + "'");
+            check_shape(result, points.size(), spectrum_ ? 3 : 0, "the result of texture '" + name_ + "'");
             for (std::size_t i = 0; i < points.size(); ++i) {
                 const float* const v = result.data() + i * (spectrum_ ? 3 : 1);
                 values.push_back(spectrum_ ? Rgb(v[0], v[1], v[2]) : Rgb(v[0]));

@@ -1,4 +1,4 @@
-// Which method each channel is best rendered by, at a time that all of them reached; and verdicts on bias in words.
+// Finds the best method for each channel at a time that all methods reached. Also texts of bias verdicts.
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +8,7 @@
 namespace raylex::experiments {
 namespace {
 
-/// Points with an error above 0, by seconds.
+/// Returns the points with an error above 0, by seconds.
 std::vector<const BudgetPoint*> known_points(const Curve& curve) {
     std::vector<const BudgetPoint*> points;
     for (const BudgetPoint& point : curve.points)
@@ -16,8 +16,8 @@ std::vector<const BudgetPoint*> known_points(const Curve& curve) {
     return points;
 }
 
-/// Between two budgets on a straight line in logs. Its ends are those of the two intervals, so the interval is rather
-/// too wide.
+/// Interpolates linearly in logarithms between two budgets. The ends of the interval are interpolated too, so the
+/// interval is rather too wide.
 Interval between(const Interval& a, const Interval& b, double share) {
     const auto mixed = [share](double x, double y) {
         return std::exp((1 - share) * std::log(std::max(x, 0.0)) + share * std::log(std::max(y, 0.0)));
@@ -27,7 +27,7 @@ Interval between(const Interval& a, const Interval& b, double share) {
 }
 
 Standing standing_at(const Curve& curve, double seconds) {
-    constexpr double clock = 0.05;  // two renders of a budget of seconds differ by that much
+    constexpr double clock = 0.05;  // times of two renders with equal budgets of seconds differ by up to this fraction
     const std::vector<const BudgetPoint*> points = known_points(curve);
     const auto after = std::find_if(points.begin(), points.end(),
                                     [seconds](const BudgetPoint* point) { return point->seconds >= seconds; });
@@ -42,7 +42,8 @@ Standing standing_at(const Curve& curve, double seconds) {
     return standing;
 }
 
-/// Of independent estimates, their logs' intervals joined as Zou and Donner (Statistics in Medicine 27, 2008) do.
+/// Returns the ratio of independent estimates. The intervals of their logarithms are combined as in Zou and Donner
+/// (Statistics in Medicine 27, 2008).
 Interval ratio_of(const Interval& a, const Interval& b) {
     const auto distance = [](double x, double y) { return std::log(x) - std::log(std::max(y, 0.0)); };
     const double below = std::hypot(distance(a.value, a.low), distance(b.high, b.value)),
@@ -78,7 +79,7 @@ MethodComparison comparison_of(const Study& study, const std::string& scene, con
 }
 
 std::string signed_percent(const Interval& share) {
-    if (!std::isfinite(share.value)) return "light where the other has none";
+    if (!std::isfinite(share.value)) return "light where the reference has none";
     std::string text = (share.value > 0 ? "+" : "") + percent_text(share.value);
     if (std::isfinite(share.low) && std::isfinite(share.high))
         text += " [" + plain_number(share.low * 100) + ", " + plain_number(share.high * 100) + "]";
@@ -105,7 +106,8 @@ std::string best_sentence(const Study& study, const MethodComparison& comparison
                " spans more than a factor of 100";
     const std::string before = ": " + plain_number(ratio.value) + " times" + range + " before " + second;
     if (!ratio.valid()) return best + " seems best for " + comparison.channel + before + ", but " + ratio.note;
-    if (ratio.low <= 1) return "no method is surely ahead for " + comparison.channel + ": " + best + before.substr(1);
+    if (ratio.low <= 1)
+        return "no method is certainly ahead for " + comparison.channel + ": " + best + before.substr(1);
     return best + " for " + comparison.channel + ": " + plain_number(ratio.value) +
            " times less squared error in the same time than " + second + range;
 }
@@ -141,9 +143,9 @@ std::string verdict_of(const Study& study, const BiasEntry& entry) {
         case BiasJudgement::not_tested:
             return "not tested: " + entry.verdict.note;
         case BiasJudgement::not_judged:
-            return "not judged: it declares that it does not find " + entry.omitted;
+            return "not judged: the method declares that it does not find " + entry.omitted;
         case BiasJudgement::rare:
-            return "differs, but a few rare samples decide: " + finding_of(study, entry);
+            return "differs, but a few rare samples dominate: " + finding_of(study, entry);
         case BiasJudgement::differs:
             return (study.unbiased(entry.variant) ? "differs: " : "differs, as declared: ") + finding_of(study, entry);
         case BiasJudgement::none_found:

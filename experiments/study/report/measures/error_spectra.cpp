@@ -1,4 +1,4 @@
-// Errors by spatial frequency, and the standard deviation of every pixel, from the replicates that a study keeps.
+// Error spectra, and the standard deviation of every pixel, from the replicates of a study.
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +8,8 @@
 namespace raylex::experiments {
 namespace {
 
-/// The images of a curve's most expensive budget, minus the reference, whose standard error goes to `reference`.
+/// Returns the images of a curve's largest budget minus the reference. Sets `reference` to the reference's standard
+/// error.
 std::vector<PixelArray> errors_of(const Study& study, const PixelArray& truth, const Curve& curve, double& reference) {
     std::vector<PixelArray> errors;
     for (const CellErrors& row : study.cells) {

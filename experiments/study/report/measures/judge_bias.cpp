@@ -6,8 +6,8 @@
 namespace raylex::experiments {
 namespace {
 
-/// Methods whose light lands anywhere keep no moments. Of a reference made by one, the variance is that of its own
-/// replicates, less by as many times as it has more samples; empty when that is not known.
+/// Methods with splats store no moments. The variance of a reference by such a method is that of the method's
+/// replicates, scaled by the number of samples; empty if that is unknown.
 std::vector<double> variance_by_samples(const BiasCandidate& same, double reference_samples) {
     if (same.side.replicates.size() < 2 || !(same.samples > 0) || !(reference_samples > 0)) return {};
     std::vector<double> variance(same.side.replicates.front().size());
@@ -16,10 +16,10 @@ std::vector<double> variance_by_samples(const BiasCandidate& same, double refere
     return variance;
 }
 
-/// The reference with the place in each block that differs most from its method's own replicates taken from these:
-/// a pixel and those that its splats reach. The replicates' variance tells nothing of rare samples that only the
-/// reference has met.
-constexpr int rare_places = 3;  // of 25 pixels each, of 256: most of a block is left
+/// Replaces, in each block of the reference, the places that differ most from its method's own replicates by their
+/// values: a pixel and those within reach of its splats. The variance of the replicates does not show rare samples that
+/// only the reference has.
+constexpr int rare_places = 3;  // of 25 pixels each; a block has 256 pixels, so most of it stays
 PixelArray without_rarest(PixelArray reference, const std::vector<double>& mean) {
     if (reference.values.size() != mean.size()) return reference;
     const std::size_t n = reference.components, across = (reference.width + bias_block - 1) / bias_block;
@@ -32,7 +32,7 @@ PixelArray without_rarest(PixelArray reference, const std::vector<double>& mean)
         auto& most = rarest[y / bias_block * across + x / bias_block];
         most = std::max(most, std::pair(difference, pixel));
     }
-    constexpr std::size_t reach = 2;  // of a splat, by the pixel filters there are
+    constexpr std::size_t reach = 2;  // reach of a splat with any of the pixel filters
     for (const auto& [difference, pixel] : rarest) {
         const std::size_t x = pixel % reference.width, y = pixel / reference.width;
         for (std::size_t row = y - std::min(y, reach); row < std::min(y + reach + 1, reference.height); ++row)
@@ -77,7 +77,7 @@ class Judge {
             if (std::none_of(by_reference.begin(), by_reference.end(),
                              [&](const BiasEntry& other) { return confirms(other, entry); }))
                 entry.doubt = std::string("it differs from the reference, ") +
-                              (variance ? "whose method meets rare samples" : "whose own error is not known") +
+                              (variance ? "whose method meets rare samples" : "whose own error is unknown") +
                               ", and no other method's images confirm it";
         }
     }
@@ -99,7 +99,7 @@ class Judge {
                                {}});
     }
 
-    /// The method that made the reference, by the images of another.
+    /// Compares the method that made the reference with the images of another method.
     void judge_own(const std::vector<BiasEntry>& by_reference) {
         const std::string& own = scene_.reference_method;
         const auto entry = std::find_if(study_.bias.begin() + static_cast<std::ptrdiff_t>(first_), study_.bias.end(),
@@ -123,8 +123,8 @@ class Judge {
         if (judge != nullptr) {
             entry->verdict = test_bias(candidates_.at(own).side, judge->side, options_);
             entry->heavy_tail = false;
-        } else if (others) entry->doubt = "the reference is its own, and no other method agrees with it";
-        else entry->verdict.note = "the reference is by this method, too: a mistake that is in both is not found";
+        } else if (others) entry->doubt = "the method made the reference, and no other method agrees with it";
+        else entry->verdict.note = "the method made the reference, so a mistake in both is not found";
     }
 
     [[nodiscard]] bool can_judge(const BiasEntry& entry) const {
@@ -133,8 +133,9 @@ class Judge {
 
     static bool agrees(const BiasEntry& entry) { return !entry.verdict.differs && entry.verdict.blind.empty(); }
 
-    /// Whether the images of `other` differ from the reference as `entry` does not: then the reference is not alone.
-    /// Those of the reference's own method are as good as any, since they share no sample with it.
+    /// Returns whether the images of `other` confirm the difference of `entry` from the reference, so that the
+    /// reference alone is not responsible. The images of the reference's own method count too, because they share no
+    /// sample with it.
     [[nodiscard]] bool confirms(const BiasEntry& other, const BiasEntry& entry) const {
         if (other.variant == entry.variant || !can_judge(other) || heavy(other.variant)) return false;
         if (other.variant != scene_.reference_method && !agrees(other)) return false;
@@ -143,7 +144,7 @@ class Judge {
         return verdict.differs && verdict.worst_difference.value * entry.verdict.worst_difference.value > 0;
     }
 
-    /// Whether a few rare samples decide the images that a variant is judged by.
+    /// Returns whether a few rare samples dominate the images of a variant.
     [[nodiscard]] bool heavy(const std::string& variant) const {
         const Curve* curve = study_.curve(scene_.name, variant, channel_.name);
         const auto candidate = candidates_.find(variant);

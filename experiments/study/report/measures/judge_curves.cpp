@@ -1,4 +1,4 @@
-// Verdicts over the curves of a study: slopes, times, speed-ups, what a setting buys, which paths are wrong.
+// Computes slopes, times, speed-ups, effects of settings and wrong paths from the curves of a study.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -16,7 +16,7 @@ std::vector<BudgetGroup> groups_of(const Curve& curve) {
     return groups;
 }
 
-/// The most expensive point whose error stands clear of the reference's own; the most expensive one when none does.
+/// Returns the largest budget whose error is clearly above the reference's own; if there is none, the largest budget.
 const BudgetPoint* best_point(const Curve& curve) {
     const BudgetPoint* best = nullptr;
     for (const BudgetPoint& point : curve.points)
@@ -39,7 +39,7 @@ Interval speed_up(const Curve& curve, const Curve& against, double confidence) {
     return result;
 }
 
-/// Of error x time over replicates; NaN when there are none.
+/// Returns the median of error x time over replicates; NaN if there are none.
 double median_cost(const BudgetPoint& point) {
     std::vector<double> costs;
     for (std::size_t i = 0; i < point.group.errors.size(); ++i)
@@ -50,7 +50,7 @@ double median_cost(const BudgetPoint& point) {
     return costs.size() % 2 == 1 ? costs[middle] : (costs[middle - 1] + costs[middle]) / 2;
 }
 
-/// A few fireflies move the mean of replicates, and its interval is none then; they do not move the median.
+/// A few fireflies change the mean of replicates and invalidate its interval, but do not change the median.
 double speed_up_by_medians(const Curve& curve, const Curve& against) {
     const BudgetPoint *a = best_point(curve), *b = best_point(against);
     if (a == nullptr || b == nullptr) return NAN;
@@ -65,7 +65,7 @@ std::string others_of(const MethodVariant& variant, const std::string& key) {
     return text;
 }
 
-/// "default" where a variant says nothing of a setting.
+/// Returns a variant's value of a setting, or "default".
 const std::string& setting(const MethodVariant& variant, const std::string& key) {
     static const std::string unsaid = "default";
     for (const auto& [name, value] : variant.all_settings)
@@ -73,12 +73,12 @@ const std::string& setting(const MethodVariant& variant, const std::string& key)
     return unsaid;
 }
 
-/// The only setting in which two variants differ; empty when there are several or none.
+/// Returns the only setting in which two variants differ; empty if there are several or none.
 std::string only_difference(const MethodVariant& a, const MethodVariant& b) {
     std::set<std::string> keys;
     for (const MethodVariant* each : {&a, &b})
         for (const auto& [key, value] : each->all_settings) keys.insert(key);
-    // A filter beside none differs in its type, whatever its parameters.
+    // With and without a filter counts as one difference, in the type, whatever the parameters.
     for (const char* entity : {"integrator", "sampler", "filter", "sample_filter"}) {
         const std::string prefix = std::string(entity) + ".", type = prefix + "type";
         if (setting(a, type) == setting(b, type)) continue;
@@ -88,7 +88,7 @@ std::string only_difference(const MethodVariant& a, const MethodVariant& b) {
     return keys.size() == 1 ? *keys.begin() : std::string();
 }
 
-/// A setting's value for readers: of a filter, a sampler or an integrator with its parameters.
+/// Returns a setting's value as text; of a filter, sampler or integrator with its parameters.
 std::string setting_text(const MethodVariant& variant, const std::string& key) {
     std::string text = setting(variant, key), parameters;
     if (!key.ends_with(".type")) return text;
@@ -100,7 +100,7 @@ std::string setting_text(const MethodVariant& variant, const std::string& key) {
     return parameters.empty() ? text : text + " (" + parameters + ")";
 }
 
-/// Methods go by their names, and the setting in which they differ stands beside them.
+/// Returns the change between two variants. Two methods are named, with the setting in which they differ.
 SettingEffect change_between(const MethodVariant& from, const MethodVariant& to, const std::string& key) {
     const std::string before = setting_text(from, key), after = setting_text(to, key);
     if (from.method == to.method || key.starts_with("effects."))
@@ -111,7 +111,7 @@ SettingEffect change_between(const MethodVariant& from, const MethodVariant& to,
     return {.key = "method", .from = from.method, .to = to.method, .others = others};
 }
 
-/// Each variant against the first one for each setting in which it differs from an earlier one and in nothing else.
+/// Compares each variant with the first earlier one that differs in exactly one setting, for each setting.
 void find_effects(Study& study, const SceneInfo& scene) {
     for (std::size_t j = 1; j < study.variants.size(); ++j) {
         const MethodVariant& to = study.variants[j];
@@ -140,7 +140,7 @@ void find_words(Study& study, const SceneInfo& scene, const MethodVariant& varia
     std::vector<JudgedChannel> channels;
     bool any = false;
     for (const BiasEntry& entry : study.bias) {
-        // A channel of which nothing certain is known is neither wrong nor right.
+        // A channel with an uncertain result is neither wrong nor right.
         if (entry.scene != scene.name || entry.variant != variant.name ||
             (!entry.convicts() && entry.judgement() != BiasJudgement::none_found))
             continue;
@@ -154,12 +154,12 @@ void find_words(Study& study, const SceneInfo& scene, const MethodVariant& varia
     WordsEntry entry{scene.name, variant.name, first_differing_words(channels)};
     if (entry.first.words.empty() && entry.first.notes.empty())
         entry.first.notes.emplace_back(
-            "no channel but the beauty differs; channels by bounce "
-            "(`raylex lpe split --by bounce,lobe`) would tell which paths do");
+            "only the beauty differs; channels by bounce (`raylex lpe split --by bounce,lobe`) would show which paths "
+            "differ");
     study.words.push_back(std::move(entry));
 }
 
-/// Times to errors below what was measured are extrapolated, which a bias or missing paths make impossible.
+/// Removes extrapolated times, because a bias or missing paths make extrapolation impossible.
 void stop_at_measured(Curve& curve, const std::string& reason) {
     const auto least = std::min_element(
         curve.points.begin(), curve.points.end(),
@@ -170,7 +170,7 @@ void stop_at_measured(Curve& curve, const std::string& reason) {
                             NAN,
                             NAN,
                             "not followed beyond " + percent_text(least->relative.value) + " after " +
-                                duration_text(least->seconds) + ", since it " + reason,
+                                duration_text(least->seconds) + ", because it " + reason,
                             {}};
 }
 
@@ -197,11 +197,11 @@ void judge_curves(Study& study) {
                     curve.slope.too_shallow = curve.slope.nears = false;
                     curve.slope.text = "not judged: it declares that it does not find " + entry.omitted;
                 } else if (curve.slope.too_shallow && entry.convicts()) {
-                    curve.slope.too_shallow = false;  // one finding, which stands among those of bias
-                    curve.slope.text = "shallower than -1, as the bias that was found here makes it";
+                    curve.slope.too_shallow = false;  // counted once, among the findings about bias
+                    curve.slope.text = "shallower than -1, as expected from the bias found here";
                 } else if (curve.slope.too_shallow && !entry.doubt.empty()) {
                     curve.slope.too_shallow = false;  // an error of the reference flattens curves, too
-                    curve.slope.text = "shallower than -1, as an error of the reference would make it";
+                    curve.slope.text = "shallower than -1, as an error of the reference would cause";
                 }
             }
         curve.prediction = check_prediction(groups);

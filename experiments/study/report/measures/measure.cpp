@@ -1,4 +1,4 @@
-// Every image of an experiment, read once and measured.
+// Reads every image of an experiment once and measures it.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -24,7 +24,7 @@ struct Group {
 
 struct Reference {
     PixelArray mean;
-    std::optional<PixelArray> variance;  ///< of the mean; none where it is not kept
+    std::optional<PixelArray> variance;  ///< of the mean; empty if it was not stored
 };
 
 struct RegionPixels {
@@ -32,7 +32,7 @@ struct RegionPixels {
     std::vector<std::uint32_t> pixels;
 };
 
-/// What a cell's time counts beside rendering: preparation. Loading, building and writing are phases, and not in it.
+/// Returns the preparation time of a cell. Loading, building and writing are separate phases outside the cell's time.
 double setup_of(const Cell& cell, bool cpu_clock) {
     double rendering = 0;
     for (const Phase& phase : cell.phases)
@@ -66,7 +66,7 @@ class Measurer {
             study_.omissions.push_back(
                 {"scene " + scene.name,
                  "no reference" + (scene.reference_failure.empty() ? "" : " (" + scene.reference_failure + ")") +
-                     ": errors, bias and images of it are not judged"});
+                     ": its errors, bias and images are not judged"});
             return success();
         }
         std::vector<RegionPixels> regions{{"", {}}};
@@ -77,13 +77,13 @@ class Measurer {
             regions.push_back({region.name, std::move(*pixels)});
         }
         const std::vector<Group> groups = groups_of(scene);
-        std::string absent;  // an image from elsewhere has the beauty, and perhaps no more
+        std::string absent;  // an imported image may contain only the beauty
         for (const ChannelInfo& channel : scene.channels)
             if (channel.beauty || std::filesystem::exists(scene.reference + "/" + channel.name + ".mean.npy"))
                 measure_channel(scene, channel, regions, groups);
             else absent += (absent.empty() ? "" : ", ") + channel.name;
         if (!absent.empty())
-            study_.omissions.push_back({"scene " + scene.name, "its reference has no layers called " + absent +
+            study_.omissions.push_back({"scene " + scene.name, "its reference has no layers named " + absent +
                                                                    "; these channels are not measured"});
         return success();
     }
@@ -111,13 +111,13 @@ class Measurer {
         }
         if (!channel.beauty && is_black(*mean) && is_black_everywhere(channel, groups)) {
             study_.omissions.push_back({"channel " + channel.name + " of scene " + scene.name,
-                                        "black in the reference and in every image: there is nothing to measure"});
+                                        "black in the reference and in every image, so there is nothing to measure"});
             return;
         }
         Reference reference{std::move(*mean), std::nullopt};
         Result<PixelArray> m2 = read_m2(scene.reference, channel.name), samples = read_samples(scene.reference);
         if (m2 && samples) reference.variance = variance_of_mean(*m2, *samples);
-        // Curves of one (region, variant) over budgets; `groups` come budget by budget.
+        // Curves of one (region, variant) over budgets; `groups` are ordered by budget.
         std::map<std::pair<std::string, std::string>, std::size_t> curves;
         for (const RegionPixels& region : regions)
             for (const MethodVariant& variant : study_.variants)
@@ -141,12 +141,12 @@ class Measurer {
             if (was_not_asked(group, channel)) continue;
             const std::vector<PixelArray> images = read_group(group, channel, reference.mean);
             offer_candidate(candidates[group.variant->name], group.budget, group.cells, images);
-            // An image without light costs nothing and has no noise: it would beat whoever finds some.
+            // An image without light costs nothing and has no noise, so it would win every comparison.
             if (is_dark(images)) {
                 study_.omissions.push_back({"channel " + channel.name + " of " + group.variant->name + " on " +
                                                 scene.name + ", " + budget_kind_name(group.kind) + " " +
                                                 number_text(group.budget, 6),
-                                            "no light at all, where the reference has some: it is not compared"});
+                                            "no light, although the reference has some; it is not compared"});
                 continue;
             }
             for (const RegionPixels& region : regions) {
@@ -158,8 +158,8 @@ class Measurer {
         judge_bias(study_, scene, channel, std::move(candidates), reference.mean, reference.variance);
     }
 
-    /// A method without beauty renders neither it nor what only fills up its sum, the layer `rest`. Another renderer
-    /// writes what it has, and its cells warn of the rest once.
+    /// A method without beauty renders neither the beauty nor the `rest` layer. Other renderers write whatever they
+    /// have; their cells warn of missing layers once.
     [[nodiscard]] static bool was_not_asked(const Group& group, const ChannelInfo& channel) {
         const NamedValues& settings = group.variant->all_settings;
         const bool external =
@@ -173,7 +173,7 @@ class Measurer {
         });
     }
 
-    /// All that could be read is black; false when there is nothing.
+    /// Returns whether all readable images are black; false if there are none.
     static bool is_dark(const std::vector<PixelArray>& images) {
         bool any = false;
         for (const PixelArray& image : images) {
@@ -191,7 +191,8 @@ class Measurer {
         return true;
     }
 
-    /// Images in the order of `group.cells`; an unreadable or misshapen one is empty, and an omission.
+    /// Returns the images in the order of `group.cells`. An unreadable image, or one of another size, is empty and
+    /// recorded as an omission.
     std::vector<PixelArray> read_group(const Group& group, const ChannelInfo& channel, const PixelArray& shape) {
         std::vector<PixelArray> images;
         std::vector<Omission> omissions;
@@ -206,7 +207,7 @@ class Measurer {
             if (!reason.empty()) omissions.push_back({"channel " + channel.name + " of cell " + cell->id, reason});
             images.push_back(reason.empty() ? std::move(*image) : PixelArray{});
         }
-        // A renderer that does not write a channel writes it in no replicate: said once.
+        // A renderer without a channel omits it in every replicate; this is reported once.
         if (omissions.size() == group.cells.size() && omissions.size() > 1)
             omissions = {{omissions.front().what + " and its other replicates", omissions.front().reason}};
         study_.omissions.insert(study_.omissions.end(), omissions.begin(), omissions.end());
@@ -297,7 +298,7 @@ std::string omitted_in(const Experiment& experiment, const std::string& scene, c
             const auto shared = lpe::look_at_paths(lpe::Operation::intersection, both, {}, options);
             if (!shared || !shared->empty()) return each.expression;
         }
-        return {};  // all cells of a variant say the same
+        return {};  // equal in all cells of a variant
     }
     return {};
 }

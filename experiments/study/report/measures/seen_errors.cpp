@@ -1,4 +1,4 @@
-// Errors of whole images as people see them: SSIM and FLIP of the beauty.
+// Perceptual errors of whole images: SSIM and FLIP of the beauty.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -19,7 +19,7 @@ display::LinearImage seen_image(PixelArray array, const display::Chromaticities&
                               primaries);
 }
 
-/// The arrays hold numbers; what colours they are says the cell's image. Renderers that keep none mean Rec. 709.
+/// Returns the primaries of a cell's image. Images of renderers without this information count as Rec. 709.
 display::Chromaticities primaries_of(const Cell& cell) {
     const Result<display::ExrImage> image = display::read_exr(cell.directory + "/image.exr");
     return image ? image->chromaticities.value_or(display::rec709_primaries()) : display::rec709_primaries();

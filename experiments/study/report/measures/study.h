@@ -1,4 +1,4 @@
-// An experiment measured and judged: what every table and plot of its report shows.
+// The measurements and verdicts of an experiment, for all tables and plots of its report.
 #pragma once
 
 #include <array>
@@ -22,23 +22,22 @@ namespace raylex::experiments {
 struct MethodVariant {
     std::string name;  ///< "path max_depth=8"
     std::string method;
-    NamedValues settings;      ///< that its method sweeps
-    NamedValues all_settings;  ///< these and the method's own; what neither says is at its default
+    NamedValues settings;      ///< settings swept by its method
+    NamedValues all_settings;  ///< swept settings and the method's own; others have default values
     bool unbiased = true;
 };
 
-/// Metrics of whole images that a study measures. hdr_flip is left to `raylex compare`: it costs a flip for each
-/// exposure.
+/// Perceptual metrics of a study. hdr_flip is left to `raylex compare`, because it computes one FLIP per exposure.
 inline constexpr std::array<display::ImageMetric, 2> seen_metrics{display::ImageMetric::ssim,
                                                                   display::ImageMetric::flip};
 
-/// One channel of one cell on one region.
+/// The errors of one channel of one cell on one region.
 struct CellErrors {
     const Cell* cell = nullptr;
     std::string variant, channel, region;  ///< region "": the whole image
     display::ErrorMeasures measures;
-    double relmse_excess = 0, mse_excess = 0;  ///< what the reference's noise adds in expectation; 0 where not known
-    /// By seen_metrics; NaN but for the beauty on the whole image, and where a value is not finite.
+    double relmse_excess = 0, mse_excess = 0;  ///< expected contribution of the reference's noise; 0 if unknown
+    /// Values of seen_metrics; NaN except for the beauty on the whole image, and for non-finite values.
     std::array<double, seen_metrics.size()> seen{std::numeric_limits<double>::quiet_NaN(),
                                                  std::numeric_limits<double>::quiet_NaN()};
 };
@@ -47,15 +46,15 @@ struct CellErrors {
 struct BudgetPoint {
     double budget = 0;
     BudgetGroup group;                                      ///< for fits: errors with the reference's noise subtracted
-    Interval squared, relative;                             ///< relmse-mean, noise subtracted; and its root
-    double excess = 0;                                      ///< of the reference in relmse-mean
+    Interval squared, relative;                             ///< relmse-mean with noise subtracted, and its root
+    double excess = 0;                                      ///< the reference's contribution to relmse-mean
     Interval efficiency;                                    ///< 1 / (relmse-mean x seconds)
-    double seconds = 0;                                     ///< mean, by the study's clock: what it is compared by
+    double seconds = 0;                                     ///< mean by the study's clock, for comparisons
     double wall_seconds = 0, cpu_seconds = 0, samples = 0;  ///< means
-    double tail_index = 0;                                  ///< of TailMonitor
+    double tail_index = 0;                                  ///< TailMonitor::index
 };
 
-/// A variant's error on a channel and region of a scene over its budgets.
+/// The error of a variant over its budgets, for a channel and region of a scene.
 struct Curve {
     std::string scene, variant, channel, region;
     BudgetKind budget_kind = BudgetKind::samples;
@@ -63,16 +62,16 @@ struct Curve {
     SlopeVerdict slope;
     std::vector<TimeToError> times;
     std::optional<PredictionCheck> prediction;
-    Interval speed_up;   ///< against the scene's first variant, each at its largest budget
-    bool first = false;  ///< is that one
+    Interval speed_up;   ///< relative to the scene's first variant, each at its largest budget
+    bool first = false;  ///< this is the first variant
 };
 
 enum class BiasJudgement : std::uint8_t {
     not_tested,
-    not_judged,   ///< the method declares that it does not find some of the channel's paths
-    rare,         ///< the images differ, but a few rare samples decide
-    differs,      ///< from what it is compared with, beyond noise
-    cannot_tell,  ///< no difference, or one that says too little
+    not_judged,   ///< the method declares that it does not find some paths of the channel
+    rare,         ///< the images differ, but a few rare samples dominate
+    differs,      ///< differs from the comparison by more than noise
+    cannot_tell,  ///< no difference, or an inconclusive one
     none_found
 };
 
@@ -81,13 +80,14 @@ struct BiasEntry {
     double budget = 0;
     std::size_t replicates = 0;
     BiasVerdict verdict;
-    /// A few rare samples decide, of the cells or of a reference whose own variance is not known: what the test assumes
-    /// does not hold, and no method is found biased by it.
+    /// A few rare samples dominate the cells, or a reference whose own variance is unknown. The assumptions of the test
+    /// do not hold, so no method is reported as biased.
     bool heavy_tail = false;
-    std::string omitted;  ///< paths of this channel that the method says it does not find: then it is not judged by it
+    /// paths of this channel that the method declares not to find; it is then not judged by the channel
+    std::string omitted;
     std::string against;  ///< the method whose replicates it is compared with; empty: the scene's reference
-    std::string doubt;    ///< why neither agreement with the reference nor a difference from it says anything
-    /// Why it cannot be told, where that is not for noise alone.
+    std::string doubt;    ///< why agreement with the reference, or difference from it, is not evidence
+    /// Why the result is inconclusive, if for another reason than noise.
     [[nodiscard]] const std::string& reason() const { return doubt.empty() ? verdict.blind : doubt; }
     [[nodiscard]] BiasJudgement judgement() const;
     [[nodiscard]] bool convicts() const { return judgement() == BiasJudgement::differs; }
@@ -100,50 +100,51 @@ struct WordsEntry {
 
 /// Two variants that differ in one setting, of one method or of two.
 struct SettingEffect {
-    /// Of one method: the setting, its values, and the method with what it sweeps beside. Of two methods: "method",
-    /// their names, and the setting in which they differ.
+    /// Within one method: the setting, its values, and the method with its other swept settings. Between methods:
+    /// "method", the two names, and the setting in which they differ.
     std::string scene{}, channel{}, key{}, from{}, to{}, others{};
-    Interval speed_up{};    ///< of `to` against `from`
-    double by_medians = 0;  ///< the same ratio of the medians over replicates of relmse-mean x seconds; NaN: not known
-    std::string variant{}, against{};  ///< the two by name
+    Interval speed_up{};               ///< of `to` relative to `from`
+    double by_medians = 0;             ///< ratio of the medians over replicates of relmse-mean x seconds; NaN: unknown
+    std::string variant{}, against{};  ///< names of the two variants
 };
 
-/// The expression of paths that a variant says it does not find in a scene and that a channel has, too; empty: none.
+/// Returns the expression of paths that a variant declares not to find in a scene and that are in a channel; empty if
+/// none.
 std::string omitted_in(const Experiment& experiment, const std::string& scene, const std::string& variant,
                        const ChannelInfo& channel);
 
-/// The error of a curve's most expensive budget by spatial frequency, over its replicates (analysis/spectrum.h). Powers
-/// are relative to the square of m = mean(|b|): the root of their mean over all frequencies is rmse / m.
+/// The error spectrum of a curve's largest budget, over its replicates (analysis/spectrum.h). Powers are relative to
+/// the square of m = mean(|b|), so the root of their mean over all frequencies is rmse / m.
 struct ErrorSpectrum {
     struct Point {
-        double frequency = 0;                  ///< cycles per pixel; first 0, the error of the image's mean
+        double frequency = 0;                  ///< cycles per pixel; the first is 0, the error of the image's mean
         double mean = 0, least = 0, most = 0;  ///< over replicates
     };
     const Curve* curve = nullptr;
     std::size_t replicates = 0;
-    double reference_error = 0;  ///< root of the power of the reference's noise at any frequency; 0 where not known
+    double reference_error = 0;  ///< root of the reference's noise power, equal at all frequencies; 0 if unknown
     std::vector<Point> points;
-    PixelArray deviation;  ///< of the beauty's pixels over several replicates, relative to m; else empty
+    PixelArray deviation;  ///< of the beauty's pixels over several replicates, relative to m; otherwise empty
 };
 
 struct Omission {
     std::string what, reason;
 };
 
-/// What a variant has reached of a scene's channel in a time.
+/// The error of a variant for a scene's channel at a given time.
 struct Standing {
     const Curve* curve = nullptr;
     Interval squared;           ///< relmse-mean
-    bool extrapolated = false;  ///< no budgets on both sides of that time: error times time goes on as it is
+    bool extrapolated = false;  ///< no budgets on both sides of that time: extrapolated with constant error x time
 };
 
-/// A scene's channel, variant by variant, at the largest time that all of them reached.
+/// The variants of a scene's channel at the largest time that all of them reached.
 struct MethodComparison {
     std::string scene, channel;
     double seconds = 0;
-    std::vector<Standing> standings;                 ///< as Study::variants; no curve: not measured
-    std::size_t best = 0, second = 0, measured = 0;  ///< of squared errors; valid with that many measured
-    Interval ratio;                                  ///< of the second's to the best's
+    std::vector<Standing> standings;                 ///< in the order of Study::variants; without a curve: not measured
+    std::size_t best = 0, second = 0, measured = 0;  ///< by squared error; valid if at least that many are measured
+    Interval ratio;                                  ///< of the second's squared error to the best's
 };
 
 struct Study {
@@ -151,7 +152,7 @@ struct Study {
     StudyReportOptions options;
     std::vector<MethodVariant> variants;
     std::vector<CellErrors> cells;
-    std::vector<Curve> curves;  ///< scenes, then channels, regions and variants in the order of the config
+    std::vector<Curve> curves;  ///< by scene, channel, region and variant, in the order of the config
     std::vector<BiasEntry> bias;
     std::vector<WordsEntry> words;
     std::vector<SettingEffect> effects;
@@ -159,11 +160,11 @@ struct Study {
     std::vector<Omission> omissions;
     std::vector<ErrorSpectrum> spectra;  ///< of the curves of whole images, in their order
 
-    /// Whether the config claims it of a variant.
+    /// Whether the config declares the variant unbiased.
     [[nodiscard]] bool unbiased(const std::string& variant) const;
     [[nodiscard]] const Curve* curve(const std::string& scene, const std::string& variant, const std::string& channel,
                                      const std::string& region = {}) const;
-    /// Whether errors are less the reference's noise, which is not known of every reference.
+    /// Whether errors exclude the reference's noise, which is not known for every reference.
     [[nodiscard]] bool noise_subtracted(const std::string& scene, const std::string& channel,
                                         const std::string& region = {}) const;
 };
@@ -172,30 +173,30 @@ inline constexpr std::array<double, 5> target_errors{0.1, 0.05, 0.02, 0.01, 0.00
 
 std::string variant_name(const Cell& cell);
 
-/// Reads every image once. What cannot be read or has no reference becomes an omission; errors are of regions that do
-/// not fit their scene.
+/// Reads every image once. Unreadable images and missing references become omissions. Errors: a region does not fit its
+/// scene.
 Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& options);
 
-/// The second half: curves and verdicts from what was measured.
+/// Computes curves and verdicts from the measurements, the second half of study_of().
 void judge_curves(Study& study);
-/// The first table of the page, for every channel on the whole image.
+/// Makes the first table of the page, for every channel on the whole image.
 void compare_variants(Study& study);
-/// Sign, size, interval and place of a difference: "-54 % [-56, -52] of the mean".
+/// Returns sign, size, interval and place of a difference: "-54 % [-56, -52] of the mean".
 std::string finding_of(const Study& study, const BiasEntry& entry);
-/// "whole image", "block at (16, 32)": of its most significant difference.
+/// Returns the place of the most significant difference: "whole image", "block at (16, 32)".
 std::string block_text(const Study& study, const BiasEntry& entry);
-/// A verdict with its reason: "cannot tell: a bias below 158 % of the mean would be missed".
+/// Returns a verdict with its reason: "cannot tell: a bias below 158 % of the mean would be missed".
 std::string verdict_of(const Study& study, const BiasEntry& entry);
-/// The shortest wrong path of the channel by which verdict_lines() name a difference: the first that differs. Of the
-/// beauty, which all paths are in, that of any channel. Null: none is known.
+/// Returns the shortest wrong path of the channel that verdict_lines() names: the first channel that differs. For the
+/// beauty, which contains all paths, that of any channel. Null if unknown.
 const FirstWords::Word* first_word(const Study& study, const std::string& scene, const std::string& variant);
-/// Which method a channel is best rendered by, in a sentence.
+/// Returns a sentence about the best method for a channel.
 std::string best_sentence(const Study& study, const MethodComparison& comparison);
-/// Sets CellErrors::seen, on all cores.
+/// Sets CellErrors::seen, using all cores.
 void measure_as_seen(Study& study);
-/// Sets Study::spectra, on all cores; after judge_curves().
+/// Sets Study::spectra, using all cores. Call it after judge_curves().
 void measure_spectra(Study& study);
-/// work(0) to work(count - 1), each once, in any order, by as many threads as there are cores.
+/// Calls work(0) to work(count - 1) once each, in any order, with one thread per core.
 void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& work);
 
 }  // namespace raylex::experiments

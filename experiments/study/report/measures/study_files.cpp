@@ -52,7 +52,7 @@ Json json_of(const Line& line) {
 class Lines {
   public:
     void add(const Json& json) {
-        // Names come from users: what is no UTF-8 is replaced, not thrown at them.
+        // Names come from users; bytes that are not UTF-8 are replaced.
         text_ += json_text(json) + "\n";
     }
     [[nodiscard]] std::string take() { return std::move(text_); }
@@ -106,7 +106,7 @@ void add_curve(Lines& lines, const Curve& curve) {
 std::string plain_number(double value, int digits) {
     const double size = std::abs(value);
     if (size == 0 || size < 1e-6 || !(size < 1e9)) return number_text(value, digits);
-    // Rounded first, since 999.6 to three digits has four before the point.
+    // Rounds first, because 999.6 to three digits has four digits before the point.
     const double rounded = std::strtod(number_text(value, digits).c_str(), nullptr);
     const int decimals = std::max(0, digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(rounded)))));
     std::array<char, 64> text{};
@@ -142,30 +142,31 @@ struct Column {
 };
 
 constexpr std::array<Column, 15> run_columns{{
-    {"cell", "", "the cell's name, as in cells/"},
+    {"cell", "", "name of the cell in cells/"},
     {"scene", "", "the scene's name"},
     {"variant", "", "method and swept settings"},
     {"budget_kind", "", "samples, seconds or error"},
-    {"budget", "samples per pixel, s, or share", "what the cell was asked for; a share of 0.01 is 1 %"},
+    {"budget", "samples per pixel, s, or share", "requested budget; a share of 0.01 is 1 %"},
     {"replicate", "", "from 0"},
-    {"seed", "", "of the render"},
-    {"samples_per_pixel", "", "reached; when adaptive, the mean rounded"},
-    {"wall_seconds", "s", "the integrator's preparation and rendering, or the external process"},
-    {"cpu_seconds", "s", "the same, of all threads"},
-    {"rays", "", "traced; 0 where not known"},
-    {"invalid_samples", "", "contributions that were not finite"},
-    {"peak_memory_bytes", "B", "of the process; 0 where not known"},
-    {"channel", "", "of light, the beauty among them"},
+    {"seed", "", "seed of the render"},
+    {"samples_per_pixel", "", "samples reached; for adaptive sampling the rounded mean"},
+    {"wall_seconds", "s", "preparation and rendering, or the external process"},
+    {"cpu_seconds", "s", "CPU time of all threads, for the same work"},
+    {"rays", "", "rays traced; 0 if unknown"},
+    {"invalid_samples", "", "number of contributions that were not finite"},
+    {"peak_memory_bytes", "B", "peak memory of the process; 0 if unknown"},
+    {"channel", "", "channel of light, or the beauty"},
     {"region", "", "empty: the whole image"},
 }};
 
 constexpr std::array<Column, 3> closing_columns{{
-    {"trimmed_share", "share", "of relmse_mean's sum, what relmse-trimmed leaves out"},
-    {"reference_mse", "", "what the reference's own noise adds to mse in expectation: mean(Var(b))"},
-    {"reference_relmse_mean", "", "what it adds to relmse_mean: mean(Var(b) / (b^2 + (0.1 m)^2))"},
+    {"trimmed_share", "share", "share of relmse_mean's sum that relmse-trimmed omits"},
+    {"reference_mse", "", "expected contribution of the reference's noise to mse: mean(Var(b))"},
+    {"reference_relmse_mean", "",
+     "expected contribution of the reference's noise to relmse_mean: mean(Var(b) / (b^2 + (0.1 m)^2))"},
 }};
 
-/// "relmse-mean" as other programs like the names of columns: relmse_mean.
+/// Returns a name as a column name for other programs: "relmse-mean" becomes relmse_mean.
 std::string column_name(std::string name) {
     std::replace(name.begin(), name.end(), '-', '_');
     return name;
@@ -266,7 +267,7 @@ std::string columns_csv() {
     for (const display::ErrorMetricInfo& each : display::error_metrics()) add(column_name(each.name), "", each.formula);
     for (const display::ImageMetric each : seen_metrics) {
         std::string meaning = std::string("of the beauty: ") + display::info_of(each).formula;
-        std::replace(meaning.begin(), meaning.end(), '\n', ' ');  // a line for a column
+        std::replace(meaning.begin(), meaning.end(), '\n', ' ');  // one line per column
         add(column_name(display::info_of(each).name), "", meaning);
     }
     for (const Column& each : closing_columns) add(each.name, each.unit, each.meaning);

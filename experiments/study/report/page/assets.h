@@ -1,4 +1,4 @@
-// What a study's page is made of, and the drawing of its plots.
+// Scripts and styles of a study's page, and the drawing of its plots.
 #pragma once
 
 #include <string>
@@ -12,14 +12,14 @@ std::string_view plot_script();      ///< plot.js
 std::string_view bench_script();     ///< bench.js
 std::string_view study_script();     ///< study_page.js
 std::string_view study_style();      ///< study.css
-std::string_view d3_default_path();  ///< where CMake found d3; empty when it did not
+std::string_view d3_default_path();  ///< path of d3 that CMake found; empty if none
 
-/// The text of the installed d3 (version 3, Debian's libjs-d3): $RAYLEX_D3 when it is set, else where CMake found it,
-/// else Debian's place. Errors name the package.
+/// Returns the text of the installed d3 (version 3, Debian's libjs-d3): from $RAYLEX_D3, else from the path that CMake
+/// found, else from Debian's path. Errors name the package.
 Result<std::string> read_d3();
 
-/// Draws plots as the page does: the same script and d3 in an embedded interpreter (Duktape). A browser or Node.js
-/// would do it too, but neither can be asked of everybody who wants a figure.
+/// Draws plots like the page, with the same script and d3, in an embedded interpreter (Duktape), so that figures need
+/// neither a browser nor Node.js.
 class PlotDrawer {
   public:
     static Result<PlotDrawer> create(const std::string& d3);
@@ -27,7 +27,7 @@ class PlotDrawer {
     PlotDrawer& operator=(PlotDrawer&& other) noexcept;
     ~PlotDrawer();
 
-    /// SVG text of a plot's JSON.
+    /// Returns the SVG text of a plot's JSON.
     Result<std::string> draw(const std::string& json);
 
   private:

@@ -1,4 +1,4 @@
-// Where a method is noisy: the standard deviation of every pixel over replicates, as pictures with one scale a scene.
+// Maps of noise: the standard deviation of every pixel over replicates, as pictures with one scale per scene.
 #include <algorithm>
 
 #include "display/output/color/color_manager.h"
@@ -14,7 +14,7 @@ namespace {
 
 struct Maps {
     std::vector<const ErrorSpectrum*> spectra;
-    double most = 0;  ///< the top of their scale: a few fireflies do not decide it
+    double most = 0;  ///< top of the scale, robust against fireflies
 };
 
 Maps maps_of(const Study& study, const std::string& scene) {
@@ -49,7 +49,8 @@ std::string deviation_maps(const Study& study, const SceneInfo& scene) {
                    "</figcaption></figure>\n";
     }
     if (figures.empty()) return {};
-    return "<h3>Standard deviation of every pixel</h3>\n<p class=\"note\">Of the beauty, over replicates at the "
+    return "<h3>Standard deviation of every pixel</h3>\n<p class=\"note\">Standard deviation of the beauty over "
+           "replicates at the "
            "largest "
            "budget, relative to the mean of the image. Black: 0; pale yellow: " +
            percent_text(maps.most) + " and above.</p>\n<div class=\"residuals\">" + figures + "</div>\n";

@@ -22,7 +22,7 @@ const std::string& beauty_of(const Study& study, const std::string& scene) {
     return none;
 }
 
-/// CPU seconds of each replicate at a budget.
+/// Returns the CPU seconds of each replicate at a budget.
 std::vector<double> cpu_seconds(const Study& study, const Curve& curve, double budget) {
     std::vector<double> seconds;
     for (const CellErrors& each : study.cells)
@@ -32,7 +32,7 @@ std::vector<double> cpu_seconds(const Study& study, const Curve& curve, double b
     return seconds;
 }
 
-/// The points of the largest budget that both curves have; null where they share none.
+/// Returns the points of the largest budget that both curves have; null if there is none.
 std::pair<const BudgetPoint*, const BudgetPoint*> last_common(const Curve& a, const Curve& b) {
     std::pair<const BudgetPoint*, const BudgetPoint*> found{nullptr, nullptr};
     for (const BudgetPoint& x : a.points)
@@ -102,7 +102,7 @@ std::string effect_costs_table(const Study& study, const std::string& scene) {
                 percent_cell(each.time) + percent_cell(each.error) + percent_cell(each.own_error) + "</tr>\n";
     }
     if (rows.empty()) return {};
-    return "<p class=\"note\">CPU time: that of the cells, over that of the method which differs in the effect alone, "
+    return "<p class=\"note\">CPU time: relative to the method that differs only in this effect, "
            "at equal samples. Error: 100 sqrt(relmse-mean) against the reference, which has every effect, noise "
            "included: "
            "the whole render's own is all noise, and a scene that lacks an effect may have less of it. Forced on where "
@@ -131,15 +131,14 @@ std::optional<Plot> effect_costs_plot(const Study& study, std::size_t scene) {
     }
     if (costs.empty()) return std::nullopt;
     Plot plot{effect_costs_id(scene), file_part(name) + ".effects.svg", {}};
-    plot.json =
-        json_text(Json{{"id", plot.id},
-                       {"title", name + ": what accuracy costs in time, per effect"},
-                       {"subtitle", "the error of a render that leaves one effect out, and the time that it takes"},
-                       {"xLabel", "CPU time, per cent of the whole render's"},
-                       {"yLabel", "relative error"},
-                       {"scatter", true},
-                       {"floor", 0},
-                       {"series", std::move(series)}});
+    plot.json = json_text(Json{{"id", plot.id},
+                               {"title", name + ": what accuracy costs in time, per effect"},
+                               {"subtitle", "error and time of a render without one effect"},
+                               {"xLabel", "CPU time, per cent of the whole render's"},
+                               {"yLabel", "relative error"},
+                               {"scatter", true},
+                               {"floor", 0},
+                               {"series", std::move(series)}});
     return plot;
 }
 

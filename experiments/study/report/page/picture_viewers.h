@@ -1,4 +1,4 @@
-// The viewers of a study's images: their HTML and the data that bench.js reads.
+// The viewers of a study's images: HTML, and data for bench.js.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace raylex::experiments {
 
-/// One viewer per scene, and what was left out.
+/// Returns the HTML of one viewer per scene, and of a list of omissions.
 std::string image_viewers(const Pictures& pictures);
-/// The study's regions stand as insets in the viewers.
+/// Returns the data of the viewers. The study's regions appear as insets.
 Json picture_index(const Study& study, const Pictures& pictures);
 
 }  // namespace raylex::experiments

@@ -9,7 +9,7 @@
 namespace raylex::experiments {
 namespace {
 
-/// The cell that stands for a variant on a scene: the first replicate of what cost most.
+/// Returns the cell shown for a variant on a scene: the first replicate of the largest budget.
 const Cell* shown_cell(const Study& study, const std::string& scene, const std::string& variant) {
     const Cell* shown = nullptr;
     const auto larger = [](const Cell& a, const Cell& b) {
@@ -41,7 +41,7 @@ Pictures encode_all(const Study& study, const std::vector<PictureSource>& source
                 const bool fits = image && image->width == static_cast<std::size_t>(scene.width) &&
                                   image->components == 3 && image->height == static_cast<std::size_t>(scene.height);
                 if (!fits) {
-                    problem = image ? channel.name + " in " + source.directory + " is not of the scene's size"
+                    problem = image ? channel.name + " in " + source.directory + " does not have the scene's size"
                                     : image.error().to_string();
                     set.ids.push_back(std::nullopt);
                     continue;
@@ -106,7 +106,7 @@ Pictures pictures_of(const Study& study) {
         const SceneInfo& scene = study.experiment->scenes[source.scene];
         pixels += static_cast<double>(scene.width) * scene.height * static_cast<double>(scene.channels.size());
     }
-    // Noise takes about 4 bytes per pixel when packed, 16 / 3 in base64: no need to try factors that are far off.
+    // Packed noise takes about 4 bytes per pixel, 16 / 3 in base64, so much smaller factors need not be tried.
     const double budget = static_cast<double>(study.options.picture_bytes);
     auto block = static_cast<std::size_t>(std::max(1.0, std::floor(std::sqrt(pixels * 16 / 3 / 2 / budget))));
     Pictures pictures = encode_all(study, sources, block);

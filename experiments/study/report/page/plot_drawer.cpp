@@ -29,13 +29,13 @@ Result<std::string> read_d3() {
     error.file = path;
     if (!file || text.empty()) {
         error.message =
-            "d3 cannot be read; expected version 3 of the library there, as Debian's package libjs-d3 installs it, "
-            "or its path in RAYLEX_D3";
+            "d3 cannot be read; expected version 3 of the library here, from Debian's package libjs-d3, or its path in "
+            "RAYLEX_D3";
         return error;
     }
-    // It stands inside <script>, where this text would end it.
+    // The text goes into <script>, which this would end.
     if (text.find("</script") != std::string::npos) {
-        error.message = "this is no plain JavaScript file: it contains </script";
+        error.message = "this is not a plain JavaScript file: it contains </script";
         return error;
     }
     return text;
@@ -45,7 +45,7 @@ Result<PlotDrawer> PlotDrawer::create(const std::string& d3) {
     PlotDrawer drawer;
     duk_context* context = duk_create_heap_default();
     drawer.context_ = context;
-    if (context == nullptr) return Error{"no memory for the interpreter that draws plots", "", 0, 0, {}, {}};
+    if (context == nullptr) return Error{"not enough memory for the interpreter that draws plots", "", 0, 0, {}, {}};
     for (const std::string_view text : {std::string_view(d3), plot_script()}) {
         if (duk_peval_lstring(context, text.data(), text.size()) != 0)
             return drawing_error(context, "the script that draws plots cannot be read (d3 of version 3 expected)");

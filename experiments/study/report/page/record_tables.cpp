@@ -1,4 +1,4 @@
-// What was run, with what, and what was not: the tables of a study's page that repeat its record.
+// Tables of a study's page about the record: settings, omissions and provenance.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -18,7 +18,7 @@ std::string number_cell(const std::string& text) {
     return "<td class=\"number\">" + text + "</td>";
 }
 
-/// Where a split fails: the map of its worst cell, when the cell's files are still there.
+/// Returns the residual map of the worst cell of a failed split, if the cell's files still exist.
 std::string residual_picture(const Study& study, const std::string& scene, const std::string& partition,
                              const std::string& cell_id) {
     for (const Cell& cell : study.experiment->cells) {
@@ -51,7 +51,7 @@ std::string splits_table(const Study& study) {
                 count.worst_cell = cell.id;
             }
         }
-    if (counts.empty()) return "<p class=\"faint\">No cell declares a partition, so there is nothing to judge.</p>\n";
+    if (counts.empty()) return "<p class=\"faint\">No cell declares a partition, so there is nothing to check.</p>\n";
     std::string rows, pictures;
     for (const auto& [key, count] : counts) {
         rows += "<tr>" + text_cell(key[0]) + text_cell(key[1]) + text_cell(key[2]) +
@@ -62,7 +62,7 @@ std::string splits_table(const Study& study) {
     }
     if (!pictures.empty())
         pictures =
-            "<p>Where splits fail, in their worst cell. Black to violet: within the bound of rounding; red to pale "
+            "<p>Failed splits, in their worst cell. Black to violet: within the bound of rounding; red to pale "
             "yellow: "
             "beyond it, light that is counted twice or missed.</p>\n<div class=\"residuals\">" +
             pictures + "</div>\n";
@@ -76,7 +76,7 @@ std::string splits_table(const Study& study) {
 }
 
 std::string costs_table(const Study& study) {
-    // Per variant and scene: where the time of its largest cells went.
+    // By variant and scene: time by phase of the largest cells.
     std::string rows;
     for (const SceneInfo& scene : study.experiment->scenes)
         for (const MethodVariant& variant : study.variants) {
@@ -131,11 +131,11 @@ std::string references_table(const Study& study) {
 }
 
 std::string omissions_table(const Study& study) {
-    if (study.omissions.empty()) return "<p>Nothing: every planned cell was run, measured and is in the tables.</p>\n";
+    if (study.omissions.empty()) return "<p>None: every planned cell was run and measured, and is in the tables.</p>\n";
     std::string rows;
     for (const Omission& omission : study.omissions)
         rows += "<tr>" + text_cell(omission.what) + text_cell(omission.reason) + "</tr>\n";
-    return table("<th>What</th><th>Why it is not in the tables</th>", rows);
+    return table("<th>Item</th><th>Reason</th>", rows);
 }
 
 std::string provenance_table(const Study& study) {
@@ -148,7 +148,7 @@ std::string provenance_table(const Study& study) {
         rows +=
             "<tr>" + text_cell("runner overhead") +
             text_cell(number_text(experiment.time.overhead_percent()) + " % of " + number_text(experiment.time.render) +
-                      " s of rendering, beside " + number_text(experiment.time.warm_up) + " s of warm-up and " +
+                      " s of rendering, plus " + number_text(experiment.time.warm_up) + " s of warm-up and " +
                       number_text(experiment.time.references) + " s for references") +
             "</tr>\n";
     std::string methods;

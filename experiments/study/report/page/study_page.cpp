@@ -52,11 +52,11 @@ std::string split_summary(const Experiment& experiment) {
     if (splits == 0) return {};
     return mark(broken == 0,
                 broken == 0 ? "Every split sums" : counted(broken, "split does", "splits do") + " not sum") +
-           (broken < 2 ? "to what it splits, in " : "to what they split, in ") +
-           counted(splits, "verdict", "verdicts") + " over all cells.</li>\n";
+           (broken < 2 ? "to its whole, in " : "to their wholes, in ") + counted(splits, "verdict", "verdicts") +
+           " over all cells.</li>\n";
 }
 
-/// Names in the order in which they were met, each with what is said of it.
+/// Names in the order of discovery, each with a text.
 using Findings = std::vector<std::pair<std::string, std::string>>;
 
 void add_finding(Findings& findings, const std::string& name, const std::string& text) {
@@ -66,7 +66,7 @@ void add_finding(Findings& findings, const std::string& name, const std::string&
     else if (known->second != text) known->second += ", " + text;
 }
 
-/// "<head> a (text); b (text).", or nothing where there are no findings; a page of many variants names the first.
+/// Returns "<head> a (text); b (text).", or nothing without findings. With many variants, only the first are named.
 std::string finding_line(const std::string& type, const std::string& head, const Findings& findings,
                          const std::string& end = ".") {
     constexpr std::size_t most = 8;
@@ -100,14 +100,16 @@ std::string bias_summary(const Study& study) {
     std::string text =
         finding_line("fails", "Declared unbiased but differs from the reference:", found[BiasJudgement::differs]);
     if (clean > 0)
-        text += mark(true, "No bias found") + "in " + counted(clean, "test", "tests") + " of channels; any above " +
-                percent_text(largest) + " of the mean would be, with 90 %.</li>\n";
+        text += mark(true, "No bias found") + "in " + counted(clean, "test", "tests") +
+                " of channels; any bias above " + percent_text(largest) +
+                " of the mean would be found with a probability of 90 %.</li>\n";
     return text +
            finding_line("warn", "Cannot tell about bias:", found[BiasJudgement::cannot_tell],
-                        ". Where no reason stands here, a bias of " + percent_text(largest_hidden_bias) +
+                        ". If no reason is given, a bias of " + percent_text(largest_hidden_bias) +
                             " of the mean would be missed.") +
-           finding_line("warn", "No verdict on bias, since a few rare samples decide:", found[BiasJudgement::rare]) +
-           finding_line("note", "Not judged, since the method declares that it does not find such paths:",
+           finding_line("warn",
+                        "No verdict on bias, because a few rare samples dominate:", found[BiasJudgement::rare]) +
+           finding_line("note", "Not judged, because the method declares that it does not find such paths:",
                         found[BiasJudgement::not_judged]);
 }
 
@@ -123,16 +125,17 @@ std::string curve_summary(const Study& study) {
                              [](const BudgetPoint& p) { return p.group.heavy_tail; });
     }
     const std::string text =
-        finding_line("fails", "Falls slower than an unbiased method at the last octaves:", shallow,
-                     ". Of " + counted(judged, "curve", "curves") + " judged at 95 %, one in 40 does so by chance.") +
+        finding_line(
+            "fails", "Falls slower than an unbiased method at the last octaves:", shallow,
+            ". At 95 %, one in 40 of " + counted(judged, "judged curve", "judged curves") + " does so by chance.") +
         finding_line("warn",
-                     "The error does not fall as 1 / samples yet, but comes nearer to it with every octave:", nearing);
+                     "The error does not fall as 1 / samples yet, but approaches it with every octave:", nearing);
     if (heavy == 0) return text;
     return text + "<li><span class=\"warn\">Heavy tail, interval not valid:</span> on " +
-           counted(heavy, "curve", "curves") + " a few rare samples decide the error.</li>\n";
+           counted(heavy, "curve", "curves") + " a few rare samples dominate the error.</li>\n";
 }
 
-/// References that are too coarse for the errors that the tables speak of.
+/// Lists references that are too coarse for the errors in the tables.
 std::string reference_summary(const Study& study) {
     const double finest = target_errors.back() / 2;
     Findings coarse, unknown;
@@ -151,13 +154,13 @@ std::string reference_summary(const Study& study) {
     }
     const std::string lines = finding_line("warn",
                                            "Coarse references, whose own error exceeds " + percent_text(finest) +
-                                               ", half of the smallest error that a time is given to:",
+                                               ", half of the smallest error in the table of times:",
                                            coarse) +
-                              finding_line("warn", "References whose own error is not known:", unknown);
+                              finding_line("warn", "References whose own error is unknown:", unknown);
     return lines.empty() ? lines : "<ul class=\"summary\">\n" + lines + "</ul>\n";
 }
 
-/// What the study found, before all that it measured.
+/// Returns the summary of findings at the top of the page.
 std::string summary(const Study& study) {
     std::string text = extent_summary(study) + reference_summary(study) + comparison_table(study) +
                        "<ul class=\"summary\">\n" + split_summary(*study.experiment) + bias_summary(study) +
@@ -168,8 +171,7 @@ std::string summary(const Study& study) {
     for (const SceneInfo& scene : study.experiment->scenes)
         if (scene.reference.empty()) without.push_back(scene.name);
     if (!without.empty())
-        text +=
-            "<li>No reference, so neither errors nor what they cost are known: " + escaped_list(without) + ".</li>\n";
+        text += "<li>No reference, so errors and their costs are unknown: " + escaped_list(without) + ".</li>\n";
     if (!study.omissions.empty())
         text += "<li><a href=\"#omissions\">" + counted(study.omissions.size(), "omission", "omissions") +
                 "</a>, listed with the reason.</li>\n";
@@ -184,7 +186,7 @@ std::string choices(const std::string& title, const std::vector<std::pair<std::s
     return html + "</div>\n";
 }
 
-/// Those of the plots that there are, beside each other, with one legend.
+/// Returns the plots that exist, side by side, with one legend.
 std::string plot_group(const std::vector<Plot>& known, const std::vector<std::string>& ids) {
     std::string figures;
     for (const std::string& id : ids)
@@ -213,7 +215,7 @@ std::string scene_section(const Study& study, const std::vector<Plot>& known, st
                   "<details><summary>All metrics at the largest budget</summary>\n" +
                   errors_table(study, scene.name, curve.channel, curve.region) + "</details>\n";
         if (curve.region.empty())
-            panels += "<h3>What is worth its time</h3>\n<div class=\"beside\">" +
+            panels += "<h3>Pareto front of error and time</h3>\n<div class=\"beside\">" +
                       plot_group(known, {front_id(index, curve.channel)}) + "<div>" +
                       front_table(study, scene.name, curve.channel) +
                       "</div></div>\n<h3>Error by spatial frequency</h3>\n" +
@@ -221,17 +223,17 @@ std::string scene_section(const Study& study, const std::vector<Plot>& known, st
         panels += "</div>\n";
     }
     std::string html = "<section class=\"scene-study\" id=\"scene-" + std::to_string(index) +
-                       "\">\n<h2>What accuracy costs: " + escape_html(scene.name) + "</h2>\n";
-    if (items.empty() && scene.reference.empty()) return {};  // the summary says why
+                       "\">\n<h2>Cost of accuracy: " + escape_html(scene.name) + "</h2>\n";
+    if (items.empty() && scene.reference.empty()) return {};  // the summary has the reason
     if (items.empty())
         return html + "<p class=\"faint\">Nothing was measured on this scene; see the omissions.</p></section>\n";
     html += choices("Channel", items) + panels;
     html += deviation_maps(study, scene);
     if (const std::string costs = effect_costs_table(study, scene.name); !costs.empty())
-        html += "<h3>What each effect costs</h3>\n<div class=\"beside\">" +
-                plot_group(known, {effect_costs_id(index)}) + "<div>" + costs + "</div></div>\n";
+        html += "<h3>Cost of each effect</h3>\n<div class=\"beside\">" + plot_group(known, {effect_costs_id(index)}) +
+                "<div>" + costs + "</div></div>\n";
     if (const std::string effects = effects_table(study, scene); !effects.empty())
-        html += "<h3>What each setting buys</h3>\n" + effects;
+        html += "<h3>Benefit of each setting</h3>\n" + effects;
     return html + "<h3>Bias against the reference</h3>\n" + words_list(study, scene) + bias_table(study, scene) +
            "</section>\n";
 }

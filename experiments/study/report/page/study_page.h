@@ -10,7 +10,7 @@
 
 namespace raylex::experiments {
 
-/// One HTML file that fetches nothing; `d3` is the text of the library.
+/// Returns one self-contained HTML file. `d3` is the text of the library.
 std::string study_page(const Study& study, const std::vector<Plot>& plots, const Pictures& pictures,
                        const std::string& d3);
 

@@ -33,7 +33,7 @@ std::string row(const std::string& cells) {
     return "<tr>" + cells + "</tr>\n";
 }
 
-/// As people write it: without an exponent, or with one that is raised.
+/// Returns a number for people: without an exponent, or with a superscript.
 std::string figure(double value, int digits = 3) {
     if (std::isnan(value)) return "&ndash;";
     if (!std::isfinite(value)) return value > 0 ? "&infin;" : "&minus;&infin;";
@@ -42,7 +42,7 @@ std::string figure(double value, int digits = 3) {
     return plain_number(value / std::pow(10.0, power), digits) + " &times; 10<sup>" + std::to_string(power) + "</sup>";
 }
 
-/// The reasons that a table gives, each once below it: its cells carry a letter.
+/// Collects the reasons in a table's cells. Each appears once below the table, with a letter.
 class Footnotes {
   public:
     std::string sign(const std::string& note) {
@@ -67,7 +67,7 @@ class Footnotes {
     std::vector<std::string> notes_;
 };
 
-/// "12.3 s <range>[11.9, 12.7]</range>"; a dash where there is no value. Notes become signs.
+/// Returns the cell "12.3 s <range>[11.9, 12.7]</range>", or a dash without a value. Notes become letters.
 std::string interval_cell(const Interval& interval, Footnotes& notes, double scale = 1, const std::string& unit = {}) {
     if (!std::isfinite(interval.value)) return "&ndash;" + notes.sign(interval.note);
     std::string html = figure(interval.value * scale) + unit + notes.sign(interval.note);
@@ -81,7 +81,7 @@ bool shown(const Curve& curve, const std::string& scene, const std::string& chan
     return curve.scene == scene && curve.channel == channel && curve.region == region;
 }
 
-/// Seconds as people say them.
+/// Returns a time as text.
 std::string time_text(double seconds) {
     return seconds < 60 ? number_text(seconds) + " s" : duration_text(seconds);
 }
@@ -104,7 +104,7 @@ const TimeToError* time_to_one_percent(const Standing& standing) {
     return found == times.end() ? nullptr : &*found;
 }
 
-/// Its error, and below it the time to 1 %, or how far it got.
+/// Returns a cell with the error, and below it the time to 1 %, or the error reached.
 std::string standing_cell(const Standing& standing, bool best, double least_time, Footnotes& notes) {
     const TimeToError* time = time_to_one_percent(standing);
     if (time == nullptr || !std::isfinite(standing.squared.value)) return cell("&ndash;");
@@ -126,12 +126,12 @@ std::string standing_cell(const Standing& standing, bool best, double least_time
 std::string slope_cell(const SlopeVerdict& slope, Footnotes& notes) {
     const std::optional<Line>& line = slope.judged();
     if (!line) return cell("&ndash;");
-    return cell(figure(line->slope) + notes.sign(slope.samples ? "" : "against seconds less setup") +
+    return cell(figure(line->slope) + notes.sign(slope.samples ? "" : "against seconds without setup") +
                 " <span class=\"range\">[" + figure(line->slope_low) + ", " + figure(line->slope_high) + "]</span>");
 }
 
 std::string speed_up_cell(const Curve& curve, Footnotes& notes) {
-    return curve.first ? cell("1" + notes.sign("what others are compared with"))
+    return curve.first ? cell("1" + notes.sign("the variant that others are compared with"))
                        : cell(interval_cell(curve.speed_up, notes));
 }
 
@@ -159,8 +159,8 @@ std::string comparison_table(const Study& study) {
     }
     return "<div class=\"first\">" + table(head + "<th>Best</th>", rows) + "</div>\n" +
            notes.legend(
-               "Relative error at the largest time that all methods of a row reached, and the time to 1 %. Bold: "
-               "the least. &dagger; extrapolated beyond the measured times.");
+               "Relative error at the largest time that all methods of a row reached, and the time to 1 %. Bold: the "
+               "smallest. &dagger; extrapolated beyond the measured times.");
 }
 
 std::string times_table(const Study& study, const std::string& scene, const std::string& channel,
@@ -195,8 +195,8 @@ std::string errors_table(const Study& study, const std::string& scene, const std
         head += formula_header(each.name, each.formula);
     for (const display::ImageMetric each : seen_metrics)
         head += formula_header(display::info_of(each).name, display::info_of(each).formula);
-    head += formula_header("trimmed away", "share of the sum in relmse-mean") +
-            formula_header("of that the reference's", "mean(Var(b) / (b^2 + (0.1 m)^2))");
+    head += formula_header("trimmed away", "share of relmse-mean's sum") +
+            formula_header("share of the reference", "mean(Var(b) / (b^2 + (0.1 m)^2))");
     std::string rows;
     for (const Curve& curve : study.curves) {
         if (!shown(curve, scene, channel, region) || curve.points.empty()) continue;
@@ -255,7 +255,7 @@ std::string front_table(const Study& study, const std::string& scene, const std:
 }
 
 std::string effects_table(const Study& study, const SceneInfo& scene) {
-    // A row per change, a column per channel.
+    // One row per change, one column per channel.
     std::vector<std::array<std::string, 4>> changes;
     std::map<std::pair<std::size_t, std::string>, const SettingEffect*> found;
     for (const SettingEffect& effect : study.effects) {
@@ -290,8 +290,8 @@ std::string effects_table(const Study& study, const SceneInfo& scene) {
         rows += row(cells);
     }
     return "<p class=\"note\">Speed-up: the ratio of 1 / (relmse-mean x seconds) at the largest budgets, for every "
-           "channel. Pays or costs: its interval lies above or below 1. Medians: the same ratio of medians over "
-           "replicates, which a few fireflies do not move.</p>\n" +
+           "channel. Pays or costs: the interval is above or below 1. Medians: the ratio of medians over replicates, "
+           "which a few fireflies do not change.</p>\n" +
            table(head, rows) + notes.legend();
 }
 
@@ -304,11 +304,12 @@ std::string predictions_text(const Study& study) {
             off.push_back(std::abs(curve.prediction->relative_difference()));
     }
     if (off.empty())
-        return "<p class=\"faint\">No curve of a method declared unbiased has the three budgets that a prediction can "
-               "be tried on.</p>\n";
+        return "<p class=\"faint\">No curve of a method declared unbiased has the three budgets that a prediction "
+               "needs.</p>\n";
     std::sort(off.begin(), off.end());
     const double median = off[off.size() / 2];
-    return "<p>From every curve's earlier budgets the time to the error of its last one was predicted: off by " +
+    return "<p>The time to the error of every curve's last budget was predicted from its earlier budgets. The "
+           "prediction is off by " +
            percent_text(median) + " in the median and " + percent_text(off.back()) + " at worst, over " +
            std::to_string(off.size()) + " curves of methods declared unbiased.</p>\n";
 }
@@ -341,7 +342,7 @@ std::string words_list(const Study& study, const SceneInfo& scene) {
 
 namespace {
 
-/// The budget that a verdict on bias is from, in its unit.
+/// Returns the budget of a bias verdict with its unit.
 std::string bias_budget(const Study& study, const BiasEntry& entry) {
     const Curve* curve = study.curve(entry.scene, entry.variant, entry.channel);
     return curve != nullptr ? spoken_budget(curve->budget_kind, entry.budget) : number_text(entry.budget, 6);
@@ -372,20 +373,19 @@ std::string bias_table(const Study& study, const SceneInfo& scene) {
         cells += cell(block_text(study, entry) + ", " + interval_cell(v.worst_difference, notes, 100, " %"));
         cells += cell(percent_text(v.detectable_whole)) + cell(percent_text(v.detectable_block));
         const std::string against =
-            entry.against.empty() ? "" : "compared with " + entry.against + ", since the reference is its own. ";
+            entry.against.empty() ? "" : "compared with " + entry.against + ", because it made the reference itself. ";
         rows += row(cells + text_cell(against + v.note));
     }
     if (rows.empty()) return "<p class=\"faint\">Nothing could be tested.</p>\n";
     return table("<th>Variant</th><th>Channel</th><th>Replicates</th><th>Budget of each</th><th>Verdict</th>" +
-                     formula_header("p, corrected", "2 (1 - (1 - p)^tests), whole images and blocks apart") +
+                     formula_header("p, corrected", "2 (1 - (1 - p)^tests), separately for whole images and blocks") +
                      formula_header("Difference of the mean", "mean(a) / mean(b) - 1") + "<th>Most significant</th>" +
-                     formula_header("Found with 90 %, whole", "(t_(a'/2) + t_90%) s / sqrt(n) / mean(b)") +
-                     formula_header("in a median block", "the same for blocks of 16 x 16 pixels") + "<th></th>",
+                     formula_header("Bias found with 90 %, whole", "(t_(a'/2) + t_90%) s / sqrt(n) / mean(b)") +
+                     formula_header("in a median block", "likewise for blocks of 16 x 16 pixels") + "<th></th>",
                  rows) +
            "<p class=\"note\">Intervals are at the level of their test. Cannot tell: a bias of " +
-           percent_text(largest_hidden_bias) +
-           " of the mean would be missed, or nothing but the reference speaks for " + "the method that made it.</p>\n" +
-           notes.legend();
+           percent_text(largest_hidden_bias) + " of the mean would be missed, or only the reference supports " +
+           "the method that made it.</p>\n" + notes.legend();
 }
 
 }  // namespace raylex::experiments

@@ -15,7 +15,7 @@ namespace raylex::experiments {
 namespace {
 
 constexpr std::size_t most_insets = 4, most_columns = 6;
-constexpr int inset_side = 256;  // pixels of an inset's longer side at least, frame not counted
+constexpr int inset_side = 256;  // minimum pixels of an inset's longer side, without the frame
 
 struct FrameColor {
     const char* name;
@@ -26,7 +26,7 @@ constexpr std::array<FrameColor, most_insets> frame_colors{{{"#e4572e", {0xe4, 0
                                                             {"#2fa84f", {0x2f, 0xa8, 0x4f}},
                                                             {"#b455c8", {0xb4, 0x55, 0xc8}}}};
 
-/// 8-bit RGB, rows from the top.
+/// An 8-bit RGB image, rows from the top.
 struct Bitmap {
     int width = 0, height = 0;
     std::vector<unsigned char> rgb;
@@ -37,7 +37,7 @@ struct Bitmap {
     }
 };
 
-/// The sRGB curve, as the page shows images. What is not finite is magenta.
+/// Converts a pixel by the sRGB curve, as the page does. Non-finite values become magenta.
 void show(const double* light, unsigned char* pixel) {
     constexpr std::array<unsigned char, 3> broken{255, 0, 255};
     if (!std::isfinite(light[0] + light[1] + light[2])) {
@@ -51,7 +51,7 @@ void show(const double* light, unsigned char* pixel) {
     }
 }
 
-/// A part of an image, each pixel `scale` x `scale`, with room for a frame around it.
+/// Returns a part of an image with `scale` x `scale` pixels per pixel, and room for a frame around it.
 Bitmap magnified(const PixelArray& image, const InsetBox& box, int scale, int frame) {
     Bitmap bitmap(box.width * scale + 2 * frame, box.height * scale + 2 * frame);
     for (int y = 0; y < box.height * scale; ++y)
@@ -62,7 +62,7 @@ Bitmap magnified(const PixelArray& image, const InsetBox& box, int scale, int fr
     return bitmap;
 }
 
-/// The outline of a rectangle, `thick` pixels inwards.
+/// Draws the outline of a rectangle, `thick` pixels inwards.
 void draw_frame(Bitmap& bitmap, const InsetBox& box, int thick, const FrameColor& color) {
     for (int y = std::max(0, box.y); y < std::min(bitmap.height, box.y + box.height); ++y)
         for (int x = std::max(0, box.x); x < std::min(bitmap.width, box.x + box.width); ++x)
@@ -71,7 +71,7 @@ void draw_frame(Bitmap& bitmap, const InsetBox& box, int thick, const FrameColor
                 std::copy(color.rgb.begin(), color.rgb.end(), bitmap.at(x, y));
 }
 
-/// The squares of relative differences summed over the image, so that any rectangle's sum is four look-ups.
+/// Summed-area table of squared relative differences, so that the sum over a rectangle takes four look-ups.
 class DifferenceSums {
   public:
     DifferenceSums(int width, int height)
@@ -93,14 +93,14 @@ class DifferenceSums {
                         c;
                     const double b = reference.values[i], d = image.values[i] - b;
                     const double square = d * d / (b * b + 0.01 * mean * mean + 1e-30);
-                    // One firefly must not decide where the figure looks: a pixel counts 1 at most.
+                    // Limits a pixel to 1, so that a single firefly does not determine the rectangle.
                     if (std::isfinite(square)) row += std::min(square, 1.0);
                 }
                 sums_[index(x + 1, y + 1)] += row;
             }
         }
     }
-    /// To be called once, after all images were added.
+    /// Call it once after all images were added.
     void finish() {
         for (int y = 1; y <= height_; ++y)
             for (int x = 1; x <= width_; ++x) sums_[index(x, y)] += sums_[index(x, y - 1)];
@@ -173,7 +173,7 @@ std::vector<InsetBox> boxes_of(const Study& study, const SceneInfo& scene, const
     return boxes;
 }
 
-/// Places of the SVG: the reference left, then a column of insets per image.
+/// Layout of the SVG: the reference on the left, then a column of insets per image.
 class InsetFigure {
   public:
     InsetFigure(const SceneInfo& scene, const std::vector<InsetBox>& boxes) : boxes_(boxes) {
@@ -207,7 +207,7 @@ class InsetFigure {
                plain_number(width, 6) + "\" height=\"" + plain_number(height, 6) +
                "\" preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" href=\"" + uri + "\"/>\n";
     }
-    /// Squeezed where it is longer than its column, rather than cut off.
+    /// Compresses text that is longer than its column, instead of cutting it off.
     static std::string label(double x, double y, const std::string& text, int weight) {
         const bool tight = static_cast<double>(text.size()) * 6.6 > column;
         return "<text x=\"" + plain_number(x, 6) + "\" y=\"" + plain_number(y, 6) +

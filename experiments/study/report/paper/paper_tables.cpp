@@ -8,7 +8,7 @@
 namespace raylex::experiments {
 namespace {
 
-/// "1.23 [1.20, 1.26]"; a dagger where the interval is not to be trusted, a dash where there is no value.
+/// Returns "1.23 [1.20, 1.26]", with a dagger if the interval is invalid, or a dash without a value.
 std::string interval_text(const Interval& interval, double scale) {
     if (!std::isfinite(interval.value)) return "--";
     std::string text = plain_number(interval.value * scale);
@@ -79,7 +79,7 @@ std::string latex_table(const Study& study, const std::string& scene, const std:
            (study.noise_subtracted(scene, channel) ? ", the reference's noise subtracted" : "") +
            "; intervals: " + plain_number(study.options.confidence * 100) +
            " %.\n% Speed-up: 1 / (relmse-mean x seconds), relative to the first row. $^\\ast$ extrapolated.\n" +
-           (doubtful ? "% $^\\dagger$ interval not to be trusted: report.html says why.\n" : "") +
+           (doubtful ? "% $^\\dagger$ interval not valid: report.html has the reason.\n" : "") +
            (study.experiment->cpu_clock ? "% Times are CPU seconds of all threads.\n" : "") +
            "\\begin{tabular}{llrlrl}\n\\toprule\nMethod & Budget & Time [s] & Relative error [\\%] & Time to 1\\,\\% "
            "[s] & "

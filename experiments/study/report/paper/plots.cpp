@@ -34,7 +34,7 @@ std::size_t slot_of(const Study& study, const std::string& variant) {
 
 enum class Abscissa { seconds, samples };
 
-/// Of the squared error, as in the page's table.
+/// Returns the slope of the squared error, as in the page's table.
 std::string slope_note(const Curve& curve) {
     const std::optional<Line>& line = curve.slope.judged();
     if (!line) return {};
@@ -82,7 +82,7 @@ Plot error_plot(const Study& study, std::size_t scene, const std::string& channe
     plot.file += time ? ".svg" : ".samples.svg";
     Json series = Json::array();
     double floor = 0;
-    std::set<double> budgets;  // where the axis is that of the budgets
+    std::set<double> budgets;  // positions of the budgets if the axis has samples
     for (const Curve& curve : study.curves) {
         if (curve.scene != name || curve.channel != channel || curve.region != region) continue;
         if (curve.budget_kind == (time ? BudgetKind::seconds : BudgetKind::samples))
@@ -108,7 +108,7 @@ Plot error_plot(const Study& study, std::size_t scene, const std::string& channe
     return plot;
 }
 
-/// Renderers by command line do not say how many samples they took.
+/// Renderers by command line do not report their number of samples.
 bool any_samples(const Study& study, const Curve& like) {
     return std::any_of(study.curves.begin(), study.curves.end(), [&](const Curve& curve) {
         return curve.scene == like.scene && curve.channel == like.channel && curve.region == like.region &&
@@ -131,8 +131,9 @@ Plot front_plot(const Study& study, std::size_t scene, const std::string& channe
     Plot plot{front_id(scene, channel), file_part(name) + "." + file_part(channel) + ".pareto.svg", {}};
     plot.json = dumped(
         Json{{"id", plot.id},
-             {"title", name + ", " + channel + ": what is worth its time"},
-             {"subtitle", "every variant at every budget; the line joins what nothing beats in both time and error"},
+             {"title", name + ", " + channel + ": Pareto front of error and time"},
+             {"subtitle",
+              "every variant at every budget; the line joins the points that no other beats in both time and error"},
              {"xLabel", time_label(study)},
              {"yLabel", "relative error"},
              {"scatter", true},
@@ -160,7 +161,7 @@ Plot spectrum_plot(const Study& study, std::size_t scene, const std::string& cha
                                    plain_number(100 * low) + ", " + plain_number(100 * high) + "]"}});
         }
         floor = std::max(floor, 100 * spectrum.reference_error);
-        points.erase(points.begin());  // the frequency 0 has no place on a logarithmic axis
+        points.erase(points.begin());  // a logarithmic axis has no place for frequency 0
         series.push_back(Json{{"name", spectrum.curve->variant},
                               {"slot", slot_of(study, spectrum.curve->variant)},
                               {"note", budget_label(*spectrum.curve, spectrum.curve->points.back())},

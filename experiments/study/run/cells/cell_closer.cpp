@@ -27,7 +27,7 @@ Status close_cell_directory(const WrittenCell& cell) {
     for (const std::string& each : cell.obsolete) fs::remove(each, ignored);
     fs::rename(cell.partial, cell.final_name, failed);
     if (!failed) return success();
-    return error_at({cell.final_name, 0, 0}, "cannot rename the finished directory to this: " + failed.message());
+    return error_at({cell.final_name, 0, 0}, "cannot rename the finished directory to this name: " + failed.message());
 }
 
 CellCloser::CellCloser() : thread_(display::thread_or_none([this] { work(); })) {

@@ -1,5 +1,5 @@
-// The last step of a cell: its files made safe on disk, its directory renamed. Waiting for a disk costs no processor,
-// so it is done beside the next render, one cell at a time.
+// The last step of a cell: syncs its files to disk and renames its directory. Waiting for a disk needs no processor, so
+// it happens during the next render, one cell at a time.
 #pragma once
 
 #include <condition_variable>
@@ -15,37 +15,38 @@
 
 namespace raylex::experiments {
 
-/// A directory whose files are all written but cell.json, which lists them. It gets its final name only once they are
-/// on disk: a name in cells/ is a whole cell, whatever happens.
+/// A directory with all files written except cell.json, which lists them. It gets its final name only after they are on
+/// disk, so a name in cells/ always means a complete cell.
 struct WrittenCell {
     Cell cell;  ///< for cell.json; `files` is filled in
     std::string partial, final_name;
-    std::vector<std::string> obsolete;  ///< files that go when the rest is safe: a checkpoint, an earlier failure
+    std::vector<std::string> obsolete;  ///< files to remove afterwards: a checkpoint, an earlier failure
 };
 
-/// Writes cell.json, syncs and renames at once.
+/// Writes cell.json, syncs and renames immediately.
 Status close_cell_directory(const WrittenCell& cell);
 
 class CellCloser {
   public:
     CellCloser();
-    /// Waits for what is under way.
+    /// Waits for the cell in progress.
     ~CellCloser();
     CellCloser(const CellCloser&) = delete;
     CellCloser& operator=(const CellCloser&) = delete;
 
-    /// Waits for the cell before, whose failure it returns: then this one is not begun, and stays .partial.
+    /// Starts to close a cell after waiting for the previous one. If the previous one failed, returns its failure, and
+    /// this cell stays .partial.
     Status close(WrittenCell cell);
-    /// Of the last cell. A failure is told once.
+    /// Waits for the last cell and returns its failure, once.
     Status wait();
-    /// CPU time of all this so far: what a clock of the whole process must not call the render's.
+    /// Total CPU time of this work, to be subtracted from the process's CPU time for the render.
     [[nodiscard]] double cpu_seconds() const;
 
   private:
     void work();
     std::mutex mutex_;
     std::condition_variable changed_;
-    std::optional<WrittenCell> cell_;  // under way
+    std::optional<WrittenCell> cell_;  // in progress
     Status status_ = success();
     bool ending_ = false;
     clockid_t clock_ = CLOCK_THREAD_CPUTIME_ID;

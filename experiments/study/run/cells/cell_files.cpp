@@ -20,7 +20,7 @@ std::size_t size_of(int side) {
     return static_cast<std::size_t>(side);
 }
 
-/// The arrays of one channel of light.
+/// Writes the arrays of one channel of light.
 Status write_channel(const std::string& directory, const std::string& name, const display::FrameBuffer& buffer,
                      display::ChannelId id, const std::vector<std::uint64_t>& samples) {
     const display::FrameBufferLayout& layout = buffer.layout();
@@ -28,7 +28,7 @@ Status write_channel(const std::string& directory, const std::string& name, cons
                      buffer.resolve(id, {0, 0, layout.width, layout.height})};
     if (Status s = write_npy(directory + "/" + name + ".mean.npy", array, display::FileSync::later); !s) return s;
     if (buffer.light_path_count() > 0)
-        return success();  // moments would be of camera samples alone, and splats count too
+        return success();  // no moments, because they would contain camera samples without splats
     std::vector<double> variance = buffer.resolve_variance_of_mean(id);
     if (variance.empty()) return success();
     for (std::size_t i = 0; i < variance.size(); ++i) {
@@ -44,7 +44,7 @@ bool is_light(const display::ChannelDefinition& channel) {
            display::keeps_pixels(channel) && channel.rule == display::FilterRule::filter;
 }
 
-/// Does them all, in turn by two threads, for nothing else uses the processors now; the first failure, by their order.
+/// Runs all tasks on two threads, because the processors are idle now. Returns the first failure in order.
 Status on_two_processors(const std::vector<std::function<Status()>>& tasks) {
     std::vector<Status> done(tasks.size(), success());
     std::atomic<std::size_t> next{0};
@@ -91,7 +91,7 @@ Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& dire
                                                          display::RecordIdentity identity) {
     const std::string image = directory + "/image.exr";
     description.sync = display::FileSync::later;
-    // A cell's image is one of thousands, beside sums many times its size: what counts is the time it takes.
+    // A study has thousands of such images beside much larger sums, so speed matters more than size.
     for (const char* kind : {"light", "color"})
         if (Status s = display::override_exr_storage(description.storage, kind, "float none", {}); !s) return s.error();
     const int width = buffer.layout().width, height = buffer.layout().height;
@@ -119,7 +119,7 @@ Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& dire
     for (const display::SplitVerdict& each : splits) {
         verdicts.push_back({each.partition, each.holds, each.largest_relative});
         if (each.holds) continue;
-        // Only where one fails is the file worth reading again, for the map of where.
+        // Reads the file again only after a failure, for the residual map.
         auto written = display::read_exr(image);
         if (!written) return written.error();
         auto found = display::check_declared_splits(*written);
@@ -146,8 +146,8 @@ Result<std::vector<std::string>> write_image_files(const std::string& directory,
         return error_at({path, 0, 0},
                         "the image has pixels in " + std::to_string(image->data_window->width()) + "x" +
                             std::to_string(image->data_window->height()) + " of its " + std::to_string(width) + "x" +
-                            std::to_string(height) + " alone (its data window); expected all pixels",
-                        "switch off the renderer's crop window, or its option that leaves out black borders");
+                            std::to_string(height) + " only (its data window); expected all pixels",
+                        "turn off the renderer's crop window, or its option that omits black borders");
     std::vector<std::string> absent;
     for (const ChannelInfo& channel : channels) {
         const display::ImageLayer* layer = image->layer(channel.beauty ? "" : channel.name);

@@ -1,4 +1,4 @@
-// The files of one cell or reference (results.h says which), and reading images of other programs into them.
+// Writes the files of one cell or reference (listed in results.h), also from images of other programs.
 #pragma once
 
 #include <map>
@@ -12,32 +12,32 @@
 
 namespace raylex::experiments {
 
-/// image.exr, the arrays and record.bin of a render, into a directory that is there; none is synced yet. Returns what
-/// the image's partitions come to, of the very numbers in the file.
+/// Writes image.exr, the arrays and record.bin of a render into an existing directory, without syncing. Returns the
+/// check of the image's partitions for exactly the numbers in the file.
 Result<std::vector<PartitionVerdict>> write_render_files(const std::string& directory, const Rendered& rendered,
                                                          const JobScene& scene,
                                                          const std::map<std::string, std::string>& attributes);
 
-/// The same of a frame buffer and what its image and its record say of themselves.
+/// Writes these files from a frame buffer and the descriptions of its image and its record.
 Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& directory,
                                                          const display::FrameBuffer& buffer, display::ChannelId beauty,
                                                          display::ImageDescription description,
                                                          display::RecordIdentity identity);
 display::RecordIdentity record_identity(const Rendered& rendered);
 
-/// The arrays of an image of another program: the beauty, and the layers that are called like channels; not synced.
-/// Returns the channels that it has no layer for. Errors: it cannot be read, has no colours, is not of this size, has a
-/// data window that leaves out pixels, or values that are not finite.
+/// Writes the arrays of an image from another program: the beauty, and the layers named like channels, without syncing.
+/// Returns the channels without a layer. Errors: the image cannot be read, has no colours, has another size, a data
+/// window that omits pixels, or values that are not finite.
 Result<std::vector<std::string>> write_image_files(const std::string& directory, const std::string& image, int width,
                                                    int height, const std::vector<ChannelInfo>& channels);
 
-/// The frame buffer of record.bin.
+/// Reads the frame buffer in record.bin.
 Result<display::FrameBuffer> read_record(const std::string& directory);
-/// A record of a frame buffer in bands, not synced yet; with a section `image` where its text is not empty.
+/// Writes a record of a frame buffer in bands, without syncing; with a section `image` if its text is not empty.
 Status write_sums(const std::string& path, const display::RecordIdentity& identity, const display::FrameBuffer& buffer,
                   const std::string& image = {});
 
-/// The channels of light of a render, the beauty first.
+/// Returns the channels of light of a render, the beauty first.
 std::vector<ChannelInfo> channel_infos(const ChannelPlan& plan);
 
 }  // namespace raylex::experiments

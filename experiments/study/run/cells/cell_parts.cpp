@@ -16,14 +16,14 @@ namespace {
 
 constexpr auto block = static_cast<std::uint64_t>(transport::TileGrid::block_size);
 
-/// Why all cells of a method with budgets of this kind are kept whole; empty when they can be split.
+/// Returns why all cells of a method with budgets of this kind stay whole; empty if they can be split.
 std::string reason_of_plan(const ExperimentConfig& config, const PlannedCell& planned) {
     const Variant& variant = config.variants[planned.variant];
-    if (!config.methods[variant.method].command.empty()) return "an external command gets whole cells";
+    if (!config.methods[variant.method].command.empty()) return "an external command renders whole cells";
     if (planned.cell.budget_kind != BudgetKind::samples)
-        return "how many samples a budget of " + budget_kind_name(planned.cell.budget_kind) +
-               " comes to is found while rendering";
-    if (!config.base.settings.cryptomatte.empty()) return "cryptomattes are of whole renders";
+        return "the number of samples for a budget of " + budget_kind_name(planned.cell.budget_kind) +
+               " is not known in advance";
+    if (!config.base.settings.cryptomatte.empty()) return "cryptomattes need whole renders";
     return {};
 }
 
@@ -40,12 +40,12 @@ Error part_error(const Cell& part, std::string message, std::string hint = {}) {
 std::string reason_of_scene(const ExperimentConfig& config, std::size_t scene_index, std::size_t variant,
                             SceneStore& scenes) {
     auto scene = scenes.scene(scene_index, config.variants[variant].effects);
-    if (!scene) return {};  // its cells will say so
+    if (!scene) return {};  // the cells report this error
     const transport::RenderSettings& render = config.variants[variant].render;
     auto chosen = transport::choose_integrator(
         render.integrator ? *render.integrator : (*scene)->loaded->scene.integrator, render.max_depth);
     if (chosen && chosen->integrator->starts_up())
-        return "the Markov chains of integrator '" + chosen->name + "' would begin alike in every part";
+        return "the Markov chains of integrator '" + chosen->name + "' would start in the same state in every part";
     return {};
 }
 
@@ -67,11 +67,11 @@ WorkList split_cells(const ExperimentConfig& config, const Plan& plan, const Rea
         const auto samples = static_cast<std::uint64_t>(planned.cell.budget);
         const std::uint64_t blocks = (samples + block - 1) / block, parts = std::min<std::uint64_t>(split, blocks);
         if (split > 1 && reason.empty() && parts < 2)
-            reason = "a part has at least " + std::to_string(block) + " samples per pixel";
+            reason = "a part needs at least " + std::to_string(block) + " samples per pixel";
         if (split < 2 || !reason.empty()) {
             const std::string who = "cells of method '" + planned.cell.method + "' with a budget of " +
                                     budget_text(planned.cell.budget_kind, planned.cell.budget);
-            if (!reason.empty() && said.insert(who).second) work.notes.push_back(who + " are kept whole: " + reason);
+            if (!reason.empty() && said.insert(who).second) work.notes.push_back(who + " stay whole: " + reason);
             work.items.push_back(planned);
             continue;
         }
@@ -105,9 +105,9 @@ Status check_parts(const Cell& cell, std::vector<const Cell*>& parts) {
     const auto total = static_cast<std::uint64_t>(cell.budget);
     const auto gap = [&](std::uint64_t from, std::uint64_t to) {
         return part_error(*parts.front(),
-                          "cell '" + cell.id + "' is not whole: samples " + std::to_string(from) + " to " +
-                              std::to_string(to - 1) + " are in none of the directories",
-                          "run the shard that has them, with the same --split-cells");
+                          "cell '" + cell.id + "' is incomplete: samples " + std::to_string(from) + " to " +
+                              std::to_string(to - 1) + " are in no directory",
+                          "run the shard with these samples, with the same --split-cells");
     };
     std::uint64_t reached = 0;
     const Cell* rendered = nullptr;
@@ -118,15 +118,16 @@ Status check_parts(const Cell& cell, std::vector<const Cell*>& parts) {
                                         "' has " + std::to_string(cell.seed));
         if (!part.failed && rendered == nullptr) rendered = &part;
         if (!part.failed && part.isa != rendered->isa)
-            return part_error(part,
-                              "this part was rendered with " + part.isa + ", the one in '" + rendered->directory +
-                                  "' with " + rendered->isa + ", so they are not parts of one render",
-                              "isa = \"sse4.2\" or another in the config makes all machines use the same");
+            return part_error(
+                part,
+                "this part was rendered with " + part.isa + ", the one in '" + rendered->directory + "' with " +
+                    rendered->isa + ", so they do not belong to one render",
+                "isa = \"sse4.2\" or another in the config makes all machines use the same instruction set");
         if (i > 0 && part.first_sample < reached)
             return part_error(part,
                               "this part of cell '" + cell.id + "' has " + range_text(part) + ", and '" +
                                   parts[i - 1]->directory + "' has " + range_text(*parts[i - 1]) + ": they overlap",
-                              "merge takes every sample once: leave out one of the two");
+                              "every sample may occur once; leave out one of the two");
         if (part.first_sample > reached) return gap(reached, part.first_sample);
         reached = part.end_sample;
     }
@@ -177,7 +178,7 @@ Result<std::vector<PartitionVerdict>> write_merged_files(const std::string& dire
         const std::string path = part->directory + "/record.bin";
         auto file = display::RecordFileReader::open(path);
         if (!file) return file.error();
-        if (!file->has("image")) return error_at({path, 0, 0}, "this record is not of a part of a cell");
+        if (!file->has("image")) return error_at({path, 0, 0}, "this is not a record of a part of a cell");
         const auto image = file->read("image");
         if (!image) return image.error();
         try {

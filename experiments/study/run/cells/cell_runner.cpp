@@ -25,10 +25,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What other processes use of the machine from its construction on, by /proc/stat.
+/// The load from other processes since construction, from /proc/stat.
 class OtherLoad {
   public:
-    /// As a share of all processors' time; negative where not known. `children` is CPU time of what ran for this.
+    /// Returns the fraction of all processors' time; negative if unknown. `children` is the CPU time of processes that
+    /// ran for this cell.
     [[nodiscard]] double share(double children = 0) const {
         const double others = busy_seconds() - begin_ - watch_.process_cpu() - children;
         const double all = watch_.wall() * std::max(1U, std::thread::hardware_concurrency());
@@ -36,7 +37,7 @@ class OtherLoad {
     }
 
   private:
-    /// Of all processes since the machine started; 0 where not known.
+    /// Returns the CPU time of all processes since the machine started; 0 if unknown.
     static double busy_seconds() {
         std::ifstream file("/proc/stat");
         std::string name;
@@ -52,7 +53,7 @@ Status file_error(const std::string& path, const std::error_code& failed, const 
     return error_at({path, 0, 0}, std::string("cannot ") + what + ": " + failed.message());
 }
 
-/// A directory for the cell's files. Of what an interrupted session left in it the checkpoint alone is of use.
+/// Opens a directory for the cell's files. Of the files of an interrupted session, only the checkpoint is kept.
 Status open_partial(const std::string& path) {
     std::error_code failed;
     fs::create_directories(path, failed);
@@ -85,7 +86,7 @@ std::function<void(const transport::RenderProgress&)> forward(const WorkContext&
     };
 }
 
-/// What a budget is to the renderer.
+/// Translates a budget into settings of the render.
 void apply_budget(const Cell& cell, double seconds_per_sample, RenderOrder& order) {
     order.seed = cell.seed;
     switch (cell.budget_kind) {
@@ -102,7 +103,8 @@ void apply_budget(const Cell& cell, double seconds_per_sample, RenderOrder& orde
     }
 }
 
-/// Not every integrator can be saved, and none in filter mode splat: then a cell is the unit that is lost.
+/// Renders with checkpoints if possible. Some integrators, and filter mode splat, have none; an interruption then loses
+/// the whole cell.
 Result<Rendered> render_saved(const WorkContext& context, RenderOrder order, const std::string& partial) {
     const transport::RenderSettings& settings = context.config.variants[order.variant].render;
     order.checkpoint = checkpoints(context.config, partial, !settings.splat);
@@ -141,7 +143,7 @@ void take_results(const Rendered& rendered, Cell& cell) {
     if (cell.invalid_samples > 0)
         cell.warnings.push_back(
             std::to_string(cell.invalid_samples) +
-            " contributions or values were not finite and were left out of beauty and layers alike");
+            " contributions or values were not finite; they are missing from beauty and layers alike");
 }
 
 Result<CellOutcome> fail_cell(const WorkContext& context, CellOutcome outcome, const Error& error) {
@@ -158,7 +160,7 @@ Result<CellOutcome> close_cell(const WorkContext& context, CellOutcome outcome, 
     return outcome;
 }
 
-/// What the command of a cell may ask for.
+/// Returns the values of the placeholders in the command of a cell.
 NamedValues places_of(const WorkContext& context, const PlannedCell& planned, const Cell& cell, const StudyScene& scene,
                       const std::string& image) {
     const int threads = context.config.base.settings.threads;
@@ -208,7 +210,8 @@ Result<CellOutcome> run_external(const WorkContext& context, const PlannedCell& 
     cell.cpu_seconds = process->cpu_seconds;
     cell.peak_memory_bytes = process->peak_memory_bytes;
     if (cell.budget_kind == BudgetKind::samples) cell.samples_per_pixel = static_cast<std::uint64_t>(cell.budget);
-    const std::string said = process->last_words.empty() ? "; it said nothing" : "; it said: " + process->last_words;
+    const std::string said =
+        process->last_words.empty() ? "; it printed nothing" : "; its last output: " + process->last_words;
     if (process->timed_out)
         return fail_cell(context, std::move(outcome),
                          error_at(method.location,
@@ -231,7 +234,7 @@ Result<CellOutcome> run_external(const WorkContext& context, const PlannedCell& 
     auto absent = write_image_files(partial, image, (*scene)->width, (*scene)->height, channel_infos(**channels));
     if (!absent) return fail_cell(context, std::move(outcome), absent.error());
     if (!absent->empty())
-        cell.warnings.push_back("the images of method '" + method.name + "' have no layers called " +
+        cell.warnings.push_back("the images of method '" + method.name + "' have no layers named " +
                                 display::list_names(*absent) + "; these channels are not measured for this method");
     return close_cell(context, std::move(outcome), partial);
 }
@@ -268,17 +271,16 @@ Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& plan
     const OtherLoad others;
     auto rendered = render_saved(context, order, partial);
     if (!rendered) {
-        // A checkpoint that does not fit is the user's to judge: what it holds is not thrown away.
+        // A checkpoint that does not match may contain valuable work, so the user decides.
         if (rendered.error().file == checkpoint_file(partial)) return rendered.error();
         return fail_cell(context, std::move(outcome), rendered.error());
     }
     if (!rendered->output.complete) {
         if (context.stop == nullptr || !context.stop->load())
-            return fail_cell(
-                context, std::move(outcome),
-                error_at({},
-                         "the time budget was spent before every pixel had a sample; expected more time, or "
-                         "paths that end: max_depth bounds them"));
+            return fail_cell(context, std::move(outcome),
+                             error_at({},
+                                      "the time budget ended before every pixel had a sample; expected more time, or "
+                                      "shorter paths by max_depth"));
         outcome.stopped = true;
         return outcome;
     }

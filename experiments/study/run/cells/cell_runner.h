@@ -1,4 +1,4 @@
-// One cell from its plan to its directory, and one reference likewise.
+// Renders one cell, from its plan to its directory, or one reference.
 #pragma once
 
 #include <atomic>
@@ -13,49 +13,49 @@
 
 namespace raylex::experiments {
 
-/// How far the render at hand is. `error` is relative, negative while it is not known.
+/// The progress of the current render. `error` is relative, negative while unknown.
 struct WorkProgress {
     double share = 0, seconds = 0, error = -1;
-    int process_group = 0;  ///< of an external command that is being waited for
+    int process_group = 0;  ///< of an external command in progress
 };
 
 struct WorkContext {
     const ExperimentConfig& config;
     const Plan& plan;
     SceneStore& scenes;
-    std::string directory;  ///< of the results
+    std::string directory;  ///< results directory
     std::function<void(const WorkProgress&)> progress;
     const std::atomic<bool>* stop = nullptr;
-    CellCloser* closer = nullptr;  ///< null only where no cells are run
+    CellCloser* closer = nullptr;  ///< null only if no cells run
 };
 
-/// What became of a cell: done, failed, or stopped by an interrupt, of which a checkpoint may be left.
+/// The result of a cell: done, failed, or stopped by an interrupt, perhaps with a checkpoint.
 struct CellOutcome {
     Cell cell;
     bool stopped = false;
-    double relative_error = -1;  ///< by the render's own estimate; negative: not known
-    double outside_seconds = 0;  ///< wall, within an external renderer
+    double relative_error = -1;  ///< as estimated by the render; negative: unknown
+    double outside_seconds = 0;  ///< wall seconds in an external renderer
 };
 
-/// Renders into cells/ID.partial and has the closer rename that to cells/ID, or writes failed/ID.json.
-/// `seconds_per_sample` is what a sample of the whole image is expected to take, 0 when not known. Errors end the
-/// experiment: a disk that takes nothing, be it of this cell or of the one before, a checkpoint that is damaged or of
-/// another program. A render that cannot be done is no Error but a failed cell.
+/// Renders into cells/ID.partial, which the closer renames to cells/ID, or writes failed/ID.json. `seconds_per_sample`
+/// is the expected time per sample of the whole image, 0 if unknown. Errors end the experiment: the disk rejects files
+/// of this cell or the previous one, or a checkpoint is damaged or belongs to another program. A render that fails is
+/// not an Error but a failed cell.
 Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& planned, double seconds_per_sample);
 
-/// Writes failed/ID.json and removes the cell's directory, all of it or all but its checkpoint. Errors end the
+/// Writes failed/ID.json and removes the cell's directory, entirely or except its checkpoint. Errors end the
 /// experiment.
 Result<CellOutcome> record_failure(const std::string& results, CellOutcome outcome, const Error& reason,
                                    bool keep_checkpoint);
-/// Of a cell's directory or a reference's, while it is partial.
+/// Returns the checkpoint file of a cell or reference in its partial directory.
 std::string checkpoint_file(const std::string& partial);
 
-/// The same pixels again, without files: for comparing bits.
+/// Renders the same pixels again, without files, to compare bits.
 Result<Rendered> render_again(const WorkContext& context, const PlannedCell& planned, const Cell& done);
 
-/// Makes the scene's reference, or finds it: sets the scene's fields. Nothing when the config asks for none; false when
-/// an interrupt came first. `seconds` is increased by what it took. A render that cannot be done is told in
-/// `info.reference_failure`; Errors are of images from elsewhere, of damaged files and of disks.
+/// Makes the scene's reference, or finds an existing one, and sets the scene's fields. Does nothing if the config
+/// requests no reference; returns false after an interrupt. Adds its time to `seconds`. A failed render is reported in
+/// `info.reference_failure`; Errors concern imported images, damaged files and disks.
 Result<bool> provide_reference(const WorkContext& context, std::size_t scene, SceneInfo& info, double& seconds);
 
 }  // namespace raylex::experiments

@@ -5,7 +5,7 @@
 namespace raylex::experiments {
 namespace {
 
-/// NAME.type and NAME.PARAMETER, as a sweep calls them.
+/// Adds NAME.type and NAME.PARAMETER, the keys of a sweep.
 void add_entity(NamedValues& values, const std::string& name, const transport::SceneEntity& entity) {
     values.emplace_back(name + ".type", entity.type);
     for (const Parameter& each : entity.parameters.parameters) {

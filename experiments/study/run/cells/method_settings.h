@@ -1,4 +1,4 @@
-// A method's settings as text: for results, and for telling references apart.
+// The settings of a method as text, for results and to distinguish references.
 #pragma once
 
 #include "experiments/study/results.h"
@@ -7,7 +7,7 @@
 
 namespace raylex::experiments {
 
-/// Everything that a method's table says, key by key; what it leaves out is the scene's, or the program's own.
+/// Returns all keys of a method's table. Other settings are the scene's, or defaults.
 NamedValues settings_text(const transport::RenderSettings& settings, const transport::EffectChoices& effects = {});
 
 }  // namespace raylex::experiments

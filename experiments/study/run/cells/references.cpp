@@ -1,4 +1,4 @@
-// References: rendered once to a stated error, kept by what they are of.
+// Makes references: each is rendered once to a stated error, and stored by its identity.
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -21,7 +21,7 @@ namespace raylex::experiments {
 namespace {
 
 namespace fs = std::filesystem;
-/// What a reference is of, as text: two that agree in it are the same image, whatever program made them.
+/// Returns a text that identifies a reference: equal texts mean equal images, whatever program made them.
 std::string reference_identity(const ExperimentConfig& config, const StudyScene& scene, const ChannelPlan& channels,
                                const Variant& variant, std::uint64_t seed) {
     std::string text =
@@ -38,7 +38,7 @@ Status write_reference_file(const std::string& path, const Json& json) {
     return display::write_text_file(path, json_text(json, 2) + "\n", display::FileSync::later);
 }
 
-/// Sizes and checksums of what the reference's folder holds.
+/// Returns sizes and checksums of the files in the reference's folder.
 Result<Json> files_json(const std::string& partial) {
     auto files = file_records(partial);
     if (!files) return files.error();
@@ -48,11 +48,11 @@ Result<Json> files_json(const std::string& partial) {
     return list;
 }
 
-/// What an earlier run left; false when there is nothing.
+/// Uses an existing reference; returns false if there is none.
 Result<bool> take_known(const std::string& directory, SceneInfo& info) {
     const std::string path = directory + "/reference.json";
     if (std::error_code failed; !fs::exists(path, failed)) return false;
-    const char* const remedy = "remove its folder to have the reference made again";
+    const char* const remedy = "remove its folder, so that the reference is rendered again";
     const Result<Json> read = read_json_file(path, "a reference.json");
     if (!read) {
         Error error = read.error();
@@ -66,7 +66,7 @@ Result<bool> take_known(const std::string& directory, SceneInfo& info) {
         info.reference_method = json.at("method");
         info.reference_samples = whole(json.at("samples_per_pixel"));
     } catch (const Json::exception& error) {
-        return error_at({path, 0, 0}, std::string("this is no reference.json, or it is damaged: ") + error.what(),
+        return error_at({path, 0, 0}, std::string("this is not a reference.json, or it is damaged: ") + error.what(),
                         remedy);
     }
     if (const std::string damage = damage_of_reference(directory); !damage.empty())
@@ -88,13 +88,14 @@ Status close_reference(const std::string& partial, const std::string& directory,
     if (Status s = display::sync_files_in(partial); !s) return s;
     std::error_code failed;
     fs::rename(partial, directory, failed);
-    // Another run that shares the cache may have been first: its reference is the same image.
+    // Another run with the same cache may have finished first; its reference is the same image.
     if (failed && !fs::exists(directory + "/reference.json"))
-        return error_at({directory, 0, 0}, "cannot rename the finished reference to this: " + failed.message());
+        return error_at({directory, 0, 0}, "cannot rename the finished reference to this name: " + failed.message());
     return success();
 }
 
-/// Runs that share a cache make a reference once: the others wait. The lock, and whether it was got before a stop.
+/// Locks a reference, so that of all runs with the same cache one renders it while the others wait. Returns the lock
+/// and whether it was taken before a stop.
 Result<std::pair<std::optional<WorkLock>, bool>> lock_reference(const std::string& directory,
                                                                 const std::atomic<bool>* stop) {
     if (Status s = make_directory(fs::path(directory).parent_path().string()); !s) return s.error();
@@ -106,7 +107,7 @@ Result<std::pair<std::optional<WorkLock>, bool>> lock_reference(const std::strin
     }
 }
 
-/// An image from elsewhere.
+/// Uses an imported image as reference.
 Result<bool> import_reference(const WorkContext& context, const std::string& folder, std::size_t index,
                               SceneInfo& info) {
     const std::string& file = context.config.scenes[index].reference_file;
@@ -128,7 +129,7 @@ Result<bool> import_reference(const WorkContext& context, const std::string& fol
     return take_known(directory, info);
 }
 
-/// What reference.json says of a render; `identity` is what it must be again to be taken for it.
+/// Returns the reference.json of a render. `identity` must match for the reference to be used again.
 Json reference_json(const ExperimentConfig& config, const Rendered& rendered, std::uint64_t seed,
                     const std::string& identity) {
     Json settings = Json::object();
@@ -156,7 +157,7 @@ Result<bool> provide_reference(const WorkContext& context, std::size_t index, Sc
         return import_reference(context, folder, index, info);
     }
     if (config.reference.method.empty()) return true;
-    // The method as its own table has it: no sweep changes what is true.
+    // The method without sweeps, which do not change the true image.
     const std::size_t variant = config.reference.variant;
     const auto fails = [&](const Error& error) {
         info.reference_failure = error.to_string();
@@ -174,7 +175,7 @@ Result<bool> provide_reference(const WorkContext& context, std::size_t index, Sc
     auto lock = lock_reference(directory, context.stop);
     if (!lock) return lock.error();
     if (!lock->second) return false;
-    if (known = take_known(directory, info); !known || *known) return known;  // made while this one waited
+    if (known = take_known(directory, info); !known || *known) return known;  // made while this process waited
     const std::string partial = directory + ".partial";
     if (Status s = make_directory(partial); !s) return s.error();
     RenderOrder order{.scene = index, .variant = variant, .samples = config.reference.samples, .seed = seed};

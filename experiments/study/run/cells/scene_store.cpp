@@ -23,7 +23,7 @@ Phase phase_of(const char* name, const transport::Stopwatch& watch) {
     return {name, watch.wall(), watch.process_cpu()};
 }
 
-/// The high-water mark of this process's memory begins anew; where the system does not do that it goes on.
+/// Resets this process's peak memory, if the system supports it.
 void reset_peak_memory() {
     std::ofstream("/proc/self/clear_refs") << "5";
 }
@@ -63,8 +63,8 @@ Result<const StudyScene*> SceneStore::scene(std::size_t index, const transport::
     job.label_rules = from.label_rules;
     job.effects = effects;
     StudyScene made;
-    // Loading watches no flag, and of cells there is nothing under way.
-    const InterruptsAtOnce at_once("raylex: interrupted while a scene was loading; cells that are done stay\n");
+    // Loading does not check the flag, and no cell is in progress.
+    const InterruptsAtOnce at_once("raylex: interrupted while a scene was loading; finished cells are kept\n");
     const transport::Stopwatch loading;
     auto loaded = load_job_scene(job);
     if (!loaded) return loaded.error();
@@ -120,7 +120,7 @@ std::vector<OmittedPathsInfo> SceneStore::omissions(const Job& job, const StudyS
         source.dialect = each.dialect;
         source.origin = "what integrator '" + chosen->name + "' omits";
         const auto word = lpe::find_word(source, words.words);
-        // Where it cannot be told, it may be there.
+        // If this cannot be determined, such paths may exist.
         if (!word || *word) found.push_back({each.expression, each.dialect == lpe::Dialect::osl ? "osl" : "renderman"});
     }
     return found;
@@ -173,14 +173,14 @@ Result<Rendered> SceneStore::render(const RenderOrder& order,
         try {
             return transport::render(*(*made)->built, job.settings, progress, stop);
         } catch (const std::bad_alloc&) {
-            return error_at({}, "out of memory; a smaller resolution or fewer channels need less");
+            return error_at({}, "out of memory; use a smaller resolution or fewer channels");
         }
     }();
     const double wall = watch.wall(), cpu = watch.process_cpu() - (cpu_beside() - before);
     seconds_ += wall;
     if (!output) return output.error();
     const transport::RenderStatistics& statistics = output->statistics;
-    // What sessions before an interruption rendered is in the statistics and not in the watch.
+    // The statistics include sessions before an interruption; the stopwatch does not.
     const Phase prepare{"prepare", std::max(0.0, wall - statistics.render_seconds),
                         std::max(0.0, cpu - statistics.render_cpu_seconds)};
     const Phase rendering{"render", statistics.render_seconds, statistics.render_cpu_seconds};

@@ -1,5 +1,5 @@
-// The scenes of an experiment, loaded and built once each, and the one way in which its images are rendered: cells,
-// references, calibrations and replays.
+// Loads and builds each scene of an experiment once, and renders all images: cells, references, calibrations and
+// replays.
 #pragma once
 
 #include <atomic>
@@ -25,18 +25,18 @@ struct StudyScene {
     std::unique_ptr<JobScene> loaded;
     std::shared_ptr<const transport::BuiltScene> built;
     Phase load, build;
-    std::string hash;  ///< of the scene, its rendering space and the instruction set
+    std::string hash;  ///< hash of the scene, its rendering space and the instruction set
     int width = 0, height = 0;
 };
 
-/// What is rendered. `samples` is the number of samples, or under a limit the most; 0: as many as the limit allows.
+/// One render. `samples` is the number of samples, or with a limit the maximum; 0: as many as the limit allows.
 struct RenderOrder {
     std::size_t scene = 0, variant = 0;
     std::uint64_t samples = 0, seed = 0;
-    std::uint64_t first_sample = 0;  ///< more than 0, or fewer `samples` than the cell has: a part of a cell
+    std::uint64_t first_sample = 0;  ///< above 0, or with fewer `samples` than the cell: a part of a cell
     std::optional<transport::SampleLimit> limit{};
-    std::optional<transport::CheckpointSettings> checkpoint{};  ///< without an identity: that is filled in
-    const CellCloser* beside = nullptr;  ///< works meanwhile; its CPU time is none of the render's
+    std::optional<transport::CheckpointSettings> checkpoint{};  ///< without an identity, which is filled in
+    const CellCloser* beside = nullptr;                         ///< runs at the same time; its CPU time is subtracted
 };
 
 struct Rendered {
@@ -45,9 +45,9 @@ struct Rendered {
     std::vector<display::PartitionDeclaration> partitions;
     std::vector<Phase> phases;  ///< load, plan, build, prepare, render
     std::vector<std::string> warnings;
-    std::vector<OmittedPathsInfo> omits;  ///< of what this scene has, by its integrator's own account
+    std::vector<OmittedPathsInfo> omits;  ///< paths of this scene that the integrator declares not to find
     std::uint64_t peak_memory_bytes = 0;
-    double seconds = 0;  ///< wall, of prepare and render
+    double seconds = 0;  ///< wall seconds of prepare and render
     double cpu_seconds = 0;
 };
 
@@ -57,34 +57,34 @@ class SceneStore {
     SceneStore(const SceneStore&) = delete;
     SceneStore& operator=(const SceneStore&) = delete;
 
-    /// Loads and builds it the first time, once for all choices of effects that are alike.
+    /// Returns the scene. Loads and builds it at the first call, once for each choice of effects.
     Result<const StudyScene*> scene(std::size_t index, const transport::EffectChoices& effects = {});
-    /// The channels that a variant gets in a scene, proved; each with statistics where the variant keeps them.
+    /// Returns the proved channels of a variant in a scene, with statistics if the variant supports them.
     Result<const ChannelPlan*> channels(std::size_t scene, std::size_t variant);
-    /// An interrupted render is incomplete, and its checkpoint stays.
+    /// Renders. After an interrupt the result is incomplete, and its checkpoint stays.
     Result<Rendered> render(const RenderOrder& order,
                             const std::function<void(const transport::RenderProgress&)>& progress,
                             const std::atomic<bool>* stop);
-    /// Bytes of a cell's frame buffer, as estimated before rendering.
+    /// Returns the estimated size in bytes of a cell's frame buffer.
     Result<std::uint64_t> frame_buffer_bytes(std::size_t scene, std::size_t variant);
 
-    /// Wall seconds within all of this: loading, building, preparing, rendering.
+    /// Wall seconds in loading, building, preparing and rendering.
     [[nodiscard]] double seconds() const { return seconds_; }
 
   private:
     Result<Job> job_of(std::size_t scene, std::size_t variant);
-    /// What the variant's integrator does not find, as far as the scene has such paths.
+    /// Returns the paths that the variant's integrator does not find, if the scene has such paths.
     static std::vector<OmittedPathsInfo> omissions(const Job& job, const StudyScene& scene, const SceneWords& words);
 
     const ExperimentConfig& config_;
-    std::map<std::pair<std::size_t, std::string>, StudyScene> scenes_;  // (scene, choices of effects)
+    std::map<std::pair<std::size_t, std::string>, StudyScene> scenes_;  // by scene and choice of effects
     std::map<std::pair<std::size_t, std::size_t>, std::vector<OmittedPathsInfo>> omissions_;
     std::map<std::pair<std::size_t, std::size_t>, std::pair<ChannelPlan, Phase>> channels_;
     double seconds_ = 0;
 };
 
-/// AdaptiveProgress::error of the beauty, neighbourhood 0: root mean square over pixels of the standard error relative
-/// to the pixel. Negative where the render keeps no statistics.
+/// Returns AdaptiveProgress::error of the beauty with neighbourhood 0: the root mean square over pixels of the relative
+/// standard error. Negative if the render has no statistics.
 double relative_error(const transport::RenderOutput& output);
 
 }  // namespace raylex::experiments

@@ -73,7 +73,7 @@ std::string signal_text(int signal) {
     const char* const short_name = sigabbrev_np(signal);
     std::string text = "signal " + std::to_string(signal);
     if (short_name != nullptr) text += std::string(" (SIG") + short_name + ": " + strsignal(signal) + ")";
-    return text + (signal == SIGKILL ? ", which is what the system does where memory runs out" : "");
+    return text + (signal == SIGKILL ? ", as the system does when memory runs out" : "");
 }
 
 }  // namespace
@@ -82,12 +82,12 @@ Status ChildProcess::begin() {
     std::array<int, 2> to{-1, -1}, from{-1, -1}, errors{-1, -1};
     if (pipe2(to.data(), O_CLOEXEC) != 0 || pipe2(from.data(), O_CLOEXEC) != 0 || pipe2(errors.data(), O_CLOEXEC) != 0)
         return error_at({}, "cannot make a pipe: " + std::string(std::strerror(errno)));
-    std::fflush(nullptr);  // what waits to be printed is printed once
+    std::fflush(nullptr);  // prints pending output once, before the fork
     const pid_t parent = getpid();
     process_ = fork();
     if (process_ < 0) return error_at({}, "cannot start a process: " + std::string(std::strerror(errno)));
     if (process_ == 0) {
-        // Nobody is left behind when the asking process is killed.
+        // Ends the child if its parent is killed.
         prctl(PR_SET_PDEATHSIG, SIGKILL);
         if (getppid() != parent) _exit(0);
         close(to[1]);
@@ -107,7 +107,7 @@ Status ChildProcess::begin() {
 
 void ChildProcess::serve(int requests, int answers) const {
     install_worker_interrupt_handler();
-    // Where memory runs out it is this process that the system should end.
+    // If memory runs out, the system should end this process.
     std::ofstream("/proc/self/oom_score_adj") << "500";
     {
         const Responder respond = make_();
@@ -118,7 +118,7 @@ void ChildProcess::serve(int requests, int answers) const {
             if (!write_frame(answers, Frame::answer, answer)) break;
         }
     }
-    // What the asking process registered to be done at its end is not this one's to do.
+    // The exit handlers of the parent must not run in the child.
     _exit(0);
 }
 
@@ -150,7 +150,7 @@ void ChildProcess::take_words(int status, bool timed_out, double timeout_seconds
     if (timed_out) answer.death = "was ended after its timeout of " + duration_text(timeout_seconds);
     else if (WIFSIGNALED(status)) answer.death = "was ended by " + signal_text(WTERMSIG(status));
     else answer.death = "ended by itself with exit code " + std::to_string(WEXITSTATUS(status));
-    if (!last_words_.empty()) answer.death += "; it said: " + last_words_;
+    if (!last_words_.empty()) answer.death += "; its last output: " + last_words_;
 }
 
 Result<ChildProcess::Answer> ChildProcess::ask(const Request& request) {

@@ -1,5 +1,5 @@
-// Work that may die, in a process of its own: a copy of this one (fork) that answers requests in turn. What ends it (a
-// signal, memory that ran out, a timeout) is told as a sentence, and the next request gets a new process.
+// Runs work that may crash in a separate process: a fork of this one that answers requests one by one. If it ends
+// (signal, lack of memory, timeout), the answer describes the end, and the next request starts a new process.
 #pragma once
 
 #include <sys/types.h>
@@ -11,46 +11,46 @@
 
 namespace raylex::experiments {
 
-/// Bytes kept of the end of what a process writes, to say how it ended.
+/// Number of bytes kept from the end of a process's output, to explain how it ended.
 inline constexpr std::size_t most_last_words = 2000;
 
-/// Tells the asking process something while a request is being worked on.
+/// Sends a message to the parent process during a request.
 using Tell = std::function<void(const std::string&)>;
 /// Answers one request.
 using Responder = std::function<std::string(const std::string& request, const Tell& tell)>;
 
 class ChildProcess {
   public:
-    /// `make` is called in each new process and makes what answers there. The asking process must have one thread when
-    /// a process begins, which is at a request that finds none.
+    /// `make` is called in each new process and returns its responder. The parent must be single-threaded when a
+    /// process starts, at the first request and after an end.
     explicit ChildProcess(std::function<Responder()> make) : make_(std::move(make)) {}
-    /// Ends the process if there is one.
+    /// Ends the process if it runs.
     ~ChildProcess() { end(); }
     ChildProcess(const ChildProcess&) = delete;
     ChildProcess& operator=(const ChildProcess&) = delete;
 
     struct Request {
         std::string content;
-        double timeout_seconds = 0;               ///< 0: none
-        const std::atomic<bool>* stop = nullptr;  ///< passed on as SIGTERM
-        double seconds_to_stop = 1;               ///< what has not answered so long after that is killed
+        double timeout_seconds = 0;               ///< 0: no timeout
+        const std::atomic<bool>* stop = nullptr;  ///< forwarded as SIGTERM
+        double seconds_to_stop = 1;               ///< time between SIGTERM and SIGKILL
         Tell told;
     };
     struct Answer {
         std::string content;
-        std::string death;  ///< how the process ended instead of answering, with its last words; empty: it answered
+        std::string death;       ///< how the process ended without an answer, with its last output; empty: it answered
         bool timed_out = false;  ///< it was ended after `timeout_seconds`
     };
-    /// Errors: no process could be made.
+    /// Sends a request and waits for the answer. Errors: no process could be started.
     Result<Answer> ask(const Request& request);
 
-    /// No request is under way: the process ends by itself, at once.
+    /// Ends the process. No request may be in progress.
     void end();
 
   private:
     Status begin();
     [[noreturn]] void serve(int requests, int answers) const;
-    /// Standard error of the process, passed on; its end is kept as last words.
+    /// Forwards standard error of the process and keeps its end as last output.
     void pass_on_errors();
     void take_words(int status, bool timed_out, double timeout_seconds, Answer& answer);
     int close_and_reap();

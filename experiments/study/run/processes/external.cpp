@@ -27,7 +27,7 @@ double seconds_of(const timeval& time) {
 
 std::string end_of_file(const std::string& path) {
     std::ifstream file(path, std::ios::binary | std::ios::ate);
-    // Whatever it printed, and however many empty lines last.
+    // The last non-empty lines, however much output and however many empty lines there are.
     const std::streamoff size = file.tellg(), most = 2 * static_cast<std::streamoff>(most_last_words);
     file.seekg(std::max<std::streamoff>(0, size - most));
     std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -43,7 +43,7 @@ std::vector<std::string> environment_of(const ShellCommand& command) {
     return list;
 }
 
-/// `added`, then what this process was given that it does not replace; as exec wants it.
+/// Returns the environment for exec: `added`, then this process's variables that it does not replace.
 std::vector<char*> with_own_environment(const std::vector<std::string>& added) {
     std::vector<char*> list;
     for (const std::string& each : added) list.push_back(const_cast<char*>(each.c_str()));
@@ -58,10 +58,10 @@ std::vector<char*> with_own_environment(const std::vector<std::string>& added) {
     return list;
 }
 
-/// In the child: never returns.
+/// Runs in the child; never returns.
 [[noreturn]] void become(const char* command, char* const* environment, const char* directory, const char* log) {
     setpgid(0, 0);
-    prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody would wait for it any more
+    prctl(PR_SET_PDEATHSIG, SIGKILL);  // the parent would no longer wait for it
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
     std::signal(SIGPIPE, SIG_DFL);
     std::signal(SIGXFSZ, SIG_DFL);
@@ -90,7 +90,7 @@ Result<ProcessOutcome> run_process(const ShellCommand& command, const std::strin
     ProcessOutcome outcome;
     int status = 0;
     rusage usage{};
-    // Looked at seldom enough to cost nothing, and often enough that the wall time is good to a millisecond at first.
+    // The interval costs no measurable time, and is short enough to know the wall time to a millisecond at first.
     auto pause = std::chrono::microseconds(200);
     for (bool killed = false;;) {
         const pid_t ended = wait4(child, &status, WNOHANG, &usage);
@@ -101,7 +101,7 @@ Result<ProcessOutcome> run_process(const ShellCommand& command, const std::strin
         outcome.stopped = outcome.stopped || (stop != nullptr && stop->load());
         if ((outcome.timed_out || outcome.stopped) && !killed) {
             kill(-child, SIGKILL);
-            kill(child, SIGKILL);  // before it has made its group
+            kill(child, SIGKILL);  // the process may not have made its group yet
             killed = true;
         }
         if (progress) progress(now, child);

@@ -1,4 +1,4 @@
-// Values of an experiment as messages between the processes that run it.
+// Converts values of an experiment to messages between its processes.
 #pragma once
 
 #include <string>
@@ -11,9 +11,9 @@ namespace raylex::experiments {
 
 using Message = Json;
 
-/// Bytes that hold every number and text as it is, be it UTF-8 or not.
+/// Returns a message as bytes. Numbers are exact, and texts can be any bytes.
 std::string packed(const Message& message);
-/// What packed() made. Throws where it is something else.
+/// Parses the bytes of packed(). Throws for any other bytes.
 Message unpacked(const std::string& bytes);
 
 Message error_message(const Error& error);

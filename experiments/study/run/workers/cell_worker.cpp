@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double seconds_to_save = 10;  // a checkpoint, or a file that is being written
+constexpr double seconds_to_save = 10;  // for a checkpoint, or a file that is being written
 
 Message request_of(Operation operation, std::size_t scene = 0, std::size_t variant = 0) {
     return {{"operation", static_cast<int>(operation)}, {"scene", scene}, {"variant", variant}};
@@ -55,8 +55,8 @@ Result<Message> CellWorker::ask(const Message& request, double timeout, double s
         if (!answer->death.empty()) {
             died_ = true;
             seconds_ += watch.wall();
-            if (group > 0) kill(-group, SIGKILL);  // an external command that it was waiting for
-            return error_at({}, "the process that was at work " + answer->death);
+            if (group > 0) kill(-group, SIGKILL);  // an external command that it waited for
+            return error_at({}, "the worker process " + answer->death);
         }
         content = std::move(answer->content);
     }
@@ -64,7 +64,7 @@ Result<Message> CellWorker::ask(const Message& request, double timeout, double s
         Message message = unpacked(content);
         seconds_ += message.at("render_seconds").get<double>();
         if (message.contains("thrown") && process_) {
-            died_ = true;  // what it has in memory is not to be trusted any more
+            died_ = true;  // its memory is no longer reliable
             process_->end();
         }
         if (message.contains("error")) return error_of(message.at("error"));
@@ -125,7 +125,7 @@ Result<CellOutcome> CellWorker::run_cell(const PlannedCell& planned, double seco
     Message request = request_of(Operation::cell, planned.scene, planned.variant);
     request["cell"] = cell_message(planned.cell);
     request["seconds_per_sample"] = seconds_per_sample;
-    // An external command's own timeout is kept by who waits for it.
+    // An external command's timeout is enforced by the process that waits for it.
     auto answer = ask(request, method.command.empty() ? method.timeout : 0,
                       config_.checkpoint_seconds > 0 ? seconds_to_save : 1, progress);
     if (!answer) {
@@ -143,7 +143,7 @@ Result<CellOutcome> CellWorker::run_cell(const PlannedCell& planned, double seco
     return outcome;
 }
 
-/// A cell whose files were all written when the process died that was about to give it its name.
+/// Finishes a cell whose process ended after all files were written, but before the rename.
 Status CellWorker::finish_last() {
     if (!last_) return success();
     const Cell cell = *std::exchange(last_, std::nullopt);

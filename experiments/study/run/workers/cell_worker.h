@@ -1,5 +1,5 @@
-// All that can die of a scene, done where it takes nobody along: loading, calibrating, references, cells. The process
-// that does it is begun anew when it has died, and then loads what it needs again.
+// Runs everything that may crash in a separate process: loading, calibration, references, cells. After a crash a new
+// process starts, which loads what it needs again.
 #pragma once
 
 #include <atomic>
@@ -15,15 +15,15 @@
 
 namespace raylex::experiments {
 
-/// A scene as far as its loading tells.
+/// The properties of a scene that are known after loading.
 struct DescribedScene {
     SceneInfo info;  ///< hash, size, channels
     std::vector<PartitionInfo> partitions;
 };
 
-/// A short render that is thrown away.
+/// A short render whose image is discarded.
 struct Calibration {
-    double setup_seconds = 0;  ///< the integrator's preparation, the same for any number of samples
+    double setup_seconds = 0;  ///< the integrator's preparation, independent of the number of samples
     double seconds = 0, samples = 0, relative_error = -1;  ///< of rendering; samples per pixel
     std::vector<std::string> warnings;
     std::uint64_t peak_memory_bytes = 0;
@@ -31,28 +31,28 @@ struct Calibration {
 
 class CellWorker {
   public:
-    /// The config and the plan outlive it, and do not change once it has been asked for anything. `isolated`: false
-    /// does everything in this process. `in_process` is called first in every process that is begun.
+    /// `config` and `plan` must outlive this object and must not change after the first call. `isolated`: false runs
+    /// everything in this process. `in_process` is called first in every new process.
     CellWorker(const ExperimentConfig& config, const Plan& plan, std::string directory, const std::atomic<bool>* stop,
                bool isolated, std::function<void()> in_process = {});
 
     Result<DescribedScene> describe(std::size_t scene, std::size_t variant);
     Result<std::uint64_t> frame_buffer_bytes(std::size_t scene, std::size_t variant);
-    /// reason_of_scene() of cell_parts.h; empty where the scene cannot be loaded: its cells will say so.
+    /// Returns reason_of_scene() of cell_parts.h; empty if the scene cannot be loaded, which its cells report.
     std::string reason_to_keep(std::size_t scene, std::size_t variant);
     Result<Calibration> calibrate(std::size_t scene, std::size_t variant);
-    /// provide_reference(); what dies, or fails to render, is told in info.reference_failure.
+    /// Calls provide_reference(). A crash or failed render is reported in info.reference_failure.
     Result<bool> reference(std::size_t scene, SceneInfo& info, double& seconds,
                            const std::function<void(const WorkProgress&)>& progress);
-    /// experiments::run_cell(); a cell whose process died or was timed out has failed, and its checkpoint stays.
+    /// Calls experiments::run_cell(). A cell whose process crashed or timed out has failed; its checkpoint stays.
     Result<CellOutcome> run_cell(const PlannedCell& planned, double seconds_per_sample,
                                  const std::function<void(const WorkProgress&)>& progress);
-    /// Until the last cell is safe on disk.
+    /// Waits until the last cell is safely on disk.
     Status close();
 
-    /// Whether the last question was answered by the death of who was asked.
+    /// Whether the process crashed during the last request.
     [[nodiscard]] bool died() const { return died_; }
-    /// Wall seconds within renderers: loading, building, preparing, rendering.
+    /// Wall seconds in renderers: loading, building, preparing, rendering.
     [[nodiscard]] double seconds() const { return seconds_; }
 
   private:
@@ -68,7 +68,7 @@ class CellWorker {
     Responder here_;
     double seconds_ = 0;
     bool died_ = false;
-    std::optional<Cell> last_;  ///< the cell that was finished last, perhaps not yet under its name
+    std::optional<Cell> last_;  ///< the last finished cell, perhaps before its rename
 };
 
 }  // namespace raylex::experiments

@@ -10,7 +10,8 @@
 namespace raylex::experiments {
 namespace {
 
-/// Wall seconds, preparation included. Where nothing is rendered in the first, as on a busy machine, the others follow.
+/// Wall seconds, including preparation. If the first one is too short to render anything, as on a busy machine, the
+/// others follow.
 constexpr std::array calibration_seconds{0.2, 2.0, 20.0};
 constexpr std::uint64_t calibration_samples = 64;
 
@@ -27,7 +28,7 @@ Result<Calibration> calibration_of(const ExperimentConfig& config, SceneStore& s
         if (stop != nullptr && stop->load()) return error_at({}, "interrupted");
         const transport::RenderOutput& output = rendered->output;
         const bool whole = output.complete && output.samples_per_pixel >= 2;
-        // A pass that the time ended says as much of the speed as a whole one.
+        // A pass that the time limit ended is as good for the speed as a whole one.
         const double samples = static_cast<double>(output.statistics.camera_samples) / output.width / output.height;
         if (!(samples > 0)) continue;
         const double setup = std::max(0.0, rendered->seconds - output.statistics.render_seconds);
@@ -38,7 +39,7 @@ Result<Calibration> calibration_of(const ExperimentConfig& config, SceneStore& s
                            rendered->warnings,
                            rendered->peak_memory_bytes};
     }
-    return error_at({}, "no sample was finished within " + duration_text(calibration_seconds.back()));
+    return error_at({}, "no sample was finished in " + duration_text(calibration_seconds.back()));
 }
 
 std::vector<std::string> Estimates::calibrate(CellWorker& worker, const Plan& plan, const std::set<std::size_t>& skips,
@@ -74,7 +75,7 @@ std::vector<std::string> Estimates::calibrate(CellWorker& worker, const Plan& pl
 void Estimates::learn(const PlannedCell& planned, const Cell& done, double relative_error) {
     if (done.failed || done.samples_per_pixel == 0) return;
     Rate& rate = rates_[{planned.scene, planned.variant}];
-    // Newer cells count as much as all before them: a machine changes.
+    // New cells count as much as all earlier ones together, because machines change.
     rate.setup = 0;
     for (const Phase& phase : done.phases)
         if (phase.name == "prepare") rate.setup = phase.wall_seconds;

@@ -1,4 +1,4 @@
-// What cells will take: from a short render of every scene by every variant, and from the cells that have been run.
+// Estimates the costs of cells, from a short render of every scene with every variant and from finished cells.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace raylex::experiments {
 
-/// One such render.
+/// Makes one such render.
 Result<Calibration> calibration_of(const ExperimentConfig& config, SceneStore& scenes, std::size_t scene,
                                    std::size_t variant, const std::atomic<bool>* stop);
 
@@ -21,27 +21,27 @@ class Estimates {
   public:
     explicit Estimates(const ExperimentConfig& config) : config_(config) {}
 
-    /// Renders each scene by each variant of this program for a fifth of a second or 64 samples, which also warms up
-    /// caches and clocks. Scenes in `skips` are left out. Returns what the renders warned of and why a time is not
-    /// known, each once; nothing more is done after an interrupt.
+    /// Renders each scene with each variant of raylex for a fifth of a second or 64 samples, which also warms up caches
+    /// and clocks. Scenes in `skips` are left out. Returns each warning of the renders, and each reason for an unknown
+    /// time, once. Stops after an interrupt.
     std::vector<std::string> calibrate(CellWorker& worker, const Plan& plan, const std::set<std::size_t>& skips,
                                        const std::atomic<bool>* stop);
-    /// Takes note of a cell that is done.
+    /// Learns from a finished cell.
     void learn(const PlannedCell& planned, const Cell& done, double relative_error);
 
-    /// Wall seconds of the cell's render; nothing where nothing like it has been run.
+    /// Returns the wall seconds of the cell's render; nothing if no similar cell has run.
     [[nodiscard]] std::optional<double> seconds(const PlannedCell& planned) const;
-    /// Of one sample of the whole image; 0 where not known.
+    /// Returns the seconds per sample of the whole image; 0 if unknown.
     [[nodiscard]] double seconds_per_sample(const PlannedCell& planned) const;
-    /// Resident at most while it was calibrated; 0 where it was not.
+    /// Returns the peak memory of the calibration in bytes; 0 without calibration.
     [[nodiscard]] std::uint64_t peak_memory_bytes() const { return peak_memory_bytes_; }
-    /// Of the scene's reference.
+    /// Returns the seconds for the scene's reference.
     [[nodiscard]] std::optional<double> reference_seconds(std::size_t scene) const;
 
   private:
     struct Rate {
-        double setup = 0, seconds = 0, samples = 0;  ///< of one render; sums without it
-        double error_root = -1;  ///< relative error times the root of the samples; negative: not known
+        double setup = 0, seconds = 0, samples = 0;  ///< of one render; sums without setup
+        double error_root = -1;  ///< relative error times the root of the number of samples; negative: unknown
     };
     [[nodiscard]] std::optional<double> seconds_of(std::size_t scene, std::size_t variant, double samples,
                                                    double error) const;

@@ -29,7 +29,7 @@ class Service {
         } catch (const std::bad_alloc&) {
             answer["thrown"] = true;
             answer["error"] = error_message(
-                error_at({}, "out of memory; a smaller scene, a smaller resolution or fewer channels need less"));
+                error_at({}, "out of memory; use a smaller scene, a smaller resolution or fewer channels"));
         } catch (const std::exception& error) {
             answer["thrown"] = true;
             answer["error"] = error_message(error_at({}, error.what()));
@@ -70,7 +70,7 @@ class Service {
     }
 
     WorkContext context(const Tell& tell) {
-        // A person reads it: ten times a second are enough.
+        // Ten updates a second are enough for people.
         const auto since = std::make_shared<transport::Stopwatch>();
         const auto told = std::make_shared<double>(-1.0);
         return {config_,

@@ -1,4 +1,4 @@
-// What a cell worker's process does: the operations on scenes, cells and references, as messages.
+// The operations of a cell worker's process on scenes, cells and references, as messages.
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,7 @@ namespace raylex::experiments {
 
 enum class Operation : int { describe, frame_buffer, reason_to_keep, calibrate, reference, cell, close };
 
-/// Answers the messages of CellWorker. The config and the plan outlive it.
+/// Returns a responder to the messages of CellWorker. The config and the plan must outlive it.
 Responder make_worker_service(const ExperimentConfig& config, const Plan& plan, std::string directory,
                               const std::atomic<bool>* stop);
 
