@@ -26,12 +26,12 @@ class SceneUnderTest {
     std::size_t layers = 0;              ///< how many of the channels split the beauty, the first ones
     std::shared_ptr<const transport::RenderOutput> output;  ///< by those settings
 
-    [[nodiscard]] std::string integrator() const { return output->integrator; }
+    [[nodiscard]] std::string integrator() const { return output->used.integrator; }
     /// Channels of light: the beauty and the layers that split it, ids 0 to this.
     [[nodiscard]] std::size_t light_channels() const { return layers + 1; }
     /// Whether a pixel can be negative though all light is positive.
     [[nodiscard]] bool filter_has_negative_lobes() const {
-        return output->filter == "mitchell" || output->filter == "sinc";
+        return output->used.filter == "mitchell" || output->used.filter == "sinc";
     }
 
   private:

@@ -77,7 +77,7 @@ struct Job {
     bool shipped_partition = false;  ///< adds the shipped partition's channels
     bool light_groups = false;       ///< adds one layer per light group and one for the unlabelled lights
     std::optional<TechniqueRequest> techniques;
-    transport::RenderSettings settings;  ///< `channels` is filled by plan_channels()
+    transport::RenderSettings settings;  ///< `channels.list` is filled by plan_channels()
     transport::EffectChoices effects;    ///< applied by load_job_scene()
     bool show_effects = false;           ///< all of them are printed, with why
     std::vector<ExpressionRequest> expressions;
@@ -87,7 +87,7 @@ struct Job {
     std::vector<PartitionRequest> partitions;
     bool measure_refuted = false;               ///< partitions that are none are noted and measured, not refused
     lpe::MacroTable macros;                     ///< names that the job's expressions may use
-    std::vector<lpe::LobeOption> lobe_options;  ///< as given; settings.lobe_slots holds what they make
+    std::vector<lpe::LobeOption> lobe_options;  ///< as given; settings.labels.lobe_slots holds what they make
     std::vector<transport::LabelRule> label_rules;
 };
 
@@ -106,7 +106,7 @@ Result<transport::MissingFiles> parse_missing(const std::string& text, const Sou
 Result<display::PixelRegion> parse_crop(const std::string& text, const SourceLocation& where);
 
 /// Adds a kind of cryptomatte by name; an unknown one, or one that is there already, is an Error at `where`.
-Status add_cryptomatte(const std::string& name, const SourceLocation& where, transport::RenderSettings& settings);
+Status add_cryptomatte(const std::string& name, const SourceLocation& where, transport::MatteSettings& mattes);
 
 /// A further output of a channel, as --layer and [[layer]] ask for it. Errors at `where`: a name that cannot be a
 /// layer's, no such rule.

@@ -26,7 +26,7 @@ void read_effects(TomlTable& table, transport::EffectChoices& effects);
 /// KEY = "type", or a table [KEY] with a type and parameters that the object itself judges.
 void read_entity(TomlTable& root, const char* key, std::optional<transport::SceneEntity>& entity);
 /// [[sample_filter]], in their order.
-void read_sample_filters(TomlTable& root, transport::RenderSettings& settings);
+void read_sample_filters(TomlTable& root, transport::ChannelSettings& channels);
 /// [[label]] and [[light_group]].
 void read_label_tables(TomlTable& root, Job& job);
 

@@ -14,25 +14,25 @@ Status AtlasOutput::prepare(Job& job, const SceneWords& scene) {
     const AtlasRequest& request = job.outputs.atlas;
     if (request.file.empty()) return success();
     request_ = &request;
-    if (!job.settings.beauty)
+    if (!job.settings.channels.beauty)
         return error_at(request.location,
                         "an atlas splits the beauty, and --no-beauty leaves none; expected a render "
                         "with beauty");
-    if (!job.settings.sample_filters.empty())
+    if (!job.settings.channels.sample_filters.empty())
         return error_at(request.location,
                         "an atlas keeps light as it arrives, and sample filter '" +
-                            job.settings.sample_filters.front().type +
+                            job.settings.channels.sample_filters.front().type +
                             "' changes samples: its words would not sum to the beauty",
                         "leave out the sample filters, or the atlas");
-    if (job.settings.picked_lobes)
+    if (job.settings.labels.picked_lobes)
         return error_at(request.location,
                         "an atlas keeps exact shares, and lobes are picked here; expected a render "
                         "without picked lobes");
-    job.settings.words = request.rules;
+    job.settings.labels.words = request.rules;
     // Where nothing is said, words are kept whole; few paths go on beyond 64 scatterings.
     constexpr int longest_unless_asked = 64;
     if (request.rules.length == 0)
-        job.settings.words->length =
+        job.settings.labels.words->length =
             std::clamp(static_cast<int>(scene.words.max_depth.value_or(longest_unless_asked)), 1, longest_unless_asked);
     scene_record_ = scene_record(scene);
     return success();

@@ -62,8 +62,7 @@ class RenderOutputs {
     /// Of the file, cryptomattes among them.
     [[nodiscard]] std::size_t layers() const {
         const transport::RenderSettings& settings = job_->settings;
-        return channels_.size() +
-               settings.cryptomatte.size() * static_cast<std::size_t>(settings.cryptomatte_ranks) / 2;
+        return channels_.size() + settings.mattes.kinds.size() * static_cast<std::size_t>(settings.mattes.ranks) / 2;
     }
     [[nodiscard]] const display::DeepBuffer* deep() const { return deep_.get(); }
 

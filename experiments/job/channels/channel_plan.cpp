@@ -180,7 +180,7 @@ class Planner {
                 if (!fits) return fits;
                 in_partition_[name] = true;
             }
-            if (request.of.empty() && !job_.settings.beauty)
+            if (request.of.empty() && !job_.settings.channels.beauty)
                 return error_at(request.location, "partition '" + request.name +
                                                       "' splits the beauty, which this render does not make; "
                                                       "expected of = \"channel\", or no --no-beauty");
@@ -195,7 +195,7 @@ class Planner {
     }
 
     [[nodiscard]] const display::RuleRequest* rule_of(const std::string& name) const {
-        for (const display::RuleRequest& request : job_.settings.rules)
+        for (const display::RuleRequest& request : job_.settings.channels.rules)
             if (request.channel == name && request.rule != display::FilterRule::filter) return &request;
         return nullptr;
     }
@@ -252,7 +252,7 @@ class Planner {
 
     /// Channels of the job that stand in no declared partition get a `rest` layer when no path is in two of them.
     Status automatic_rest() {
-        if (!job_.settings.beauty) return success();
+        if (!job_.settings.channels.beauty) return success();
         std::vector<std::string> members;
         for (const ExpressionRequest& request : job_.expressions)
             if (!no_part_.contains(request.name) && !in_partition_.contains(request.name) && !rule_of(request.name) &&
@@ -296,7 +296,7 @@ class Planner {
             if (!added) return added;
             sources_.back() = std::move(source);
         }
-        if (!job_.settings.beauty) return success();  // nothing to sum to
+        if (!job_.settings.channels.beauty) return success();  // nothing to sum to
         return prove(declared);
     }
 
@@ -374,7 +374,7 @@ class Planner {
                 if (Status added = add(beyond, beyond); !added) return added;
                 partition.layers.push_back(name + "_" + beyond);
             }
-            if (name != "beauty" || job_.settings.beauty) plan_.partitions.push_back(std::move(partition));
+            if (name != "beauty" || job_.settings.channels.beauty) plan_.partitions.push_back(std::move(partition));
         }
         return success();
     }

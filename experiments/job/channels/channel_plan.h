@@ -13,7 +13,7 @@
 namespace raylex::experiments {
 
 struct ChannelPlan {
-    std::vector<display::ChannelDefinition> channels;       ///< for RenderSettings::channels
+    std::vector<display::ChannelDefinition> channels;       ///< for ChannelSettings::list
     std::vector<display::PartitionDeclaration> partitions;  ///< proved ones, for the file's header
     std::vector<std::string>
         notes;  ///< what a user should know before the render: no `rest` layer and why, dead channels

@@ -23,7 +23,7 @@ std::string reason_of_plan(const ExperimentConfig& config, const PlannedCell& pl
     if (planned.cell.budget_kind != BudgetKind::samples)
         return "how many samples a budget of " + budget_kind_name(planned.cell.budget_kind) +
                " comes to is found while rendering";
-    if (!config.base.settings.cryptomatte.empty()) return "cryptomattes are of whole renders";
+    if (!config.base.settings.mattes.kinds.empty()) return "cryptomattes are of whole renders";
     return {};
 }
 
@@ -43,7 +43,8 @@ std::string reason_of_scene(const ExperimentConfig& config, std::size_t scene_in
     if (!scene) return {};  // its cells will say so
     const transport::RenderSettings& render = config.variants[variant].render;
     auto chosen = transport::choose_integrator(
-        render.integrator ? *render.integrator : (*scene)->loaded->scene.integrator, render.max_depth);
+        render.paths.integrator ? *render.paths.integrator : (*scene)->loaded->scene.integrator,
+        render.paths.max_depth);
     if (chosen && chosen->integrator->starts_up())
         return "the Markov chains of integrator '" + chosen->name + "' would begin alike in every part";
     return {};

@@ -1,7 +1,7 @@
 // One cell's samples over several runs: which parts a cell has, what a part leaves on disk, and the cell made of its
 // parts.
 //
-// A part is a shard of the render (transport::RenderSettings::first_sample): whole blocks of the frame buffer's
+// A part is a shard of the render (transport::SampleSettings::first): whole blocks of the frame buffer's
 // canonical summation, so that sums of parts are, bit for bit, those of the whole (Law 3). It is cells/ID.pKofN with
 // cell.json and record.bin.
 #pragma once
