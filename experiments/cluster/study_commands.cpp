@@ -110,7 +110,7 @@ class StudySurvey {
     /// Number of cores of a shard on its machine. cores_here() is the number of cores of the test render.
     [[nodiscard]] unsigned cores() const { return request_.threads > 0 ? request_.threads : cores_here(); }
     [[nodiscard]] unsigned cores_here() const {
-        const int threads = config_.base.settings.threads;
+        const int threads = config_.base.settings.machine.threads;
         return threads > 0 ? static_cast<unsigned>(threads) : std::max(1U, std::thread::hardware_concurrency());
     }
 

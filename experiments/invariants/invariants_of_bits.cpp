@@ -95,7 +95,7 @@ Measured split_sum(const SceneUnderTest& test) {
     double least = 0;
     if (test.filter_has_negative_lobes()) {
         RenderSettings positive = test.settings;
-        positive.filter.emplace().type = "box";
+        positive.film.filter.emplace().type = "box";
         const auto other = transport::render(*test.built, positive);
         if (!other) return Measured::skip("rejected with a filter without negative lobes: " + other.error().message);
         for (const double value : other->frame_buffer.resolve(other->beauty)) least = std::max(least, value);
@@ -114,19 +114,19 @@ Measured split_sum(const SceneUnderTest& test) {
 
 Measured threads(const SceneUnderTest& test) {
     RenderSettings settings = test.settings;
-    settings.threads = 3;
+    settings.machine.threads = 3;
     return same_bits(test, transport::render(*test.built, settings));
 }
 
 Measured shards(const SceneUnderTest& test) {
     RenderSettings settings = test.settings;
     constexpr std::uint64_t block = 16;
-    settings.samples_per_pixel = 2 * block - 3;
+    settings.samples.per_pixel = 2 * block - 3;
     auto whole = transport::render(*test.built, settings);
     if (!whole) return Measured::skip("refused: " + whole.error().message);
     RenderSettings first = settings, second = settings;
-    first.samples_per_pixel = block;
-    second.first_sample = block;
+    first.samples.per_pixel = block;
+    second.samples.first = block;
     auto a = transport::render(*test.built, first);
     const auto b = transport::render(*test.built, second);
     if (!a || !b) return Measured::skip("this integrator does not support shards");
@@ -138,7 +138,7 @@ Measured shards(const SceneUnderTest& test) {
 
 Measured asking(const SceneUnderTest& test) {
     RenderSettings settings = test.settings;
-    settings.channels.clear();
+    settings.channels.list.clear();
     const auto other = transport::render(*test.built, settings);
     if (!other) return {true, 1, 0, "rejected without layers: " + other.error().message};
     const auto with = test.output->frame_buffer.resolve(test.output->beauty),
@@ -150,15 +150,15 @@ Measured asking(const SceneUnderTest& test) {
 
 Measured crop(const SceneUnderTest& test) {
     RenderSettings settings = test.settings;
-    const int width = test.output->width, height = test.output->height;
-    settings.crop = display::PixelRegion{width / 3, height / 3, width - width / 3, height - height / 3};
+    const int width = test.output->view.width, height = test.output->view.height;
+    settings.film.crop = display::PixelRegion{width / 3, height / 3, width - width / 3, height - height / 3};
     const auto other = transport::render(*test.built, settings);
     if (!other) return Measured::skip("refused: " + other.error().message);
     const auto whole = test.output->frame_buffer.resolve(test.output->beauty),
                part = other->frame_buffer.resolve(other->beauty);
     Measured result{true, 0, 0, "difference from the pixels of the whole image"};
-    for (int y = settings.crop->y0; y < settings.crop->y1; ++y)
-        for (int x = settings.crop->x0; x < settings.crop->x1; ++x)
+    for (int y = settings.film.crop->y0; y < settings.film.crop->y1; ++y)
+        for (int x = settings.film.crop->x0; x < settings.film.crop->x1; ++x)
             for (int c = 0; c < 3; ++c) {
                 const auto i = static_cast<std::size_t>(3 * (y * width + x) + c);
                 result.value = std::max(result.value, std::abs(whole[i] - part[i]));

@@ -32,31 +32,31 @@ struct Render {
 /// Renders with several seeds and returns the means of `expressions`, or of the test's channels if there are none.
 Result<Means> means_of(const SceneUnderTest& test, const Render& render, const std::vector<std::string>& expressions,
                        int replicates, std::uint64_t first_seed) {
-    auto built = transport::BuiltScene::build(render.scene, {.isa = {}, .threads = 1});
+    auto built = transport::BuiltScene::build(render.scene, {.threads = 1});
     if (!built) return built.error();
     RenderSettings settings = test.settings;
-    settings.samples_per_pixel = static_cast<std::uint64_t>(test.options.samples_of_means);
+    settings.samples.per_pixel = static_cast<std::uint64_t>(test.options.samples_of_means);
     if (!expressions.empty()) {
-        const display::ChannelDefinition like = settings.channels.front();
-        settings.channels.clear();
+        const display::ChannelDefinition like = settings.channels.list.front();
+        settings.channels.list.clear();
         for (const std::string& expression : expressions) {
-            settings.channels.push_back(like);
-            settings.channels.back().name = "c" + std::to_string(settings.channels.size());
-            settings.channels.back().expression = expression;
+            settings.channels.list.push_back(like);
+            settings.channels.list.back().name = "c" + std::to_string(settings.channels.list.size());
+            settings.channels.list.back().expression = expression;
         }
-        settings.beauty = false;
+        settings.channels.beauty = false;
     }
     if (!render.integrator.empty()) {
         transport::SceneEntity integrator;
         integrator.type = render.integrator;
         integrator.parameters.parameters = render.parameters;
         const auto depth = test.scene.integrator.parameters.integer_or("maxdepth", 5);
-        settings.max_depth = depth ? *depth : 5;
-        settings.integrator = integrator;
+        settings.paths.max_depth = depth ? *depth : 5;
+        settings.paths.integrator = integrator;
     }
     Means means;
     for (int i = 0; i < replicates; ++i) {
-        settings.seed = first_seed + static_cast<std::uint64_t>(i);
+        settings.samples.seed = first_seed + static_cast<std::uint64_t>(i);
         const auto output = transport::render(**built, settings);
         if (!output) return output.error();
         std::vector<double>& of_seed = means.emplace_back();

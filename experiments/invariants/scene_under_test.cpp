@@ -53,27 +53,28 @@ Result<SceneUnderTest> SceneUnderTest::make(const std::string& text, const std::
     auto scene = transport::import_pbrt_text(text, path);
     if (!scene) return scene.error();
     test.scene = std::move(*scene);
-    auto built = transport::BuiltScene::build(test.scene, {.isa = {}, .threads = 1});
+    auto built = transport::BuiltScene::build(test.scene, {.threads = 1});
     if (!built) return built.error();
     test.built = std::move(*built);
     const auto samples = test.scene.sampler.parameters.integer_or("pixelsamples", 16);
-    test.settings.samples_per_pixel =
+    test.settings.samples.per_pixel =
         samples ? static_cast<std::uint64_t>(std::clamp<std::int64_t>(*samples, 1, options.most_samples)) : 1;
-    test.settings.resolution = small_enough(*test.built, options.most_pixels);
-    test.settings.threads = 1;
-    test.settings.seed = options.seed;
+    test.settings.film.resolution = small_enough(*test.built, options.most_pixels);
+    test.settings.machine.threads = 1;
+    test.settings.samples.seed = options.seed;
     for (const std::string& expression : partition(options.seed))
-        test.settings.channels.push_back(layer("layer" + std::to_string(test.settings.channels.size()), expression));
-    test.layers = test.settings.channels.size();
+        test.settings.channels.list.push_back(
+            layer("layer" + std::to_string(test.settings.channels.list.size()), expression));
+    test.layers = test.settings.channels.list.size();
     // Some seeds also use other features of a render.
-    test.settings.splat = options.seed % 7 == 3;
-    test.settings.picked_lobes = options.seed % 11 == 5;
+    test.settings.film.splat = options.seed % 7 == 3;
+    test.settings.labels.picked_lobes = options.seed % 11 == 5;
     static constexpr std::array<const char*, 6> aovs{"Nn", "z", "Pw", "curvature", "albedo", "sampleCount"};
     if (options.seed % 5 == 2) {
         display::ChannelDefinition channel;
         channel.name = aovs[options.seed / 5 % aovs.size()];
         channel.style = display::ChannelStyle::name;
-        test.settings.channels.push_back(channel);
+        test.settings.channels.list.push_back(channel);
     }
     auto output = transport::render(*test.built, test.settings);
     if (!output) return output.error();

@@ -26,12 +26,12 @@ class SceneUnderTest {
     std::size_t layers = 0;              ///< number of channels that split the beauty; they come first
     std::shared_ptr<const transport::RenderOutput> output;  ///< the render with these settings
 
-    [[nodiscard]] std::string integrator() const { return output->integrator; }
+    [[nodiscard]] std::string integrator() const { return output->used.integrator; }
     /// Number of channels of light: the beauty and the layers that split it, with ids below this number.
     [[nodiscard]] std::size_t light_channels() const { return layers + 1; }
     /// Whether a pixel can be negative although all light is positive.
     [[nodiscard]] bool filter_has_negative_lobes() const {
-        return output->filter == "mitchell" || output->filter == "sinc";
+        return output->used.filter == "mitchell" || output->used.filter == "sinc";
     }
 
   private:

@@ -26,7 +26,7 @@ void read_statistics(TomlTable& table, std::string_view key, const std::string& 
     table.read(key, names, &places);
     for (std::size_t i = 0; i < names.size(); ++i) {
         auto request = display::parse_statistic_request(channel, names[i], places[i]);
-        if (request) job.settings.statistics.push_back(std::move(*request));
+        if (request) job.settings.channels.statistics.push_back(std::move(*request));
         else table.source().fail(request.error());
     }
 }
@@ -35,7 +35,7 @@ void read_rule(TomlTable& table, std::string_view key, const std::string& channe
     std::string name;
     if (!table.read(key, name)) return;
     auto request = display::parse_rule_request(channel, name, table.location_of(key));
-    if (request) job.settings.rules.push_back(std::move(*request));
+    if (request) job.settings.channels.rules.push_back(std::move(*request));
     else table.source().fail(request.error());
 }
 
@@ -61,7 +61,7 @@ void read_layers(TomlTable& root, Job& job) {
         reader.close();
         if (!whole) continue;
         auto layer = read_layer_request(name, channel, rule, reader.location());
-        if (layer) job.settings.layers.push_back(std::move(*layer));
+        if (layer) job.settings.channels.layers.push_back(std::move(*layer));
         else root.source().fail(layer.error());
     }
 }
@@ -99,11 +99,11 @@ void read_channels(TomlTable& root, Job& job) {
         places.clear();
         channels.read("cryptomatte", mattes, &places);
         for (std::size_t i = 0; i < mattes.size(); ++i)
-            if (Status added = add_cryptomatte(mattes[i], places[i], job.settings); !added)
+            if (Status added = add_cryptomatte(mattes[i], places[i], job.settings.mattes); !added)
                 root.source().fail(added.error());
         std::int64_t ranks = 0;
         if (channels.read("cryptomatte_ranks", ranks, 2, geoaovs::Cryptomatte::most_ranks)) {
-            job.settings.cryptomatte_ranks = static_cast<int>(ranks);
+            job.settings.mattes.ranks = static_cast<int>(ranks);
             if (ranks % 2 != 0)
                 root.source().fail(
                     channels.location_of("cryptomatte_ranks"),
@@ -202,7 +202,7 @@ void read_lobe_slots(TomlTable& root, Job& job) {
         } else if (!slots.read(key.str(), option.names)) {
             continue;
         }
-        if (Status filled = job.settings.lobe_slots.set(option); !filled) root.source().fail(filled.error());
+        if (Status filled = job.settings.labels.lobe_slots.set(option); !filled) root.source().fail(filled.error());
         job.lobe_options.push_back(std::move(option));
     }
 }

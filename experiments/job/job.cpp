@@ -64,13 +64,13 @@ Result<display::PixelRegion> parse_crop(const std::string& text, const SourceLoc
                         "0,0,320,240");
 }
 
-Status add_cryptomatte(const std::string& name, const SourceLocation& where, transport::RenderSettings& settings) {
+Status add_cryptomatte(const std::string& name, const SourceLocation& where, transport::MatteSettings& mattes) {
     auto kind = geoaovs::parse_matte_kind(name, {});
     if (!kind) return error_at(where, kind.error().message, kind.error().hint);
-    for (const geoaovs::MatteKind known : settings.cryptomatte)
+    for (const geoaovs::MatteKind known : mattes.kinds)
         if (known == *kind)
             return error_at(where, "the cryptomatte '" + name + "' is requested twice; expected each kind once");
-    settings.cryptomatte.push_back(*kind);
+    mattes.kinds.push_back(*kind);
     return success();
 }
 

@@ -77,7 +77,7 @@ struct Job {
     bool shipped_partition = false;  ///< adds the shipped partition's channels
     bool light_groups = false;       ///< adds one layer per light group and one for the lights without a group
     std::optional<TechniqueRequest> techniques;
-    transport::RenderSettings settings;  ///< `channels` is filled by plan_channels()
+    transport::RenderSettings settings;  ///< `channels.list` is filled by plan_channels()
     transport::EffectChoices effects;    ///< applied by load_job_scene()
     bool show_effects = false;           ///< prints all effects with the reason for each
     std::vector<ExpressionRequest> expressions;
@@ -87,7 +87,8 @@ struct Job {
     std::vector<PartitionRequest> partitions;
     bool measure_refuted = false;  ///< reports and measures partitions that do not hold, instead of refusing them
     lpe::MacroTable macros;        ///< names that the job's expressions may use
-    std::vector<lpe::LobeOption> lobe_options;  ///< as in the file; settings.lobe_slots has the resulting slots
+    std::vector<lpe::LobeOption> lobe_options;
+  ///< as in the file; settings.labels.lobe_slots has the resulting slots
     std::vector<transport::LabelRule> label_rules;
 };
 
@@ -106,7 +107,7 @@ Result<transport::MissingFiles> parse_missing(const std::string& text, const Sou
 Result<display::PixelRegion> parse_crop(const std::string& text, const SourceLocation& where);
 
 /// Adds a kind of cryptomatte by name. An unknown or duplicate kind is an Error at `where`.
-Status add_cryptomatte(const std::string& name, const SourceLocation& where, transport::RenderSettings& settings);
+Status add_cryptomatte(const std::string& name, const SourceLocation& where, transport::MatteSettings& mattes);
 
 /// Makes a request for a further layer of a channel, from --layer or [[layer]]. Errors at `where`: an invalid layer
 /// name, an unknown rule.

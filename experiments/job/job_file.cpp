@@ -53,7 +53,7 @@ void read_crop(TomlTable& render, Job& job) {
         for (const toml::node& each : *list)
             text += (text.empty() ? "" : ",") + std::to_string(each.value_exact<std::int64_t>().value_or(-1));
     auto crop = parse_crop(text, render.location_of("crop"));
-    if (crop) job.settings.crop = *crop;
+    if (crop) job.settings.film.crop = *crop;
     else
         render.source().fail(
             render.location_of("crop"),
@@ -66,18 +66,18 @@ void read_render(TomlTable& root, Job& job) {
     if (table == nullptr) return;
     TomlTable render(root.source(), *table, "[render]");
     std::int64_t number = 0;
-    if (render.read("spp", number, 1, any_count)) job.settings.samples_per_pixel = static_cast<std::uint64_t>(number);
+    if (render.read("spp", number, 1, any_count)) job.settings.samples.per_pixel = static_cast<std::uint64_t>(number);
     if (render.read("seed", number, 0, std::numeric_limits<std::int64_t>::max()))
-        job.settings.seed = static_cast<std::uint64_t>(number);
-    if (render.read("threads", number, 0, 4096)) job.settings.threads = static_cast<int>(number);
+        job.settings.samples.seed = static_cast<std::uint64_t>(number);
+    if (render.read("threads", number, 0, 4096)) job.settings.machine.threads = static_cast<int>(number);
     read_resolution(render, job);
     read_crop(render, job);
     read_memory_limit(render, job.outputs);
     read_time(render, job);
     read_checkpoint(render, job);
     read_buckets(render, job);
-    render.read("beauty", job.settings.beauty);
-    render.read("isa", job.settings.isa);
+    render.read("beauty", job.settings.channels.beauty);
+    render.read("isa", job.settings.machine.isa);
     read_method_settings(render, job.settings);
     read_effects(render, job.effects);
     render.close();
@@ -110,10 +110,10 @@ Result<Job> parse_job(const std::string& text, const std::string& path) {
     read_color_table(root, path, job);
     read_render(root, job);
     read_adaptive(root, job);
-    read_entity(root, "integrator", job.settings.integrator);
-    read_entity(root, "sampler", job.settings.sampler);
-    read_entity(root, "filter", job.settings.filter);
-    read_sample_filters(root, job.settings);
+    read_entity(root, "integrator", job.settings.paths.integrator);
+    read_entity(root, "sampler", job.settings.samples.sampler);
+    read_entity(root, "filter", job.settings.film.filter);
+    read_sample_filters(root, job.settings.channels);
     read_display_filters(root, job);
     read_channel_tables(root, job);
     read_output_tables(root, path, job.outputs);

@@ -110,7 +110,7 @@ void read_resolution(TomlTable& render, Job& job) {
     const SourceLocation where = render.location_of("resolution");
     if (const auto* text = node->as_string()) {
         auto size = parse_resolution(text->get(), where);
-        if (size) job.settings.resolution = *size;
+        if (size) job.settings.film.resolution = *size;
         else render.source().fail(size.error());
         return;
     }
@@ -118,7 +118,7 @@ void read_resolution(TomlTable& render, Job& job) {
     const auto number = [&](std::size_t i) { return list->get(i)->value_exact<std::int64_t>().value_or(0); };
     const bool fits = list != nullptr && list->size() == 2 && number(0) >= 1 && number(0) <= 65536 && number(1) >= 1 &&
                       number(1) <= 65536;
-    if (fits) job.settings.resolution = {{static_cast<int>(number(0)), static_cast<int>(number(1))}};
+    if (fits) job.settings.film.resolution = {{static_cast<int>(number(0)), static_cast<int>(number(1))}};
     else
         render.source().fail(where,
                              "'resolution' in " + render.description() +
@@ -127,18 +127,18 @@ void read_resolution(TomlTable& render, Job& job) {
 
 void read_method_settings(TomlTable& table, transport::RenderSettings& settings) {
     std::int64_t number = 0;
-    table.read("prune", settings.prune);
-    if (table.read("max_depth", number, 0, std::numeric_limits<std::int32_t>::max())) settings.max_depth = number;
+    table.read("prune", settings.paths.prune);
+    if (table.read("max_depth", number, 0, std::numeric_limits<std::int32_t>::max())) settings.paths.max_depth = number;
     std::string mode;
     if (table.read("filter_mode", mode)) {
-        settings.splat = mode == "splat";
+        settings.film.splat = mode == "splat";
         if (mode != "splat" && mode != "importance")
             table.source().fail(table.location_of("filter_mode"), "'filter_mode' in " + table.description() + " is '" +
                                                                       mode + "'; expected \"importance\" or \"splat\"");
     }
     std::string lobes;
     if (table.read("lobes", lobes)) {
-        settings.picked_lobes = lobes == "picked";
+        settings.labels.picked_lobes = lobes == "picked";
         if (lobes != "picked" && lobes != "exact")
             table.source().fail(table.location_of("lobes"), "'lobes' in " + table.description() + " is '" + lobes +
                                                                 "'; expected \"exact\" or \"picked\"");
@@ -177,7 +177,7 @@ void read_entity(TomlTable& root, const char* key, std::optional<transport::Scen
     entity = std::move(result);
 }
 
-void read_sample_filters(TomlTable& root, transport::RenderSettings& settings) {
+void read_sample_filters(TomlTable& root, transport::ChannelSettings& channels) {
     for (const toml::table* table : root.take_tables("sample_filter")) {
         TomlTable reader(root.source(), *table, "a [[sample_filter]] table");
         transport::SceneEntity filter;
@@ -185,7 +185,7 @@ void read_sample_filters(TomlTable& root, transport::RenderSettings& settings) {
         filter.location = reader.location_of("type");
         filter.parameters = reader.take_parameters();
         filter.parameters.location = filter.location;
-        settings.sample_filters.push_back(std::move(filter));
+        channels.sample_filters.push_back(std::move(filter));
     }
 }
 

@@ -26,7 +26,7 @@ void read_effects(TomlTable& table, transport::EffectChoices& effects);
 /// Reads KEY = "type", or a table [KEY] with a type and parameters. The object itself checks the parameters.
 void read_entity(TomlTable& root, const char* key, std::optional<transport::SceneEntity>& entity);
 /// Reads [[sample_filter]] tables in their order.
-void read_sample_filters(TomlTable& root, transport::RenderSettings& settings);
+void read_sample_filters(TomlTable& root, transport::ChannelSettings& channels);
 /// Reads [[label]] and [[light_group]].
 void read_label_tables(TomlTable& root, Job& job);
 

@@ -51,10 +51,11 @@ Status check_own_sequence(const std::optional<transport::SceneEntity>& sampler) 
 }  // namespace
 
 Status check_parameters(const Job& job) {
-    if (Status s = check_entity(job.settings.integrator, transport::integrator_registry(), "integrator"); !s) return s;
-    if (Status s = check_entity(job.settings.sampler, transport::sampler_registry(), "sampler"); !s) return s;
-    if (Status s = check_own_sequence(job.settings.sampler); !s) return s;
-    return check_entity(job.settings.filter, display::pixel_filter_registry(), "pixel filter");
+    if (Status s = check_entity(job.settings.paths.integrator, transport::integrator_registry(), "integrator"); !s)
+        return s;
+    if (Status s = check_entity(job.settings.samples.sampler, transport::sampler_registry(), "sampler"); !s) return s;
+    if (Status s = check_own_sequence(job.settings.samples.sampler); !s) return s;
+    return check_entity(job.settings.film.filter, display::pixel_filter_registry(), "pixel filter");
 }
 
 }  // namespace raylex::experiments

@@ -113,13 +113,13 @@ void read_adaptive(TomlTable& root, Job& job) {
     constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
     std::int64_t number = 0;
     if (reader.read("max_samples", number, 1, most)) adaptive.max_samples = static_cast<std::uint64_t>(number);
-    else if (job.settings.samples_per_pixel) adaptive.max_samples = *job.settings.samples_per_pixel;
+    else if (job.settings.samples.per_pixel) adaptive.max_samples = *job.settings.samples.per_pixel;
     if (reader.read("min_samples", number, 1, most)) adaptive.min_samples = static_cast<std::uint64_t>(number);
     else adaptive.min_samples = std::min(adaptive.min_samples, adaptive.max_samples);
     read_number(reader, "floor", 0, adaptive.floor);
     if (reader.read("neighbourhood", number, 0, 8)) adaptive.neighbourhood = static_cast<int>(number);
     reader.close();
-    job.settings.adaptive = std::move(adaptive);
+    job.settings.stop.adaptive = std::move(adaptive);
 }
 
 void read_checkpoint(TomlTable& render, Job& job) {
@@ -147,7 +147,7 @@ void read_buckets(TomlTable& render, Job& job) {
 }
 
 void apply_time_limit(double seconds, Job& job) {
-    job.settings.limit.emplace().seconds = seconds;
+    job.settings.stop.limit.emplace().seconds = seconds;
 }
 
 void read_time(TomlTable& render, Job& job) {

@@ -18,8 +18,9 @@ constexpr auto shard_block = static_cast<std::uint64_t>(transport::TileGrid::blo
 constexpr const char* one_process = "render in one process, without --shard and --shards";
 
 Result<transport::ChosenIntegrator> integrator_of(const Job& job, const transport::SceneDescription& scene) {
-    return transport::choose_integrator(job.settings.integrator ? *job.settings.integrator : scene.integrator,
-                                        job.settings.max_depth);
+    return transport::choose_integrator(
+        job.settings.paths.integrator ? *job.settings.paths.integrator : scene.integrator,
+        job.settings.paths.max_depth);
 }
 
 Json shard_json(const ShardRange& range, const ShardRequest& request, const transport::RenderOutput& output,
@@ -59,25 +60,26 @@ std::string shard_lock(const std::string& record) {
 }
 
 Result<std::uint64_t> samples_of_job(const Job& job, const transport::SceneDescription& scene) {
-    if (job.settings.samples_per_pixel) return *job.settings.samples_per_pixel;
+    if (job.settings.samples.per_pixel) return *job.settings.samples.per_pixel;
     auto integrator = integrator_of(job, scene);
     if (!integrator) return integrator.error();
     if (integrator->samples_per_pixel) return *integrator->samples_per_pixel;
-    auto sampler = transport::choose_sampler(job.settings.sampler ? *job.settings.sampler : scene.sampler);
+    auto sampler =
+        transport::choose_sampler(job.settings.samples.sampler ? *job.settings.samples.sampler : scene.sampler);
     if (!sampler) return sampler.error();
     return sampler->samples_per_pixel;
 }
 
 Status check_shardable(const Job& job, const transport::SceneDescription& scene) {
-    if (job.settings.adaptive)
-        return error_at(job.settings.adaptive->location,
+    if (job.settings.stop.adaptive)
+        return error_at(job.settings.stop.adaptive->location,
                         "adaptive sampling in shards: the number of samples of a pixel depends on all its samples",
                         "leave out --until-error and [adaptive], or --shard and --shards");
-    if (job.settings.limit)
+    if (job.settings.stop.limit)
         return error_at({"--time", 0, 0},
                         "a render with a time limit in shards: its number of samples is not known in advance",
                         "expected --spp instead of --time");
-    if (job.settings.only) return error_at({"--replay", 0, 0}, "a single sample in shards", one_process);
+    if (job.settings.samples.only) return error_at({"--replay", 0, 0}, "a single sample in shards", one_process);
     if (!job.outputs.deep.file.empty())
         return error_at(job.outputs.deep.location, "a deep image in shards: merged deep samples are not sums",
                         "leave out the deep image, or --shard and --shards");
@@ -105,8 +107,8 @@ Result<ShardRender> ShardRender::make(Job& job, const transport::SceneDescriptio
     auto range = shard_range(shard.request_.part, shard.request_.parts, *total);
     if (!range) return range.error();
     shard.range_ = *range;
-    job.settings.first_sample = range->first;
-    job.settings.samples_per_pixel = range->end;
+    job.settings.samples.first = range->first;
+    job.settings.samples.per_pixel = range->end;
     std::error_code failed;
     job.resume = std::filesystem::exists(checkpoint_file(job), failed);
     return shard;
@@ -162,8 +164,8 @@ Status ShardRender::write(const std::string& path, const transport::RenderOutput
         display::record_bands(pixels.layout(), pixels.channels(), output.frame_buffer.takes_raster_splats());
     auto record = display::RecordFileWriter::create(path, identity_, bands.size() + output.cryptomatte.size() + 1);
     if (!record) return record.error();
-    Status added = output.bands ? display::add_bands(*record, bands, *output.bands)
-                                : display::add_bands(*record, output.frame_buffer);
+    Status added = output.buckets.image ? display::add_bands(*record, bands, *output.buckets.image)
+                                        : display::add_bands(*record, output.frame_buffer);
     for (const geoaovs::Cryptomatte& matte : output.cryptomatte) {
         std::string bytes;
         matte.coverage().append_record(bytes);

@@ -119,18 +119,19 @@ TEST_CASE("Enclosure: every word of up to 8 reflections and 200 random expressio
     auto built = transport::BuiltScene::build(description);
     REQUIRE(built.ok());
     transport::RenderSettings settings;
-    settings.max_depth = static_cast<std::int64_t>(longest);  // so that no word is longer than those above
-    settings.beauty = false;
-    settings.threads = 2;
-    settings.samples_per_pixel = method.samples;
-    settings.integrator = integrator_named(method.integrator);
-    if (method.integrator == std::string("pssmlt")) settings.integrator = metropolis(64, 10000);
-    settings.integrator->parameters.parameters.push_back(flag_parameter("roulette", false));
+    settings.paths.max_depth = static_cast<std::int64_t>(longest);  // so that no word is longer than those above
+    settings.channels.beauty = false;
+    settings.machine.threads = 2;
+    settings.samples.per_pixel = method.samples;
+    settings.paths.integrator = integrator_named(method.integrator);
+    if (method.integrator == std::string("pssmlt")) settings.paths.integrator = metropolis(64, 10000);
+    settings.paths.integrator->parameters.parameters.push_back(flag_parameter("roulette", false));
     const auto render = [&](const std::vector<ClosedForm>& forms, int seeds) {
-        settings.channels.clear();
+        settings.channels.list.clear();
         for (const ClosedForm& each : forms) {
-            settings.channels.push_back(lpe_channel("c" + std::to_string(settings.channels.size()), each.expression));
-            settings.channels.back().statistics = false;
+            settings.channels.list.push_back(
+                lpe_channel("c" + std::to_string(settings.channels.list.size()), each.expression));
+            settings.channels.list.back().statistics = false;
         }
         return replicates(**built, settings, static_cast<int>(forms.size()), seeds, 8000);
     };

@@ -40,8 +40,8 @@ display::ChannelDefinition osl_channel(const std::string& name, const std::strin
 std::vector<double> render_means(transport::SceneDescription scene, std::vector<display::ChannelDefinition> channels,
                                  const char* strategy = "mis") {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 64;
-    settings.channels = std::move(channels);
+    settings.samples.per_pixel = 64;
+    settings.channels.list = std::move(channels);
     transport::SceneEntity integrator;
     integrator.type = "path";
     Parameter choice;
@@ -49,10 +49,10 @@ std::vector<double> render_means(transport::SceneDescription scene, std::vector<
     choice.type = ParameterType::string;
     choice.strings = {strategy};
     integrator.parameters.parameters = {choice};
-    settings.integrator = integrator;
+    settings.paths.integrator = integrator;
     const auto output = render_or_fail(scene, settings);
     std::vector<double> result;
-    for (std::size_t i = 0; i < settings.channels.size(); ++i)
+    for (std::size_t i = 0; i < settings.channels.list.size(); ++i)
         result.push_back(image_mean(output, requested(output, i)).mean);
     return result;
 }

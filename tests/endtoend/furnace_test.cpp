@@ -71,9 +71,9 @@ void check_words(const transport::SceneDescription& scene, double le, double kd,
                  bool roulette = true) {
     const std::vector<std::string> expressions = words("DS", longest, "L");
     transport::RenderSettings settings;
-    settings.samples_per_pixel = samples;
-    settings.integrator = path_integrator(strategy, int(longest) - 2, roulette);
-    for (const std::string& word : expressions) settings.channels.push_back(lpe_channel("w" + word, word));
+    settings.samples.per_pixel = samples;
+    settings.paths.integrator = path_integrator(strategy, int(longest) - 2, roulette);
+    for (const std::string& word : expressions) settings.channels.list.push_back(lpe_channel("w" + word, word));
     const auto output = render_or_fail(scene, settings);
     double worst = 0;
     for (std::size_t i = 0; i < expressions.size(); ++i) {
@@ -101,10 +101,10 @@ TEST_CASE("Row A: in a closed diffuse and mirror enclosure every word carries Le
 TEST_CASE("Row A: regular expressions over the enclosure's words sum as geometric series", "[furnace][statistical]") {
     const auto scene = import_text(box(diffuse_mirror(0.5, 0.3), 1.0));
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 1024;
-    settings.integrator = path_integrator("scattering", 40);
-    settings.channels = {lpe_channel("all", "C[DS]*L"), lpe_channel("caustic", "CDS+L"),
-                         lpe_channel("even", "C(S*DS*D)*S*L"), lpe_channel("dsd", "CDSDL")};
+    settings.samples.per_pixel = 1024;
+    settings.paths.integrator = path_integrator("scattering", 40);
+    settings.channels.list = {lpe_channel("all", "C[DS]*L"), lpe_channel("caustic", "CDS+L"),
+                              lpe_channel("even", "C(S*DS*D)*S*L"), lpe_channel("dsd", "CDSDL")};
     const auto output = render_or_fail(scene, settings);
     // Truncation after 40 events leaves 5 * 0.8^41 = 5e-4 of the whole and of the even words; the others are exact.
     const double tail = 5 * std::pow(0.8, 41);
@@ -140,9 +140,9 @@ TEST_CASE("Row B: a point light in the centre of a Lambert sphere gives I rho^k 
     )");
     const std::vector<std::string> expressions = words("D", 8, "L");
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 64;
-    settings.integrator = path_integrator("mis", 6);
-    for (const std::string& word : expressions) settings.channels.push_back(lpe_channel("w" + word, word));
+    settings.samples.per_pixel = 64;
+    settings.paths.integrator = path_integrator("mis", 6);
+    for (const std::string& word : expressions) settings.channels.list.push_back(lpe_channel("w" + word, word));
     const auto output = render_or_fail(scene, settings);
     for (std::size_t i = 0; i < expressions.size(); ++i) {
         const Estimate estimate = image_mean(output, requested(output, i));
@@ -185,17 +185,17 @@ void check_integrating_sphere(std::uint64_t samples, double largest_relative_err
     const double emitted[] = {2 * 0.2, 5 * 0.1};
     const char* group[] = {"a", "b"};
     transport::RenderSettings settings;
-    settings.samples_per_pixel = samples;
-    settings.integrator = path_integrator("mis", 6, roulette);
+    settings.samples.per_pixel = samples;
+    settings.paths.integrator = path_integrator("mis", 6, roulette);
     for (const char* name : group)
         for (int k = 1; k <= 6; ++k)
-            settings.channels.push_back(
+            settings.channels.list.push_back(
                 lpe_channel(std::string(name) + std::to_string(k), "CD{" + std::to_string(k) + "}<L.'" + name + "'>"));
     const auto output = render_or_fail(scene, settings);
-    for (std::size_t i = 0; i < settings.channels.size(); ++i) {
+    for (std::size_t i = 0; i < settings.channels.list.size(); ++i) {
         const Estimate estimate = image_mean(output, requested(output, i));
         const double expected = emitted[i / 6] * std::pow(0.6, double(i % 6 + 1));
-        CAPTURE(settings.channels[i].name, expected, estimate.mean, estimate.standard_error);
+        CAPTURE(settings.channels.list[i].name, expected, estimate.mean, estimate.standard_error);
         CHECK(std::abs(estimate.mean - expected) <= 4 * estimate.standard_error + 2 * float_slack * expected);
         CHECK(estimate.standard_error <= largest_relative_error * expected);
     }
@@ -217,9 +217,9 @@ void check_closed_box(std::uint64_t samples, double largest_relative_error, bool
     const auto scene = import_text(box("Material \"diffuse\" \"rgb reflectance\" [0.5 0.5 0.5]\n", 1.0));
     const std::vector<std::string> expressions = words("D", 8, "L");
     transport::RenderSettings settings;
-    settings.samples_per_pixel = samples;
-    settings.integrator = path_integrator("mis", 6, roulette);
-    for (const std::string& word : expressions) settings.channels.push_back(lpe_channel("w" + word, word));
+    settings.samples.per_pixel = samples;
+    settings.paths.integrator = path_integrator("mis", 6, roulette);
+    for (const std::string& word : expressions) settings.channels.list.push_back(lpe_channel("w" + word, word));
     const auto output = render_or_fail(scene, settings);
     for (std::size_t i = 0; i < expressions.size(); ++i) {
         const Estimate estimate = image_mean(output, requested(output, i));

@@ -123,7 +123,7 @@ TEST_CASE("Shipped scenes have the mean luminance of pbrt-v4's references", "[re
         const auto scene =
             load(fs::path(raylex::test::source_dir()) / "experiments" / "scenes" / each.name / "scene.pbrt");
         transport::RenderSettings settings;
-        settings.samples_per_pixel = 16;
+        settings.samples.per_pixel = 16;
         const auto output = render_or_fail(scene, settings);
         const auto pixels = luminance_of(output.frame_buffer.resolve(output.beauty));
         const double mean = mean_of(pixels);
@@ -156,11 +156,11 @@ TEST_CASE("Every reference scene agrees with its pbrt-v4 image in mean and in bl
         const int width = reference_file->width, height = reference_file->height;
 
         transport::RenderSettings settings;
-        settings.samples_per_pixel = 512;
-        settings.seed = 1;
+        settings.samples.per_pixel = 512;
+        settings.samples.seed = 1;
         const auto output = render_or_fail(scene, settings);
-        REQUIRE(output.width == width);
-        REQUIRE(output.height == height);
+        REQUIRE(output.view.width == width);
+        REQUIRE(output.view.height == height);
         const auto pixels = luminance_of(output.frame_buffer.resolve(output.beauty));
         const double ratio = mean_of(pixels) / mean_of(reference);
         const std::vector<BlockDifference> blocks = differences(pixels, reference, width, height);

@@ -173,8 +173,8 @@ TEST_CASE("measuring errors while rendering changes no bit, and they are the fin
     auto scene = transport::import_pbrt(raylex::test::source_dir() + "/experiments/scenes/cornell-color/scene.pbrt");
     REQUIRE(scene);
     transport::RenderSettings settings;
-    settings.resolution = {64, 64};
-    settings.samples_per_pixel = 768;
+    settings.film.resolution = {64, 64};
+    settings.samples.per_pixel = 768;
     LiveErrors errors;
     const auto bits = [&](bool looking) {
         settings.before_rendering = [&](const transport::RenderPlan& plan, std::vector<display::SampleSink*>&) {

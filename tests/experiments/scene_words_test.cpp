@@ -77,7 +77,7 @@ TEST_CASE("a scene's words have its labels, lobes, lights and depth, and no othe
     CHECK_FALSE(can("C.{4}L"));
     CHECK(can("C.{3}L"));
     Job deeper;
-    deeper.settings.max_depth = 4;
+    deeper.settings.paths.max_depth = 4;
     const auto word = lpe::find_word({"", "C.{4}L"}, words_of(deeper).words);
     REQUIRE(word.ok());
     CHECK(word->has_value());

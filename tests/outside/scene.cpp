@@ -27,7 +27,7 @@ Result<SceneDescription> make_scene() {
 
 Result<double> centre_of(const SceneDescription& scene) {
     RenderSettings settings;
-    settings.samples_per_pixel = 16;
+    settings.samples.per_pixel = 16;
     auto output = render(scene, settings);
     if (!output) return output.error();
     return output->frame_buffer.resolve(output->beauty)[(4 * 8 + 4) * 3];

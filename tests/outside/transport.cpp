@@ -19,7 +19,7 @@ int main() {
     auto scene = transport::import_pbrt_text(text, "outside.pbrt");
     if (!scene) return std::fprintf(stderr, "%s\n", scene.error().to_string().c_str()), 1;
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16;
+    settings.samples.per_pixel = 16;
     auto output = transport::render(*scene, settings);
     if (!output) return std::fprintf(stderr, "%s\n", output.error().to_string().c_str()), 1;
     const double centre = output->frame_buffer.resolve(output->beauty)[(4 * 8 + 4) * 3];

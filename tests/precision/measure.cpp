@@ -13,7 +13,7 @@ namespace {
 std::vector<double> image_of(const std::string& text) {
     const auto scene = transport::import_pbrt_text(text, "precision.pbrt");
     transport::RenderSettings settings;
-    settings.threads = 2;
+    settings.machine.threads = 2;
     const auto output = scene ? transport::render(*scene, settings) : scene.error();
     if (!output) {
         std::fprintf(stderr, "%s\n", output.error().to_string().c_str());

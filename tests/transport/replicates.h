@@ -54,7 +54,7 @@ inline Replicates replicates(const transport::BuiltScene& scene, transport::Rend
                              int seeds, std::uint64_t first_seed, int color = 1) {
     Replicates result;
     for (int i = 0; i < seeds; ++i) {
-        settings.seed = first_seed + static_cast<std::uint64_t>(i);
+        settings.samples.seed = first_seed + static_cast<std::uint64_t>(i);
         auto output = transport::render(scene, settings);
         INFO((output ? std::string() : output.error().to_string()));
         REQUIRE(output.ok());
@@ -64,12 +64,13 @@ inline Replicates replicates(const transport::BuiltScene& scene, transport::Rend
         for (int channel = 0; channel < channels; ++channel) {
             const std::vector<double> image = output->frame_buffer.resolve(channel);
             std::vector<double> sum(blocks_across * blocks_across), count(blocks_across * blocks_across);
-            for (int y = 0; y < output->height; ++y)
-                for (int x = 0; x < output->width; ++x) {
-                    const auto block = static_cast<std::size_t>(y * blocks_across / output->height * blocks_across +
-                                                                x * blocks_across / output->width);
-                    sum[block] +=
-                        image[3 * static_cast<std::size_t>(y * output->width + x) + static_cast<std::size_t>(color)];
+            for (int y = 0; y < output->view.height; ++y)
+                for (int x = 0; x < output->view.width; ++x) {
+                    const auto block =
+                        static_cast<std::size_t>(y * blocks_across / output->view.height * blocks_across +
+                                                 x * blocks_across / output->view.width);
+                    sum[block] += image[3 * static_cast<std::size_t>(y * output->view.width + x) +
+                                        static_cast<std::size_t>(color)];
                     ++count[block];
                 }
             for (std::size_t b = 0; b < sum.size(); ++b)
@@ -195,22 +196,22 @@ inline display::ChannelDefinition osl(const std::string& name, const std::string
     return channel;
 }
 
-/// settings.channels, one by one, against the path tracer, which takes settings.samples_per_pixel. Every one must find
-/// something.
+/// settings.channels.list, one by one, against the path tracer, which takes settings.samples.per_pixel. Every one must
+/// find something.
 inline void compare_with_path(const transport::SceneDescription& scene, transport::RenderSettings settings,
                               const transport::SceneEntity& other, int seeds, std::uint64_t other_samples,
                               int color = 1) {
     std::vector<std::string> expressions;
-    for (const display::ChannelDefinition& channel : settings.channels) expressions.push_back(channel.expression);
+    for (const display::ChannelDefinition& channel : settings.channels.list) expressions.push_back(channel.expression);
     auto built = transport::BuiltScene::build(scene);
     REQUIRE(built.ok());
     const int channels = static_cast<int>(expressions.size());
-    settings.threads = 2;
-    settings.beauty = false;
-    settings.integrator = integrator_named("path");
+    settings.machine.threads = 2;
+    settings.channels.beauty = false;
+    settings.paths.integrator = integrator_named("path");
     const Replicates path = replicates(**built, settings, channels, seeds, 100, color);
-    settings.integrator = other;
-    settings.samples_per_pixel = other_samples;
+    settings.paths.integrator = other;
+    settings.samples.per_pixel = other_samples;
     const Replicates tested = replicates(**built, settings, channels, seeds, 500, color);
     check_agreement(path, tested, expressions);
     for (std::size_t c = 0; c < expressions.size();
@@ -225,9 +226,9 @@ inline void compare_with_path(const transport::SceneDescription& scene, transpor
 inline void compare_with_path(const std::string& text, transport::RenderSettings settings,
                               const transport::SceneEntity& other, int seeds, std::uint64_t other_samples,
                               const std::vector<std::string>& expressions, int color = 1) {
-    settings.channels.clear();
+    settings.channels.list.clear();
     for (const std::string& each : expressions)
-        settings.channels.push_back(osl("c" + std::to_string(settings.channels.size()), each));
+        settings.channels.list.push_back(osl("c" + std::to_string(settings.channels.list.size()), each));
     compare_with_path(scene_of(text), std::move(settings), other, seeds, other_samples, color);
 }
 

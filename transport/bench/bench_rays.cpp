@@ -59,8 +59,8 @@ int main(int argc, char** argv) {
     const SceneDescription description = value_or_exit(import_pbrt(argv[1]));
     const auto scene = value_or_exit(BuiltScene::build(description));
     RenderSettings settings;
-    settings.threads = 1;
-    settings.samples_per_pixel = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 16;
+    settings.machine.threads = 1;
+    settings.samples.per_pixel = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 16;
     const int rounds = argc > 3 ? std::atoi(argv[3]) : 5;
     const EmbreeScene& geometry = *scene->view().geometry;
 

@@ -6,20 +6,20 @@
 //
 // The calls, in their order:
 //
-//   factory(parameters)       reads typed, located parameters; an Error names file and line.
-//   plan_request()            states what the render may plan for its camera subpaths.
-//   prepare(context)          once, single-threaded, before any ray of the image: tables of its own, channel ids.
-//   omissions()               names what the integrator does not find in this scene.
-//   make_thread_state()       once for each thread.
-//   integrate(), end_startup() if starts_up(): one call for each tile with CameraBatch::startup. Its samples must be
-//                             discarded by display.discard_iteration().
-//   begin_iteration(i)        single-threaded. Photon maps, guiding structures and chains are shared state made here.
-//   integrate(batch, ...)     many threads at once. It is const: shared state is read-only while rays are traced. A
-//   loop
-//                             without a bound of its own calls services.leaving() and returns when that is true.
-//   end_iteration(i)          single-threaded: takes in what the states of threads gathered.
-//   save_state, restore_state for checkpoints, when traits() declares state to save.
-//   cuts()                    after the render: names paths that were cut for their length.
+//   factory(parameters)         reads typed, located parameters; an Error names file and line.
+//   plan_request()              states what the render may plan for its camera subpaths.
+//   prepare(context)            once, single-threaded, before any ray of the image: its own tables, channel ids.
+//   omissions()                 names what the integrator does not find in this scene.
+//   make_thread_state()         once for each thread.
+//   integrate(), end_startup()  if starts_up(): one call for each tile with CameraBatch::startup. Each call ends in
+//                               display.discard_iteration(), so none of its samples reaches the image.
+//   begin_iteration(i)          single-threaded. Photon maps, guiding structures and chains are shared state made here.
+//   integrate(batch, ...)       many threads at once. It is const: shared state is read-only while rays are traced. A
+//                               loop without a bound of its own calls services.leaving() and returns when that is
+//                               true.
+//   end_iteration(i)            single-threaded: takes in what the states of threads gathered.
+//   save_state, restore_state   for checkpoints, when traits() declares state to save.
+//   cuts()                      after the render: names paths that were cut for their length.
 //
 // An integrator that is not `synchronous()` gets the whole budget as iteration 0. A synchronous integrator gets one
 // iteration for each block of samples of the whole image; all threads wait for one another between iterations.
@@ -49,10 +49,7 @@ namespace raylex::transport {
 
 /// What prepare() gets; the pointers live as long as the render.
 struct IntegratorContext : PathContext {
-    std::span<const display::ChannelDefinition> channels;
-    std::uint32_t tiles = 1;  ///< that CameraBatch::tile counts
-    std::uint64_t seed = 0;
-    display::LpeServices::Attribution attribution = display::LpeServices::Attribution::exact;
+    std::uint32_t tiles = 1;  ///< number of tiles of the image; CameraBatch::tile is below it
 };
 
 /// Base of an integrator's per-thread state.

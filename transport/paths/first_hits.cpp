@@ -30,7 +30,7 @@ void fill(std::span<const std::uint32_t> which, std::vector<Number>& column, Val
 Vec3 camera_point(const PathContext& context, const Vec3& p) {
     Vec3 result;
     for (int r = 0; r < 3; ++r) {
-        const Real* m = context.world_to_camera[r];
+        const Real* m = context.first_hits.world_to_camera[r];
         result[r] = m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
     }
     return result;
@@ -48,7 +48,7 @@ Vec3 plain_normal(const SceneView& scene, const Ray& ray, const Hit& hit, const 
 
 /// Columns that need the details of a surface (EmbreeScene::details), hit by hit.
 void describe_details(const PathContext& context, const FirstHits& first, geoaovs::ShadingBatch& batch) {
-    const geoaovs::Inputs wanted = context.aovs->inputs();
+    const geoaovs::Inputs wanted = context.first_hits.aovs->inputs();
     const std::span<const std::uint32_t> which = first.which;
     const SurfacePoint* const points = first.points.data();
     const EmbreeScene& geometry = *context.scene.geometry;
@@ -72,7 +72,8 @@ Real edge_distance(const PathContext& context, const Vec3& position, std::span<c
     const Vec3 p = camera_point(context, position);
     if (!(p.z > 0)) return infinity;
     const auto image = [&](const Vec3& q) {
-        return Vec2{(q.x / q.z - p.x / p.z) / context.pixel_size.x, (q.y / q.z - p.y / p.z) / context.pixel_size.y};
+        return Vec2{(q.x / q.z - p.x / p.z) / context.first_hits.pixel_size.x,
+                    (q.y / q.z - p.y / p.z) / context.first_hits.pixel_size.y};
     };
     // Lines stay lines in a perspective image, so the distance to the edge's image is exact.
     const Real near = Real(1e-3) * p.z;
@@ -92,18 +93,19 @@ Real edge_distance(const PathContext& context, const Vec3& position, std::span<c
 
 void write_first_hits(const PathContext& context, const VertexBatch& v, std::span<const std::uint32_t> which,
                       geoaovs::ShadingBatch& batch, display::DisplayServices& display) {
-    if (context.aovs->inputs() == 0 || which.empty()) return;
+    if (context.first_hits.aovs->inputs() == 0 || which.empty()) return;
     describe_first_hits(context, {which, v.rows, v.rays, v.hits, v.points, v.sources, v.bsdfs}, batch);
-    context.aovs->write(batch, display);
+    context.first_hits.aovs->write(batch, display);
 }
 
 void describe_first_hits(const PathContext& context, const FirstHits& first, geoaovs::ShadingBatch& batch) {
-    const geoaovs::Inputs wanted = context.aovs->inputs();
+    const geoaovs::Inputs wanted = context.first_hits.aovs->inputs();
     const std::span<const std::uint32_t> which = first.which;
     const SurfacePoint* const points = first.points.data();
     const EmbreeScene& geometry = *context.scene.geometry;
     batch.resize(static_cast<int>(which.size()), wanted);
-    std::copy(&context.world_to_camera[0][0], &context.world_to_camera[0][0] + 12, &batch.world_to_camera[0][0]);
+    std::copy(&context.first_hits.world_to_camera[0][0], &context.first_hits.world_to_camera[0][0] + 12,
+              &batch.world_to_camera[0][0]);
     const DVec3& origin = geometry.space().origin;
     batch.origin[0] = origin.x, batch.origin[1] = origin.y, batch.origin[2] = origin.z;
     fill(which, batch.row, [&](std::size_t j) { return static_cast<std::int32_t>(first.rows[j]); });

@@ -17,23 +17,38 @@
 
 namespace raylex::transport {
 
-/// The pointers live as long as the render.
+/// What the geometric AOVs of first hits are computed with.
+struct FirstHitSetup {
+    const geoaovs::GeometricAovs* aovs = nullptr;  ///< the geometric AOVs of the render
+    bool pattern_channels = false;                 ///< true: patterns or materials write a channel, so hits are shaded
+    Real world_to_camera[3][4] = {};               ///< rigid part of the camera's transform, for geoaovs::ShadingBatch
+    Vec2 pixel_size;  ///< width and height of a pixel on the plane at distance 1 before the camera
+};
+
+/// What an integrator or a pilot makes LPE services from, on a sample table of its own.
+struct ServicesSetup {
+    std::span<const display::ChannelDefinition> channels;  ///< the channels of the frame buffer
+    const display::LpeSetup* lpe = nullptr;                ///< the automata of these channels
+    std::uint64_t seed = 0;                                ///< keys random choices of the render
+    /// How lobes share the light of a contribution.
+    display::LpeServices::Attribution attribution = display::LpeServices::Attribution::exact;
+
+    [[nodiscard]] display::LpeServices on(display::SampleTable& table) const {
+        return {*lpe, table, seed, attribution};
+    }
+};
+
+/// What paths are followed with; the pointers live as long as the render.
 struct PathContext {
     SceneView scene;
-    const EventTable* events = nullptr;
-    const geoaovs::GeometricAovs* aovs = nullptr;
-    bool pattern_channels = false;    ///< some channel is written by patterns or materials: first hits must be shaded
-    Real world_to_camera[3][4] = {};  ///< rigid part, for geoaovs::ShadingBatch
-    Vec2 pixel_size;                  ///< of a pixel on the plane at distance 1 before the camera
-    bool beauty = true;               ///< false: what no channel can accept need not be simulated (Law 4)
-    int batch_capacity = 0;           ///< most rays of one batch
-    const Camera* camera = nullptr;
-    int width = 0, height = 0;               ///< of the image, in pixels
-    Vec2 filter_radius;                      ///< the distance from the image at which light still counts, in pixels
-    const display::LpeSetup* lpe = nullptr;  ///< for LPE services on a table of one's own
-    const PathPlan* plan = nullptr;          ///< null: as a plan that changes nothing
+    const EventTable* events = nullptr;  ///< path events as the channels see them
+    const PathPlan* plan = nullptr;      ///< null: no path is split, and no technique or light is left out
+    CameraView view;
+    FirstHitSetup first_hits;
+    ServicesSetup services;
+    bool beauty = true;      ///< false: what no channel can accept need not be simulated (Law 4)
+    int batch_capacity = 0;  ///< most rays of one batch
 
-    [[nodiscard]] CameraView view() const { return {camera, width, height, filter_radius}; }
     /// Whether beauty or a channel takes light that was scattered.
     [[nodiscard]] bool takes_scattered_light() const {
         return beauty || (events->any() && events->foresight().at_camera().scatters);

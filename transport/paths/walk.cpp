@@ -30,10 +30,10 @@ Walk<mode>::Walk(const PathContext& context, const WalkOptions& options, PathRec
     if (in_media_) collisions_.resize(capacity);
     if constexpr (mode == TransportMode::radiance) {
         namespace in = geoaovs::inputs;
-        const geoaovs::Inputs inputs = context.aovs->inputs();
-        wants_first_hits_ = inputs != 0 || context.pattern_channels;
+        const geoaovs::Inputs inputs = context.first_hits.aovs->inputs();
+        wants_first_hits_ = inputs != 0 || context.first_hits.pattern_channels;
         // With beauty all of them are shaded for their light, and no test of each is needed.
-        skips_first_closures_ = wants_first_hits_ && !context.beauty && !context.pattern_channels &&
+        skips_first_closures_ = wants_first_hits_ && !context.beauty && !context.first_hits.pattern_channels &&
                                 (inputs & (in::albedo | in::outside_ior)) == 0;
         light_can_be_hit_ = scene_.lights->any_to_hit() || scene_.media->any_emits();
     }
@@ -104,8 +104,8 @@ void Walk<mode>::arrive(std::uint32_t row, const SurfacePoint& point, Real time)
                 path.from_infinity ? 1 : static_cast<double>(path.cosine) * near);
     if (path.depth > 0) return;
     if constexpr (mode == TransportMode::radiance)
-        sums.forward = context_.view().density(context_.camera->importance(point.position, path.from, time),
-                                               point.cosine(point.wo));
+        sums.forward = context_.view.density(context_.view.camera->importance(point.position, path.from, time),
+                                             point.cosine(point.wo));
     else sums.join = first_join(row, point);
 }
 

@@ -39,14 +39,14 @@ std::set<std::int32_t> open_grids(const EmbreeScene& geometry, const MediumTable
 }  // namespace
 
 Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescription& description,
-                                                            const BuildOptions& options) {
+                                                            const MachineSettings& machine, LoadingProgress* progress) {
     const Stopwatch watch;
     std::shared_ptr<BuiltScene> scene(new BuiltScene());
     auto patterns = texture_channels(description);
     if (!patterns) return patterns.error();
     scene->pattern_channels_ = *std::move(patterns);
     const RenderSpace space = RenderSpace::of(description);
-    auto textures = TextureTable::build(description, space, options.threads, options.progress);
+    auto textures = TextureTable::build(description, space, machine.threads, progress);
     if (!textures) return textures.error();
     scene->textures_ = std::move(*textures);
     auto materials = MaterialTable::build(description, scene->textures_);
@@ -55,12 +55,12 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     const auto shutter = shutter_span(description);
     if (!shutter) return shutter.error();
     const auto begin = [&](const char* what) {
-        if (options.progress != nullptr) options.progress->begin(what);
+        if (progress != nullptr) progress->begin(what);
     };
     begin("acceleration structure");
     auto geometry =
         EmbreeScene::build(description, scene->textures_,
-                           {options.isa, options.threads, space, *shutter, scene->materials_.surface_shares()});
+                           {machine.isa, machine.threads, space, *shutter, scene->materials_.surface_shares()});
     if (!geometry) return geometry.error();
     scene->geometry_ = std::make_unique<EmbreeScene>(*std::move(geometry));
     scene->warnings = scene->textures_.warnings();

@@ -13,17 +13,13 @@
 
 namespace raylex::transport {
 
-struct BuildOptions {
-    std::string isa;                      ///< what Embree may use; see RenderSettings
-    int threads = 0;                      ///< that read images and build the acceleration structure; 0 = all
-    LoadingProgress* progress = nullptr;  ///< told of what is read and built, if any
-};
-
 class BuiltScene {
   public:
-    /// Everything is copied or compiled: the description may go afterwards.
+    /// Copies or compiles everything, so the description may go afterwards. Threads of `machine` read images and build
+    /// the acceleration structure. `progress`, where it is not null, receives what is read and built.
     static Result<std::shared_ptr<const BuiltScene>> build(const SceneDescription& description,
-                                                           const BuildOptions& options = {});
+                                                           const MachineSettings& machine = {},
+                                                           LoadingProgress* progress = nullptr);
 
     [[nodiscard]] SceneView view() const {
         return {geometry_.get(), &textures_, &materials_, &lights_, &media_, general_code_, moves_, wavelengths_.get()};

@@ -26,7 +26,7 @@ Result<RenderOutput> refuse_nothing(Result<RenderOutput> output) {
     const RenderStatistics& statistics = output->statistics;
     if (statistics.camera_samples > 0 || statistics.discarded_samples == 0) return output;
     return error_at({},
-                    "there is no image: integrator '" + output->integrator + "' discarded all " +
+                    "there is no image: integrator '" + output->used.integrator + "' discarded all " +
                         std::to_string(statistics.discarded_samples) + " camera samples",
                     "expected discard_iteration() for start-up iterations alone");
 }
@@ -64,7 +64,7 @@ Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& setti
 
 Result<RenderOutput> render(const SceneDescription& scene, const RenderSettings& settings,
                             const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop) {
-    auto built = BuiltScene::build(scene, {settings.isa, settings.threads});
+    auto built = BuiltScene::build(scene, settings.machine);
     if (!built) return built.error();
     return render(scene, **built, settings, progress, stop);
 }

@@ -158,14 +158,14 @@ void leave_out_no_light(Job& job) {
     };
     for (const AovRequest& aov : job.aovs) left("'" + aov.name + "'");
     for (const display::ChannelDefinition& channel : job.declared) left("'" + channel.name + "'");
-    for (const display::LayerRequest& layer : job.settings.layers) left("'" + layer.name + "'");
-    for (const display::RuleRequest& rule : job.settings.rules) left("the rule of '" + rule.channel + "'");
-    if (!job.settings.cryptomatte.empty()) left("cryptomatte");
+    for (const display::LayerRequest& layer : job.settings.channels.layers) left("'" + layer.name + "'");
+    for (const display::RuleRequest& rule : job.settings.channels.rules) left("the rule of '" + rule.channel + "'");
+    if (!job.settings.mattes.kinds.empty()) left("cryptomatte");
     job.aovs.clear();
     job.declared.clear();
-    job.settings.layers.clear();
-    job.settings.rules.clear();
-    job.settings.cryptomatte.clear();
+    job.settings.channels.layers.clear();
+    job.settings.channels.rules.clear();
+    job.settings.mattes.kinds.clear();
 }
 
 int write_layers(const CLI::App& command, display::AtlasFile& atlas, const AskOptions& options,

@@ -14,24 +14,24 @@ Status AtlasOutput::prepare(Job& job, const SceneWords& scene) {
     const AtlasRequest& request = job.outputs.atlas;
     if (request.file.empty()) return success();
     request_ = &request;
-    if (!job.settings.beauty)
+    if (!job.settings.channels.beauty)
         return error_at(request.location,
                         "an atlas splits the beauty, and --no-beauty renders none; expected a render with beauty");
-    if (!job.settings.sample_filters.empty())
+    if (!job.settings.channels.sample_filters.empty())
         return error_at(request.location,
                         "an atlas stores unfiltered light, and sample filter '" +
-                            job.settings.sample_filters.front().type +
+                            job.settings.channels.sample_filters.front().type +
                             "' changes the samples, so the words would not sum to the beauty",
                         "leave out the sample filters or the atlas");
-    if (job.settings.picked_lobes)
+    if (job.settings.labels.picked_lobes)
         return error_at(request.location,
                         "an atlas stores exact shares, and this render picks one lobe at random; expected a render "
                         "without picked lobes");
-    job.settings.words = request.rules;
+    job.settings.labels.words = request.rules;
     // By default words are stored whole. Few paths continue beyond 64 scattering events.
     constexpr int longest_unless_asked = 64;
     if (request.rules.length == 0)
-        job.settings.words->length =
+        job.settings.labels.words->length =
             std::clamp(static_cast<int>(scene.words.max_depth.value_or(longest_unless_asked)), 1, longest_unless_asked);
     scene_record_ = scene_record(scene);
     return success();

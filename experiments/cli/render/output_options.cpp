@@ -24,7 +24,7 @@ Status apply_filters(const OutputOptions& options, Job& job) {
         filter.type = std::move(request->name);
         filter.parameters = std::move(request->parameters);
         filter.location = {"--sample-filter", 0, 0};
-        job.settings.sample_filters.push_back(std::move(filter));
+        job.settings.channels.sample_filters.push_back(std::move(filter));
     }
     for (const std::string& text : options.display_filters) {
         auto request = parse_object_request(text, display::display_filter_registry(), "display filter",

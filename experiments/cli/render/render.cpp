@@ -29,7 +29,7 @@ SourceLocation flag(const std::string& name) {
 }
 
 /// Reads --rule NAME=RULE, --layer NAME=CHANNEL:RULE and --statistics NAME=STATISTIC,...
-Status read_channel_settings(const RenderOptions& options, transport::RenderSettings& settings) {
+Status read_channel_settings(const RenderOptions& options, transport::ChannelSettings& channels) {
     const auto split = [](const std::string& text, const char* option, const char* example) -> Result<std::size_t> {
         const std::size_t equals = text.find('=');
         if (equals != std::string::npos && equals > 0 && equals + 1 < text.size()) return equals;
@@ -40,7 +40,7 @@ Status read_channel_settings(const RenderOptions& options, transport::RenderSett
         if (!equals) return equals.error();
         auto rule = display::parse_rule_request(text.substr(0, *equals), text.substr(*equals + 1), flag("--rule"));
         if (!rule) return rule.error();
-        settings.rules.push_back(std::move(*rule));
+        channels.rules.push_back(std::move(*rule));
     }
     for (const std::string& text : options.layers) {
         auto equals = split(text, "--layer", "nearest=z:zmin");
@@ -52,7 +52,7 @@ Status read_channel_settings(const RenderOptions& options, transport::RenderSett
         auto layer = read_layer_request(text.substr(0, *equals), text.substr(*equals + 1, colon - *equals - 1),
                                         text.substr(colon + 1), flag("--layer"));
         if (!layer) return layer.error();
-        settings.layers.push_back(std::move(*layer));
+        channels.layers.push_back(std::move(*layer));
     }
     for (const std::string& text : options.statistic_layers) {
         auto equals = split(text, "--statistics", "beauty=variance,mse");
@@ -62,7 +62,7 @@ Status read_channel_settings(const RenderOptions& options, transport::RenderSett
             auto layer = display::parse_statistic_request(text.substr(0, *equals), text.substr(begin, end - begin),
                                                           flag("--statistics"));
             if (!layer) return layer.error();
-            settings.statistics.push_back(std::move(*layer));
+            channels.statistics.push_back(std::move(*layer));
             begin = end + 1;
         }
     }
@@ -73,11 +73,11 @@ Status read_sampling(const RenderOptions& options, Job& job) {
     if (!options.until_error.empty()) {
         auto error = parse_tolerance(options.until_error, flag("--until-error"));
         if (!error) return error.error();
-        if (!job.settings.adaptive) job.settings.adaptive.emplace();
-        job.settings.adaptive->error = *error;
-        job.settings.adaptive->location = flag("--until-error");
+        if (!job.settings.stop.adaptive) job.settings.stop.adaptive.emplace();
+        job.settings.stop.adaptive->error = *error;
+        job.settings.stop.adaptive->location = flag("--until-error");
     }
-    if (options.spp && job.settings.adaptive) apply_sample_limit(*options.spp, *job.settings.adaptive);
+    if (options.spp && job.settings.stop.adaptive) apply_sample_limit(*options.spp, *job.settings.stop.adaptive);
     if (!options.time.empty()) {
         auto seconds = parse_interval(options.time, flag("--time"), "render time");
         if (!seconds) return seconds.error();
@@ -144,16 +144,16 @@ Result<transport::SampleChoice> parse_replay(const std::string& text) {
     return error_at(flag("--replay"), "'" + text + "' is not a sample of a pixel; expected X,Y,SAMPLE, such as 12,7,3");
 }
 
-Status read_framing(const RenderOptions& options, transport::RenderSettings& settings) {
+Status read_framing(const RenderOptions& options, transport::FilmOverrides& film) {
     if (!options.resolution.empty()) {
         auto size = parse_resolution(options.resolution, flag("--resolution"));
         if (!size) return size.error();
-        settings.resolution = *size;
+        film.resolution = *size;
     }
     if (!options.crop.empty()) {
         auto crop = parse_crop(options.crop, flag("--crop"));
         if (!crop) return crop.error();
-        settings.crop = *crop;
+        film.crop = *crop;
     }
     return success();
 }
@@ -171,32 +171,32 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     set(options.statistics, job.statistics);
     set(options.ocio, job.ocio_config);
     set(options.rendering_space, job.rendering_space);
-    set(options.isa, job.settings.isa);
+    set(options.isa, job.settings.machine.isa);
     if (job.output.empty()) job.output = std::filesystem::path(options.input).stem().string() + ".exr";
-    if (options.spp) job.settings.samples_per_pixel = *options.spp;
-    if (options.seed) job.settings.seed = *options.seed;
-    if (options.threads) job.settings.threads = *options.threads;
-    if (options.max_depth) job.settings.max_depth = *options.max_depth;
-    if (options.no_beauty) job.settings.beauty = false;
-    if (!options.prune.empty()) job.settings.prune = options.prune == "on";
+    if (options.spp) job.settings.samples.per_pixel = *options.spp;
+    if (options.seed) job.settings.samples.seed = *options.seed;
+    if (options.threads) job.settings.machine.threads = *options.threads;
+    if (options.max_depth) job.settings.paths.max_depth = *options.max_depth;
+    if (options.no_beauty) job.settings.channels.beauty = false;
+    if (!options.prune.empty()) job.settings.paths.prune = options.prune == "on";
     for (const std::string& text : options.effects)
         if (Status added = add_effect_choice(text, flag("--effect"), job.effects); !added) return added.error();
     job.show_effects = options.show_effects;
-    if (!options.filter_mode.empty()) job.settings.splat = options.filter_mode == "splat";
-    if (Status framed = read_framing(options, job.settings); !framed) return framed.error();
+    if (!options.filter_mode.empty()) job.settings.film.splat = options.filter_mode == "splat";
+    if (Status framed = read_framing(options, job.settings.film); !framed) return framed.error();
     if (!options.missing.empty()) {
         auto missing = parse_missing(options.missing, flag("--missing"));
         if (!missing) return missing.error();
         job.missing = *missing;
     }
-    override_entity(options.integrator, "--integrator", job.settings.integrator);
-    override_entity(options.sampler, "--sampler", job.settings.sampler);
-    override_entity(options.filter, "--filter", job.settings.filter);
+    override_entity(options.integrator, "--integrator", job.settings.paths.integrator);
+    override_entity(options.sampler, "--sampler", job.settings.samples.sampler);
+    override_entity(options.filter, "--filter", job.settings.film.filter);
     if (Status outputs = apply_output_options(options.outputs, job); !outputs) return outputs.error();
     if (Status shard = read_shard(options, job); !shard) return shard.error();
     if (Status sampling = read_sampling(options, job); !sampling) return sampling.error();
     if (Status expressions = read_expressions(command, options, job); !expressions) return expressions.error();
-    if (Status settings = read_channel_settings(options, job.settings); !settings) return settings.error();
+    if (Status settings = read_channel_settings(options, job.settings.channels); !settings) return settings.error();
     for (const std::string& text : options.declared) {
         auto channel = display::parse_declared_channel(text, flag("--channel " + text));
         if (!channel) return channel.error();
@@ -204,10 +204,11 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
         job.declared.push_back(*std::move(channel));
     }
     for (const std::string& name : options.aovs) job.aovs.push_back({name, flag("--aov " + name)});
-    if (!options.cryptomatte.empty()) job.settings.cryptomatte.clear();
+    if (!options.cryptomatte.empty()) job.settings.mattes.kinds.clear();
     for (const std::string& name : options.cryptomatte)
-        if (Status added = add_cryptomatte(name, flag("--cryptomatte"), job.settings); !added) return added.error();
-    if (options.cryptomatte_ranks) job.settings.cryptomatte_ranks = *options.cryptomatte_ranks;
+        if (Status added = add_cryptomatte(name, flag("--cryptomatte"), job.settings.mattes); !added)
+            return added.error();
+    if (options.cryptomatte_ranks) job.settings.mattes.ranks = *options.cryptomatte_ranks;
     if (!options.techniques.empty()) {
         auto techniques = parse_techniques(options.techniques, flag("--techniques"));
         if (!techniques) return techniques.error();
@@ -216,7 +217,7 @@ Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
     if (options.replay.empty()) return job;
     auto replay = parse_replay(options.replay);
     if (!replay) return replay.error();
-    job.settings.only = *replay;
+    job.settings.samples.only = *replay;
     return job;
 }
 

@@ -43,7 +43,7 @@ int print_render_commands(const CLI::App& command, const RenderOptions& options,
         return report_error("--shard and --commands exclude each other; --commands prints the commands of all shards");
     const std::string output = absolute_path(job.output), note = left_out_note(job);
     const std::vector<std::string> base = shard_arguments(command, job, arguments, output);
-    const int threads = job.settings.threads;
+    const int threads = job.settings.machine.threads;
     const std::string atlas = job.outputs.atlas.file.empty() ? "" : absolute_path(job.outputs.atlas.file);
     RenderEstimate estimate;
     if (auto code = estimate_render(std::move(job), arguments, !options.commands.no_calibration, estimate))

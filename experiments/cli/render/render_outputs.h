@@ -63,8 +63,7 @@ class RenderOutputs {
     /// Number of layers in the file, including cryptomattes.
     [[nodiscard]] std::size_t layers() const {
         const transport::RenderSettings& settings = job_->settings;
-        return channels_.size() +
-               settings.cryptomatte.size() * static_cast<std::size_t>(settings.cryptomatte_ranks) / 2;
+        return channels_.size() + settings.mattes.kinds.size() * static_cast<std::size_t>(settings.mattes.ranks) / 2;
     }
     [[nodiscard]] const display::DeepBuffer* deep() const { return deep_.get(); }
 

@@ -47,7 +47,7 @@ class RenderRun {
     int run() {
         at_once_.emplace("raylex: interrupted before anything was rendered; no file was written\n");
         if (job_.shard) return run_shard();
-        if (job_.settings.only) {
+        if (job_.settings.samples.only) {
             for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
                 if (const std::optional<int> code = (this->*step)()) return *code;
             return replay();
@@ -58,7 +58,7 @@ class RenderRun {
               &RenderRun::write_statistics})
             if (const std::optional<int> code = (this->*step)()) return *code;
         print_summary({job_, *output_, image_, splits_, deep_, atlas_, beauties_, outputs_.files(), phases_});
-        if (!output_->complete) return interrupt_flag().load() ? exit_interrupted : exit_does_not_hold;
+        if (!output_->samples.complete) return interrupt_flag().load() ? exit_interrupted : exit_does_not_hold;
         if ((deep_ && !deep_->holds) || (atlas_ && !atlas_->holds)) return exit_does_not_hold;
         return std::all_of(splits_.begin(), splits_.end(), [](const display::SplitVerdict& each) { return each.holds; })
                    ? exit_holds
@@ -79,7 +79,7 @@ class RenderRun {
         calibrate = calibrate && !job_.settings.buckets;
         job_.settings.buckets.reset();
         constexpr double seconds = 2;
-        job_.settings.limit = transport::SampleLimit{seconds, 0, 0};
+        job_.settings.stop.limit = transport::SampleLimit{.seconds = seconds};
         double pixels = 0;
         std::uint64_t image_bytes = 0;
         job_.settings.before_rendering = [&](const transport::RenderPlan& plan, std::vector<display::SampleSink*>&) {
@@ -161,7 +161,7 @@ class RenderRun {
             for (const std::string& line : job_.show_effects ? effect_table(loaded_->effects, job_.effects)
                                                              : effect_summary(loaded_->effects, job_.effects))
                 print_line(line);
-        if (!job_.settings.only)
+        if (!job_.settings.samples.only)
             if (Status made = outputs_.make(job_, loaded_->color); !made) return report_error(made.error());
         phases_["load"] = clock.elapsed();
         return interrupted_early();
@@ -170,8 +170,7 @@ class RenderRun {
     /// Builds the scene once. The plan and the render share its tables, so no image or grid is read twice.
     Step build() {
         LoadingLine loading;
-        auto built = transport::BuiltScene::build(loaded_->scene,
-                                                  {job_.settings.isa, job_.settings.threads, loading.progress()});
+        auto built = transport::BuiltScene::build(loaded_->scene, job_.settings.machine, loading.progress());
         loading.finish();
         if (!built) return report_error(built.error());
         built_ = std::move(*built);
@@ -226,14 +225,14 @@ class RenderRun {
             return exit_does_not_hold;
         }
         warn_of_single_samples();
-        if (!job_.settings.beauty && plan->channels.empty())
+        if (!job_.settings.channels.beauty && plan->channels.empty())
             return report_error("--no-beauty leaves nothing to render; expected at least one --lpe or --aov as well");
-        job_.settings.channels = plan->channels;
+        job_.settings.channels.list = plan->channels;
         if (!quiet_)
             for (const std::string& line :
-                 job_.show_effects ? aov_table(job_.settings.channels) : aov_summary(job_.settings.channels))
+                 job_.show_effects ? aov_table(job_.settings.channels.list) : aov_summary(job_.settings.channels.list))
                 print_line(line);
-        if (!job_.settings.only)
+        if (!job_.settings.samples.only)
             if (Status atlas = outputs_.atlas().prepare(job_, *words); !atlas) return report_error(atlas.error());
         partitions_ = plan->partitions;
         beauties_ = plan->beauties;
@@ -245,7 +244,7 @@ class RenderRun {
     void warn_of_single_samples() {
         const auto samples = samples_of_job(job_, loaded_->scene);
         if (!samples || *samples > 1) return;
-        for (const display::StatisticRequest& request : job_.settings.statistics)
+        for (const display::StatisticRequest& request : job_.settings.channels.statistics)
             if (request.statistic != display::Statistic::even)
                 warn("the variance of one sample per pixel is unknown: the layer '" + request.channel + "_" +
                      display::statistic_name(request.statistic) + "' will be black; expected --spp of at least 2");
@@ -271,11 +270,11 @@ class RenderRun {
 
     /// Removes the checkpoint. Call it only after all files are written.
     void remove_checkpoint() {
-        if (!output_->complete || (job_.checkpoint_seconds == 0 && !output_->bands)) return;
-        const Status removed = output_->bands ? transport::remove_buckets(checkpoint_file(job_))
-                                              : display::remove_file(checkpoint_file(job_));
+        if (!output_->samples.complete || (job_.checkpoint_seconds == 0 && !output_->buckets.image)) return;
+        const Status removed = output_->buckets.image ? transport::remove_buckets(checkpoint_file(job_))
+                                                      : display::remove_file(checkpoint_file(job_));
         if (!removed) warn(removed.error().to_string());
-        output_->bands.reset();  // frees the band in memory before the file is read
+        output_->buckets.image.reset();  // frees the band in memory before the file is read
     }
 
     Step render() {
@@ -313,7 +312,7 @@ class RenderRun {
         phases_["prepare"] = {statistics.prepare_seconds, statistics.prepare_cpu_seconds};
         phases_["render"] = {statistics.render_seconds, statistics.render_cpu_seconds};
         if (statistics.invalid_samples > 0) warn(text_of_invalid(job_, *output_, arguments_));
-        if (!output_->complete && statistics.camera_samples == 0) {
+        if (!output_->samples.complete && statistics.camera_samples == 0) {
             if (interrupt_flag().load()) return interrupted_early();
             print_warning(
                 "the time ended before any sample was finished; no file was written. Expected more time, or shorter "
@@ -325,13 +324,13 @@ class RenderRun {
 
     /// Renders one sample of one pixel and prints it; writes no file. Returns exit code 1 if a value is rejected.
     int replay() {
-        const transport::SampleChoice& only = *job_.settings.only;
+        const transport::SampleChoice& only = *job_.settings.samples.only;
         auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
         if (!output) return report_error(output.error());
         const transport::RenderStatistics& statistics = output->statistics;
         const std::span<const display::ChannelDefinition> channels = output->frame_buffer.channels();
         print_line("pixel (" + std::to_string(only.x) + ", " + std::to_string(only.y) + "), sample " +
-                   std::to_string(only.sample) + ", seed " + std::to_string(output->seed) + ": " +
+                   std::to_string(only.sample) + ", seed " + std::to_string(output->used.seed) + ": " +
                    std::to_string(statistics.invalid_samples) + " contributions or values rejected");
         const auto triple = [](double r, double g, double b) {
             return "(" + number_text(r) + ", " + number_text(g) + ", " + number_text(b) + ")";
@@ -339,7 +338,7 @@ class RenderRun {
         for (const display::InvalidSample& each : statistics.invalid_log)
             print_line("  refused: " + triple(each.value.r, each.value.g, each.value.b) +
                        (each.channel >= 0 ? " for " + channels[static_cast<std::size_t>(each.channel)].name : ""));
-        const bool inside = only.x >= 0 && only.y >= 0 && only.x < output->width && only.y < output->height;
+        const bool inside = only.x >= 0 && only.y >= 0 && only.x < output->view.width && only.y < output->view.height;
         for (std::size_t i = 0; inside && i < channels.size(); ++i) {
             const std::vector<double> value = output->frame_buffer.resolve(static_cast<display::ChannelId>(i),
                                                                            {only.x, only.y, only.x + 1, only.y + 1});
@@ -360,7 +359,7 @@ class RenderRun {
 
     int report_unwritten(Error error) const {
         std::error_code failed;
-        if ((job_.checkpoint_seconds > 0 || output_->bands) && fs::exists(checkpoint_file(job_), failed))
+        if ((job_.checkpoint_seconds > 0 || output_->buckets.image) && fs::exists(checkpoint_file(job_), failed))
             error.hint += "\n" + checkpoint_file(job_) + (job_.shard ? ": the same command" : ": --resume") +
                           " continues from here";
         return report_error(error);
@@ -368,7 +367,7 @@ class RenderRun {
 
     Step write_shard() {
         const PhaseClock clock;
-        if (!output_->complete) {
+        if (!output_->samples.complete) {
             print_line(shard_->record() + ": " + shard_->text() +
                        ", INTERRUPTED; the same command continues from here");
             return exit_interrupted;
@@ -406,7 +405,7 @@ class RenderRun {
         if (!file) return report_error(file.error());
         image_ = file->image();
         if (const std::string repaired = repaired_text(image_.attributes); !repaired.empty()) warn(repaired);
-        if (!output_->complete && interrupt_flag().load()) return go_on;
+        if (!output_->samples.complete && interrupt_flag().load()) return go_on;
         if (!image_.partitions.empty()) {
             auto verdicts = display::check_declared_splits(*file);
             if (!verdicts) return report_error(verdicts.error());

@@ -16,21 +16,22 @@ namespace fs = std::filesystem;
 
 void print_sampling(const RenderSummary& of) {
     const std::uint64_t samples = of.output.statistics.camera_samples;
-    if (of.output.resumed_samples > 0)
-        print_line("resumed from a checkpoint with " + std::to_string(of.output.resumed_samples) +
-                   (of.output.complete ? " of " + std::to_string(samples) : std::string()) + " samples");
-    if (of.job.settings.limit && of.output.complete)
-        print_line("time: " + std::to_string(of.output.samples_per_pixel) + " samples per pixel; --spp " +
-                   std::to_string(of.output.samples_per_pixel) + " renders the same bits");
-    if (!of.output.adaptive) return;
-    const double pixels = static_cast<double>(of.output.width) * static_cast<double>(of.output.height);
+    if (of.output.samples.resumed > 0)
+        print_line("resumed from a checkpoint with " + std::to_string(of.output.samples.resumed) +
+                   (of.output.samples.complete ? " of " + std::to_string(samples) : std::string()) + " samples");
+    if (of.job.settings.stop.limit && of.output.samples.complete)
+        print_line("time: " + std::to_string(of.output.samples.per_pixel) + " samples per pixel; --spp " +
+                   std::to_string(of.output.samples.per_pixel) + " renders the same bits");
+    if (!of.output.samples.adaptive) return;
+    const double pixels = static_cast<double>(of.output.view.width) * static_cast<double>(of.output.view.height);
     std::string line =
         "adaptive: " + number_text(static_cast<double>(samples) / pixels, 6) + " samples per pixel on average";
-    if (!of.output.adaptive->channel.empty())
-        line += ", error of " + of.output.adaptive->channel + " " + number_text(100 * of.output.adaptive->error) + " %";
-    if (const std::uint64_t missed = of.output.unconverged_pixels; missed > 0)
-        line += "; " + std::to_string(missed) + " pixels are above " + number_text(100 * of.output.adaptive->target) +
-                " % at the maximum number of samples";
+    if (!of.output.samples.adaptive->channel.empty())
+        line += ", error of " + of.output.samples.adaptive->channel + " " +
+                number_text(100 * of.output.samples.adaptive->error) + " %";
+    if (const std::uint64_t missed = of.output.samples.unconverged_pixels; missed > 0)
+        line += "; " + std::to_string(missed) + " pixels are above " +
+                number_text(100 * of.output.samples.adaptive->target) + " % at the maximum number of samples";
     print_line(line);
 }
 
@@ -52,21 +53,22 @@ void print_summary(const RenderSummary& of) {
     print_written_verdicts(of);
     if (of.deep) print_verdict(deep_line(*of.deep), of.deep->holds);
     if (of.atlas) {
-        const auto pixels = static_cast<std::uint64_t>(of.output.width) * static_cast<std::uint64_t>(of.output.height);
+        const auto pixels =
+            static_cast<std::uint64_t>(of.output.view.width) * static_cast<std::uint64_t>(of.output.view.height);
         print_verdict(atlas_line(*of.atlas, pixels), of.atlas->holds);
     }
     std::error_code failed;
     const auto bytes = fs::file_size(of.job.output, failed);
-    std::string line = of.job.output + ": " + std::to_string(of.output.width) + "x" + std::to_string(of.output.height) +
-                       ", " + std::to_string(of.image.layers.size()) +
+    std::string line = of.job.output + ": " + std::to_string(of.output.view.width) + "x" +
+                       std::to_string(of.output.view.height) + ", " + std::to_string(of.image.layers.size()) +
                        (of.image.layers.size() == 1 ? " layer, " : " layers, ") +
                        size_text(failed ? 0.0 : static_cast<double>(bytes));
-    if (!of.output.complete)
+    if (!of.output.samples.complete)
         line += interrupt_flag().load()
                     ? "; INCOMPLETE: interrupted"
                     : "; INCOMPLETE: the time ended before all pixels had the same number of samples";
     print_line(line);
-    if (!of.output.complete && (of.job.checkpoint_seconds > 0 || of.output.bands) &&
+    if (!of.output.samples.complete && (of.job.checkpoint_seconds > 0 || of.output.buckets.image) &&
         fs::exists(checkpoint_file(of.job), failed))
         print_line(checkpoint_file(of.job) + ": --resume continues from here");
     print_sampling(of);

@@ -125,9 +125,7 @@ int check_scene(const SceneCheckOptions& options) {
         const auto scene = transport::import_pbrt(
             options.input,
             {.missing = transport::MissingFiles::placeholders, .threads = 0, .progress = loading.progress()});
-        const auto built =
-            scene ? transport::BuiltScene::build(*scene, {.isa = {}, .threads = 0, .progress = loading.progress()})
-                  : scene.error();
+        const auto built = scene ? transport::BuiltScene::build(*scene, {}, loading.progress()) : scene.error();
         loading.finish();
         if (!scene) return report_error(scene.error());
         print_warnings(scene->warnings);

@@ -37,18 +37,18 @@ std::array<int, 2> picture_size(const SceneFacts& facts, int side) {
 Status write_picture(const transport::BuiltScene& scene, const transport::SceneDescription& description,
                      const SceneFacts& facts, const SceneInfoOptions& options) {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = options.picture_samples;
-    settings.resolution = picture_size(facts, options.picture_side);
+    settings.samples.per_pixel = options.picture_samples;
+    settings.film.resolution = picture_size(facts, options.picture_side);
     auto output = render(scene, settings, {}, &interrupt_flag());
     if (!output) return output.error();
     const std::vector<double> pixels =
-        output->frame_buffer.resolve(output->beauty, {0, 0, output->width, output->height});
+        output->frame_buffer.resolve(output->beauty, {0, 0, output->view.width, output->view.height});
     const std::vector<float> rgb(pixels.begin(), pixels.end());
     const auto color = display::ColorManager::open();
     if (!color) return color.error();
     const auto shown = color->to_display(rgb, chromaticities_of(description.color.scene_space), {}, {});
     if (!shown) return shown.error();
-    return display::write_png(options.picture, output->width, output->height, *shown);
+    return display::write_png(options.picture, output->view.width, output->view.height, *shown);
 }
 
 int tell_of(const SceneInfoOptions& options) {
@@ -62,7 +62,7 @@ int tell_of(const SceneInfoOptions& options) {
     facts.read_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     std::shared_ptr<const transport::BuiltScene> built;
     if (!options.without_build) {
-        auto made = transport::BuiltScene::build(*scene, {.isa = {}, .progress = loading.progress()});
+        auto made = transport::BuiltScene::build(*scene, {}, loading.progress());
         if (!made) return loading.finish(), report_error(made.error());
         built = *made;
         add_built_facts(*built, facts);

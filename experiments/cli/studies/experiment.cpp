@@ -38,7 +38,7 @@ int with_config(const ExperimentOptions& options, Work work) {
     if (!config) return report_error(config.error());
     // The folder of references and the number of threads change neither the rendered bits nor the hash of the config.
     if (!options.references.empty()) config->reference.cache = absolute_path(options.references);
-    if (options.threads > 0) config->base.settings.threads = static_cast<int>(options.threads);
+    if (options.threads > 0) config->base.settings.machine.threads = static_cast<int>(options.threads);
     Shard shard;
     if (!options.shard.empty()) {
         auto parsed = parse_shard(options.shard, {"--shard", 0, 0});

@@ -64,11 +64,11 @@ std::string techniques_text(const TechniqueRequest& request) {
 std::string asked_text(const Job& job, const std::map<std::string, std::string>& rules) {
     std::vector<std::string> aovs, mattes;
     for (const AovRequest& each : job.aovs) aovs.push_back(each.name);
-    for (const geoaovs::MatteKind kind : job.settings.cryptomatte)
+    for (const geoaovs::MatteKind kind : job.settings.mattes.kinds)
         mattes.push_back(lower_case(geoaovs::matte_layer(kind).substr(std::string_view("Crypto").size())));
     std::string text = aovs.empty() ? "" : "aovs = " + list_text(aovs) + "\n";
     if (!mattes.empty()) text += "cryptomatte = " + list_text(mattes) + "\n";
-    if (const int ranks = job.settings.cryptomatte_ranks; ranks != geoaovs::Cryptomatte::default_ranks)
+    if (const int ranks = job.settings.mattes.ranks; ranks != geoaovs::Cryptomatte::default_ranks)
         text += "cryptomatte_ranks = " + std::to_string(ranks) + "\n";
     std::string pairs;
     for (const auto& [channel, rule] : rules)
@@ -106,7 +106,7 @@ std::string channel_texts(const ChannelSet& set, const Job& job, LayerNames& nam
     for (const display::ChannelDefinition& each : job.declared)
         text += "\n[[channel]]\nname = " + lpe::quoted(each.name) +
                 "\ntype = " + lpe::quoted(display::type_name(each.type)) + "\n";
-    for (const display::LayerRequest& each : job.settings.layers)
+    for (const display::LayerRequest& each : job.settings.channels.layers)
         text += "\n[[layer]]\nname = " + lpe::quoted(each.name) + "\nchannel = " + lpe::quoted(each.channel) +
                 "\nrule = " + lpe::quoted(display::rule_name(each.rule)) + "\n";
     return text;
@@ -128,10 +128,11 @@ Result<std::string> toml_text(const ChannelSet& set, std::vector<std::string>& w
     for (const lpe::LobeOption& option : set.file.lobe_options)
         text += option.slot + " = " + lpe::quoted(option.names) + "\n";
     SettingsOf statistics;
-    for (const display::StatisticRequest& each : job.settings.statistics)
+    for (const display::StatisticRequest& each : job.settings.channels.statistics)
         statistics[each.channel].emplace_back(display::statistic_name(each.statistic));
     std::map<std::string, std::string> rules;
-    for (const display::RuleRequest& each : job.settings.rules) rules[each.channel] = display::rule_name(each.rule);
+    for (const display::RuleRequest& each : job.settings.channels.rules)
+        rules[each.channel] = display::rule_name(each.rule);
     LayerNames names;
     const std::string channels = channel_texts(set, job, names, statistics, rules);
     if (const std::string asked = asked_text(job, rules); !asked.empty()) {
@@ -241,9 +242,9 @@ lpe::ChannelFile as_channels(const ChannelSet& set, lpe::ChannelFormat format, s
         add(each.channel, each.channel + "_" + kind, "\"string statistics\" [\"" + kind + "\"]");
     }
     for (const Job& job : set.tables) {
-        for (const display::LayerRequest& each : job.settings.layers)
+        for (const display::LayerRequest& each : job.settings.channels.layers)
             add(each.channel, each.name, filter_parameter(each.rule));
-        for (const display::RuleRequest& each : job.settings.rules)
+        for (const display::RuleRequest& each : job.settings.channels.rules)
             for (auto* list : {&file.channels, &file.other_channels})
                 for (lpe::FileChannel& channel : *list)
                     if (channel.source.name == each.channel) channel.parameters.push_back(filter_parameter(each.rule));

@@ -181,7 +181,7 @@ class Planner {
                 if (!fits) return fits;
                 in_partition_[name] = true;
             }
-            if (request.of.empty() && !job_.settings.beauty)
+            if (request.of.empty() && !job_.settings.channels.beauty)
                 return error_at(request.location, "partition '" + request.name +
                                                       "' splits the beauty, which this render does not have; expected "
                                                       "of = \"channel\", or no --no-beauty");
@@ -196,7 +196,7 @@ class Planner {
     }
 
     [[nodiscard]] const display::RuleRequest* rule_of(const std::string& name) const {
-        for (const display::RuleRequest& request : job_.settings.rules)
+        for (const display::RuleRequest& request : job_.settings.channels.rules)
             if (request.channel == name && request.rule != display::FilterRule::filter) return &request;
         return nullptr;
     }
@@ -253,7 +253,7 @@ class Planner {
 
     /// Adds a `rest` layer for channels of the job that belong to no declared partition, if no path is in two of them.
     Status automatic_rest() {
-        if (!job_.settings.beauty) return success();
+        if (!job_.settings.channels.beauty) return success();
         std::vector<std::string> members;
         for (const ExpressionRequest& request : job_.expressions)
             if (!no_part_.contains(request.name) && !in_partition_.contains(request.name) && !rule_of(request.name) &&
@@ -297,7 +297,7 @@ class Planner {
             if (!added) return added;
             sources_.back() = std::move(source);
         }
-        if (!job_.settings.beauty) return success();  // no layer to sum to
+        if (!job_.settings.channels.beauty) return success();  // no layer to sum to
         return prove(declared);
     }
 
@@ -375,7 +375,7 @@ class Planner {
                 if (Status added = add(beyond, beyond); !added) return added;
                 partition.layers.push_back(name + "_" + beyond);
             }
-            if (name != "beauty" || job_.settings.beauty) plan_.partitions.push_back(std::move(partition));
+            if (name != "beauty" || job_.settings.channels.beauty) plan_.partitions.push_back(std::move(partition));
         }
         return success();
     }

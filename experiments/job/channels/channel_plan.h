@@ -13,7 +13,7 @@
 namespace raylex::experiments {
 
 struct ChannelPlan {
-    std::vector<display::ChannelDefinition> channels;       ///< for RenderSettings::channels
+    std::vector<display::ChannelDefinition> channels;       ///< for ChannelSettings::list
     std::vector<display::PartitionDeclaration> partitions;  ///< proved partitions, for the file's header
     std::vector<std::string>
         notes;  ///< notes for the user before the render: why there is no `rest` layer, channels without paths

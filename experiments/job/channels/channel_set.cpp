@@ -36,7 +36,7 @@ Status add_toml(const std::string& text, const std::string& path, ChannelSet& se
     set.file.macros.insert(set.file.macros.end(), job->macros.list().begin(), job->macros.list().end());
     set.file.lobe_options.insert(set.file.lobe_options.end(), job->lobe_options.begin(), job->lobe_options.end());
     set.partitions.insert(set.partitions.end(), job->partitions.begin(), job->partitions.end());
-    const std::vector<display::StatisticRequest>& statistics = job->settings.statistics;
+    const std::vector<display::StatisticRequest>& statistics = job->settings.channels.statistics;
     set.statistics.insert(set.statistics.end(), statistics.begin(), statistics.end());
     set.aovs.insert(set.aovs.end(), job->aovs.begin(), job->aovs.end());
     job->job_text = text;
@@ -112,7 +112,7 @@ void add_statistic(const ChannelSet& set, const lpe::FileChannel& channel, Job& 
             of = other.source.name;
     for (const ExpressionRequest& other : job.expressions)
         if (of.empty() && other.expression == source.expression && other.dialect == source.dialect) of = other.name;
-    if (of == "beauty" && !job.settings.beauty) of.clear();
+    if (of == "beauty" && !job.settings.channels.beauty) of.clear();
     const std::string who = "channel '" + source.name + "' of " + source.origin + " contains statistics (" + statistic;
     if (of.empty()) {
         warnings.push_back(who + ") of an expression that no other channel has; it is left out");
@@ -121,7 +121,7 @@ void add_statistic(const ChannelSet& set, const lpe::FileChannel& channel, Job& 
     auto request =
         display::parse_statistic_request(of, statistic, {source.origin, source.origin_line, source.origin_column});
     if (!request) return warnings.push_back(request.error().to_string());
-    const bool twice = !add_once(*std::move(request), job.settings.statistics);
+    const bool twice = !add_once(*std::move(request), job.settings.channels.statistics);
     const std::string layer = of + "_" + statistic;
     if (twice || layer != source.name) warnings.push_back(who + ") of '" + of + "': it is the layer '" + layer + "'");
 }
@@ -141,17 +141,17 @@ bool add_parameters(const lpe::FileChannel& channel, const std::string& name, Jo
         const std::size_t end = each.rfind('"'), begin = end == 0 ? end : each.rfind('"', end - 1);
         auto rule = display::parse_rule_request(name, begin < end ? each.substr(begin + 1, end - begin - 1) : "",
                                                 {source.origin, source.origin_line, source.origin_column});
-        const bool known = std::any_of(job.settings.rules.begin(), job.settings.rules.end(),
+        const bool known = std::any_of(job.settings.channels.rules.begin(), job.settings.channels.rules.end(),
                                        [&](const display::RuleRequest& other) { return other.channel == name; });
         const bool filter = parameter == "filter" || parameter.ends_with(":filter");
         const bool light_or_aov = !name.empty() && lpe::statistics_of(channel).empty();
         if (!filter || !light_or_aov || !rule || rule->rule == display::FilterRule::filter || (known && !beside)) {
             lpe::leave_out(channel, each, left);
         } else if (beside) {
-            job.settings.layers.push_back({source.name, name, rule->rule, rule->location});
+            job.settings.channels.layers.push_back({source.name, name, rule->rule, rule->location});
             further = true;
         } else {
-            job.settings.rules.push_back(*std::move(rule));
+            job.settings.channels.rules.push_back(*std::move(rule));
         }
     }
     return further;
@@ -161,14 +161,14 @@ bool add_parameters(const lpe::FileChannel& channel, const std::string& name, Jo
 void add_tables(const ChannelSet& set, Job& job) {
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     for (const Job& from : set.tables) {
-        append(job.settings.rules, from.settings.rules);
-        append(job.settings.layers, from.settings.layers);
+        append(job.settings.channels.rules, from.settings.channels.rules);
+        append(job.settings.channels.layers, from.settings.channels.layers);
         append(job.declared, from.declared);
-        for (const geoaovs::MatteKind kind : from.settings.cryptomatte)
-            if (std::count(job.settings.cryptomatte.begin(), job.settings.cryptomatte.end(), kind) == 0)
-                job.settings.cryptomatte.push_back(kind);
-        if (from.settings.cryptomatte_ranks != geoaovs::Cryptomatte::default_ranks)
-            job.settings.cryptomatte_ranks = from.settings.cryptomatte_ranks;
+        for (const geoaovs::MatteKind kind : from.settings.mattes.kinds)
+            if (std::count(job.settings.mattes.kinds.begin(), job.settings.mattes.kinds.end(), kind) == 0)
+                job.settings.mattes.kinds.push_back(kind);
+        if (from.settings.mattes.ranks != geoaovs::Cryptomatte::default_ranks)
+            job.settings.mattes.ranks = from.settings.mattes.ranks;
         job.shipped_partition |= from.shipped_partition;
         job.light_groups |= from.light_groups;
         if (from.techniques) job.techniques = from.techniques;
@@ -292,7 +292,7 @@ Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& war
     for (const lpe::ChannelSource& macro : set.file.macros)
         if (Status added = job.macros.add(macro); !added) return added;
     for (const lpe::LobeOption& option : set.file.lobe_options) {
-        if (Status filled = job.settings.lobe_slots.set(option); !filled) return filled;
+        if (Status filled = job.settings.labels.lobe_slots.set(option); !filled) return filled;
         job.lobe_options.push_back(option);
     }
     lpe::LeftOut settings;
@@ -318,7 +318,7 @@ Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& war
     }
     job.partitions.insert(job.partitions.end(), set.partitions.begin(), set.partitions.end());
     job.aovs.insert(job.aovs.end(), set.aovs.begin(), set.aovs.end());
-    for (const display::StatisticRequest& each : set.statistics) add_once(each, job.settings.statistics);
+    for (const display::StatisticRequest& each : set.statistics) add_once(each, job.settings.channels.statistics);
     add_tables(set, job);
     std::vector<std::string> of_others;
     add_others(set, job, settings, of_others);
@@ -327,8 +327,8 @@ Status add_to_job(const ChannelSet& set, Job& job, std::vector<std::string>& war
                            lpe::left_out_text(settings));
     warnings.insert(warnings.end(), of_others.begin(), of_others.end());
     const bool asks = std::any_of(set.tables.begin(), set.tables.end(), [](const Job& each) {
-        return !each.declared.empty() || !each.settings.layers.empty() || !each.settings.cryptomatte.empty() ||
-               each.shipped_partition || each.light_groups || each.techniques;
+        return !each.declared.empty() || !each.settings.channels.layers.empty() ||
+               !each.settings.mattes.kinds.empty() || each.shipped_partition || each.light_groups || each.techniques;
     });
     if (set.file.channels.empty() && !asks && job.aovs.size() == aovs)
         return error_at({"--channels", 0, 0},

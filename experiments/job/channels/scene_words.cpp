@@ -20,9 +20,9 @@ lpe::Words SceneWords::with_user_events() const {
 
 Result<SceneWords> scene_words(const Job& job, const transport::SceneDescription& scene,
                                const transport::BuiltScene* built) {
-    const lpe::LobeSlots& slots = job.settings.lobe_slots;
-    auto chosen = transport::choose_integrator(transport::integrator_for(job.settings.integrator, scene.integrator),
-                                               job.settings.max_depth);
+    const lpe::LobeSlots& slots = job.settings.labels.lobe_slots;
+    auto chosen = transport::choose_integrator(
+        transport::integrator_for(job.settings.paths.integrator, scene.integrator), job.settings.paths.max_depth);
     if (!chosen) return chosen.error();
     const transport::IntegratorTraits traits = chosen->integrator->traits();
     Result<transport::SceneAlphabet> alphabet =
@@ -42,7 +42,7 @@ Result<SceneWords> scene_words(const Job& job, const transport::SceneDescription
         for (const std::string& label : result.alphabet.object_labels)
             for (std::size_t i = 0; i < transport::user_lobes.size(); ++i)
                 result.user.push_back(
-                    transport::user_event(label, static_cast<transport::UserLobe>(i), job.settings.lobe_slots));
+                    transport::user_event(label, static_cast<transport::UserLobe>(i), job.settings.labels.lobe_slots));
     const auto is_holdout = [](const transport::SceneShape& shape) { return shape.holdout; };
     result.holdouts = std::any_of(scene.shapes.begin(), scene.shapes.end(), is_holdout);
     for (const transport::SceneObject& object : scene.objects)

@@ -52,7 +52,7 @@ Result<std::unique_ptr<JobScene>> finish_job_scene(const Job& job, std::unique_p
 Result<std::unique_ptr<JobScene>> load_job_scene(const Job& job, transport::LoadingProgress* progress) {
     auto loaded = begin_job_scene(job);
     if (!loaded) return loaded;
-    auto scene = transport::import_pbrt(job.scene_file, {job.missing, job.settings.threads, progress});
+    auto scene = transport::import_pbrt(job.scene_file, {job.missing, job.settings.machine.threads, progress});
     if (!scene) return scene.error();
     (*loaded)->scene = std::move(*scene);
     return finish_job_scene(job, *std::move(loaded));
@@ -75,12 +75,13 @@ void ask_for_film_layers(const transport::SceneEntity& film, Job& job) {
 
 std::optional<std::string> ask_for_film_clamp(const transport::SceneDescription& scene, Job& job) {
     const Parameter* limit = scene.film.parameters.find("maxcomponentvalue");
-    if (limit == nullptr || !job.settings.sample_filters.empty()) return std::nullopt;
+    if (limit == nullptr || !job.settings.channels.sample_filters.empty()) return std::nullopt;
     const std::string ignored = "the film's maxcomponentvalue is ignored: ";
-    if (!job.settings.beauty) return ignored + "it limits the beauty of a sample, and there is no beauty";
+    if (!job.settings.channels.beauty)
+        return ignored + "it limits the beauty of a sample, and there is no beauty";
     if (!job.outputs.atlas.file.empty()) return ignored + "an atlas stores unfiltered light";
     const auto chosen = transport::choose_integrator(
-        transport::integrator_for(job.settings.integrator, scene.integrator), job.settings.max_depth);
+        transport::integrator_for(job.settings.paths.integrator, scene.integrator), job.settings.paths.max_depth);
     if (chosen && chosen->integrator->traits().raster_splats && !chosen->integrator->traits().pixel_samples)
         return ignored + "splatted light has no samples";
     transport::SceneEntity clamp;
@@ -96,7 +97,7 @@ std::optional<std::string> ask_for_film_clamp(const transport::SceneDescription&
     measure.location = limit->location;
     for (const auto& row : to_measured) measure.numbers.insert(measure.numbers.end(), row.begin(), row.end());
     clamp.parameters.parameters.push_back(std::move(measure));
-    job.settings.sample_filters.push_back(std::move(clamp));
+    job.settings.channels.sample_filters.push_back(std::move(clamp));
     return std::nullopt;
 }
 
@@ -128,12 +129,12 @@ display::ImageDescription image_description(const Job& job, const JobScene& scen
         description.data_parts.push_back(
             {matte.name(), matte.planes(), matte.attributes(),
              [&matte](const display::PixelRegion& rows) { return matte.values(rows.y0, rows.y1); }});
-    description.world_to_camera = output.world_to_camera;
-    description.world_to_screen = output.world_to_screen;
-    description.complete = output.complete;
+    description.world_to_camera = output.view.world_to_camera;
+    description.world_to_screen = output.view.world_to_screen;
+    description.complete = output.samples.complete;
     description.storage = job.outputs.storage;
     description.single_part = job.outputs.single_part;
-    description.data_window = output.crop;
+    description.data_window = output.view.crop;
     return description;
 }
 

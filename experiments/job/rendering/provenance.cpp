@@ -67,7 +67,7 @@ std::string shell_command(const std::vector<std::string>& arguments) {
 std::string replay_command(const Job& job, const transport::RenderOutput& output,
                            const std::vector<std::string>& arguments, const display::InvalidSample& sample) {
     std::vector<std::string> again = arguments;
-    if (job.settings.isa.empty()) again.insert(again.end(), {"--isa", output.isa});
+    if (job.settings.machine.isa.empty()) again.insert(again.end(), {"--isa", output.used.isa});
     again.insert(again.end(), {"--replay", std::to_string(sample.pixel_x) + "," + std::to_string(sample.pixel_y) + "," +
                                                std::to_string(sample.sample)});
     return shell_command(again);
@@ -84,16 +84,16 @@ std::map<std::string, std::string> header_attributes(const Job& job, const trans
         {"raylex/time", utc_time()},
         {"raylex/command", shell_command(arguments)},
         {"raylex/scene", job.scene_file},
-        {"raylex/seed", std::to_string(output.seed)},
-        {"raylex/samples_per_pixel", std::to_string(output.samples_per_pixel)},
+        {"raylex/seed", std::to_string(output.used.seed)},
+        {"raylex/samples_per_pixel", std::to_string(output.samples.per_pixel)},
         {"raylex/camera_samples", std::to_string(output.statistics.camera_samples)},
-        {"raylex/threads", std::to_string(output.threads)},
-        {"raylex/isa", output.isa},
+        {"raylex/threads", std::to_string(output.used.threads)},
+        {"raylex/isa", output.used.isa},
         {"raylex/arithmetic", transport::real_is_double ? "double" : "float"},
-        {"raylex/integrator", output.integrator},
-        {"raylex/sampler", output.sampler},
-        {"raylex/filter", output.filter},
-        {"raylex/filter_mode", output.splat ? "splat" : "importance"},
+        {"raylex/integrator", output.used.integrator},
+        {"raylex/sampler", output.used.sampler},
+        {"raylex/filter", output.used.filter},
+        {"raylex/filter_mode", output.used.splat ? "splat" : "importance"},
         {"raylex/color_config", color_config},
     };
     for (const transport::LoadedPlugin& plugin : transport::loaded_plugins()) {
@@ -102,11 +102,12 @@ std::map<std::string, std::string> header_attributes(const Job& job, const trans
     }
     if (const std::uint64_t paths = output.frame_buffer.light_path_count(); paths > 0)
         attributes["raylex/light_paths"] = std::to_string(paths);
-    if (output.light_magnitude > 0) attributes[display::light_magnitude] = number_text(output.light_magnitude);
-    if (output.bands) attributes["raylex/buckets"] = std::to_string(output.buckets.size());
-    if (job.settings.adaptive) attributes["raylex/adaptive"] = describe(*job.settings.adaptive);
+    if (output.sums.light_magnitude > 0)
+        attributes[display::light_magnitude] = number_text(output.sums.light_magnitude);
+    if (output.buckets.image) attributes["raylex/buckets"] = std::to_string(output.buckets.rows.size());
+    if (job.settings.stop.adaptive) attributes["raylex/adaptive"] = describe(*job.settings.stop.adaptive);
     if (job.effects.any()) attributes["raylex/effects"] = job.effects.text();
-    if (output.resumed_samples > 0) attributes["raylex/resumed_samples"] = std::to_string(output.resumed_samples);
+    if (output.samples.resumed > 0) attributes["raylex/resumed_samples"] = std::to_string(output.samples.resumed);
     if (!job.job_text.empty()) attributes["raylex/job"] = job.job_text;
     if (!job.rendering_space.empty()) attributes["raylex/rendering_space"] = job.rendering_space;
     return attributes;
@@ -121,7 +122,7 @@ std::string text_of_invalid(const Job& job, const transport::RenderOutput& outpu
     if (statistics.invalid_log.empty()) return text;
     const display::InvalidSample& first = statistics.invalid_log.front();
     return text + ".\n  The first: pixel (" + std::to_string(first.pixel_x) + ", " + std::to_string(first.pixel_y) +
-           "), sample " + std::to_string(first.sample) + ", seed " + std::to_string(output.seed) +
+           "), sample " + std::to_string(first.sample) + ", seed " + std::to_string(output.used.seed) +
            "; to render only this sample:\n  " + replay_command(job, output, arguments, first);
 }
 

@@ -43,12 +43,12 @@ Json invalid_json(const RunRecord& record) {
              {"sample", each.sample},
              {"value", {std::to_string(each.value.r), std::to_string(each.value.g), std::to_string(each.value.b)}},
              {"replay",
-              {{"seed", record.output->seed},
-               {"isa", record.output->isa},
-               {"sampler", record.output->sampler},
-               {"integrator", record.output->integrator},
+              {{"seed", record.output->used.seed},
+               {"isa", record.output->used.isa},
+               {"sampler", record.output->used.sampler},
+               {"integrator", record.output->used.integrator},
                {"scene", record.job->scene_file},
-               {"samples_per_pixel", record.output->samples_per_pixel},
+               {"samples_per_pixel", record.output->samples.per_pixel},
                {"command", replay_command(*record.job, *record.output, record.arguments, each)}}}});
         if (each.channel >= 0) log.back()["channel"] = channels[static_cast<std::size_t>(each.channel)].name;
     }
@@ -122,8 +122,8 @@ std::string statistics_json(const RunRecord& record) {
     const std::uint64_t rays = statistics.camera_rays + statistics.scattering_rays + statistics.shadow_rays;
     const double cpu = statistics.render_cpu_seconds;
     Json json;
-    json["complete"] = output.complete;
-    json["image"] = {{"file", record.job->output}, {"width", output.width}, {"height", output.height}};
+    json["complete"] = output.samples.complete;
+    json["image"] = {{"file", record.job->output}, {"width", output.view.width}, {"height", output.view.height}};
     json["phases"] = phases_json(record);
     json["rays"] = {{"camera", statistics.camera_rays},
                     {"scattering", statistics.scattering_rays},
@@ -132,7 +132,7 @@ std::string statistics_json(const RunRecord& record) {
                     {"pilot", statistics.pilot_rays}};
     json["branches"] = statistics.branches;
     json["effects"] = effects_json(record.effects, record.job->effects);
-    json["aovs"] = aovs_json(record.job->settings.channels);
+    json["aovs"] = aovs_json(record.job->settings.channels.list);
     const auto pruned = [&](transport::Pruned cause) { return statistics.pruned[static_cast<std::size_t>(cause)]; };
     json["pruned"] = {{"paths", pruned(transport::Pruned::paths)},
                       {"light_samples", pruned(transport::Pruned::light_samples)},
@@ -145,16 +145,16 @@ std::string statistics_json(const RunRecord& record) {
                       {"weak_paths", pruned(transport::Pruned::weak_paths)},
                       {"closures", pruned(transport::Pruned::closures)}};
     json["samples"] = {{"camera", statistics.camera_samples},
-                       {"per_pixel", output.samples_per_pixel},
+                       {"per_pixel", output.samples.per_pixel},
                        {"per_cpu_second", cpu > 0 ? static_cast<double>(statistics.camera_samples) / cpu : 0.0}};
     if (output.frame_buffer.light_path_count() > 0)
         json["samples"]["light_paths"] = output.frame_buffer.light_path_count();
-    if (output.resumed_samples > 0) json["samples"]["resumed"] = output.resumed_samples;
-    if (output.adaptive)
-        json["adaptive"] = {{"settings", describe(*record.job->settings.adaptive)},
-                            {"channel", output.adaptive->channel},
-                            {"error", output.adaptive->error},
-                            {"unconverged_pixels", output.unconverged_pixels}};
+    if (output.samples.resumed > 0) json["samples"]["resumed"] = output.samples.resumed;
+    if (output.samples.adaptive)
+        json["adaptive"] = {{"settings", describe(*record.job->settings.stop.adaptive)},
+                            {"channel", output.samples.adaptive->channel},
+                            {"error", output.samples.adaptive->error},
+                            {"unconverged_pixels", output.samples.unconverged_pixels}};
     if (record.job->settings.checkpoint)
         json["checkpoints"] = {{"written", statistics.checkpoints},
                                {"stall_seconds", statistics.checkpoint_stall_seconds}};
@@ -162,13 +162,13 @@ std::string statistics_json(const RunRecord& record) {
     json["path_length_histogram"] = statistics.path_length_histogram;
     json["attribution_overflow"] = statistics.attribution_overflow;
     json["invalid_samples"] = invalid_json(record);
-    json["rejected_block_sums"] = output.rejected_block_sums;
+    json["rejected_block_sums"] = output.sums.rejected;
     json["refused_services_calls"] = statistics.refused_services_calls;
     json["memory"] = memory_json(record);
     if (record.deep != nullptr) json["deep"] = deep_json(record.deep->counts());
     json["peak_memory_bytes"] = peak_memory_bytes();
-    json["threads"] = output.threads;
-    json["seed"] = output.seed;
+    json["threads"] = output.used.threads;
+    json["seed"] = output.used.seed;
     json["splits"] = splits_json(record);
     json["cryptomatte"] = cryptomatte_json(output);
     json["warnings"] = record.warnings;

@@ -118,10 +118,10 @@ class JobRender {
         const experiments::SceneWords words = take(experiments::scene_words(job_, loaded_->scene));
         experiments::ChannelPlan plan = take(experiments::plan_channels(job_, words));
         if (!plan.refuted.empty()) fail(plan.refuted, "nothing was rendered");
-        if (!job_.settings.beauty && plan.channels.empty())
+        if (!job_.settings.channels.beauty && plan.channels.empty())
             fail("beauty=False leaves nothing to render; expected at least one of lpe= or aovs= as well");
         warnings_.insert(warnings_.end(), plan.notes.begin(), plan.notes.end());
-        job_.settings.channels = std::move(plan.channels);
+        job_.settings.channels.list = std::move(plan.channels);
         take(outputs_.atlas().prepare(job_, words));
         partitions_ = std::move(plan.partitions);
         take(experiments::check_exr_requests(job_.outputs));
@@ -157,7 +157,7 @@ class JobRender {
         take(outputs_.close(*output_, description_));
         for (std::string& warning : outputs_.take_warnings()) warnings_.push_back(std::move(warning));
         image->warnings = warnings_;
-        image->complete = output_->complete;
+        image->complete = output_->samples.complete;
         image->statistics = statistics();
         image->write = [self](const std::string& path) { return self->write(path); };
         return image;
@@ -177,9 +177,9 @@ class JobRender {
     [[nodiscard]] std::map<std::string, double> statistics() const {
         const transport::RenderStatistics& of = output_->statistics;
         const auto number = [](std::uint64_t value) { return static_cast<double>(value); };
-        return {{"samples_per_pixel", number(output_->samples_per_pixel)},
-                {"seed", number(output_->seed)},
-                {"threads", output_->threads},
+        return {{"samples_per_pixel", number(output_->samples.per_pixel)},
+                {"seed", number(output_->used.seed)},
+                {"threads", output_->used.threads},
                 {"build_seconds", of.build_seconds},
                 {"seconds", of.render_seconds},
                 {"cpu_seconds", of.render_cpu_seconds},

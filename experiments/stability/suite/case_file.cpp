@@ -118,13 +118,13 @@ void read_scene(TomlTable& table, SceneSubject& scene) {
         const auto known = transport::integrator_registry().require(scene.integrators[i], locations[i]);
         if (!known) table.source().fail(known.error());
     }
-    read_entity(table, "integrator", scene.settings.integrator);
-    if (scene.settings.integrator && !scene.integrators.empty())
+    read_entity(table, "integrator", scene.settings.paths.integrator);
+    if (scene.settings.paths.integrator && !scene.integrators.empty())
         table.source().fail(table.location_of("integrator"), "both 'integrator' and 'integrators'; expected one");
-    read_entity(table, "sampler", scene.settings.sampler);
-    read_entity(table, "filter", scene.settings.filter);
+    read_entity(table, "sampler", scene.settings.samples.sampler);
+    read_entity(table, "filter", scene.settings.film.filter);
     read_method_settings(table, scene.settings);
-    read_sample_filters(table, scene.settings);
+    read_sample_filters(table, scene.settings.channels);
     Job job;
     job.settings = scene.settings;
     if (const Status known = check_parameters(job); !known) table.source().fail(known.error());

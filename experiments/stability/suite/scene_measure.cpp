@@ -27,8 +27,8 @@ class SceneRenders {
         renders.component_ = subject.component;
         renders.settings_ = subject.settings;
         if (!integrator.empty()) {
-            renders.settings_.integrator.emplace();
-            renders.settings_.integrator->type = integrator;
+            renders.settings_.paths.integrator.emplace();
+            renders.settings_.paths.integrator->type = integrator;
         }
         auto samples = value(subject.samples, setting, default_samples),
              seeds = value(subject.seeds, setting, default_seeds), count = value(subject.threads, setting, threads);
@@ -38,14 +38,14 @@ class SceneRenders {
                 return error_at(subject.scene.location,
                                 "spp, seeds and threads are " + number_text(**each) + "; expected 1 or more");
         }
-        renders.settings_.samples_per_pixel = static_cast<std::uint64_t>(*samples);
-        renders.settings_.threads = static_cast<int>(*count);
+        renders.settings_.samples.per_pixel = static_cast<std::uint64_t>(*samples);
+        renders.settings_.machine.threads = static_cast<int>(*count);
         renders.seeds_ = static_cast<std::uint64_t>(*seeds);
         auto text = fill_in(subject.scene.text, setting, subject.scene.location);
         if (!text) return text.error();
         auto scene = transport::import_pbrt_text(*text, subject.scene.location.file);
         if (!scene) return in_case(scene.error(), subject);
-        auto built = transport::BuiltScene::build(*scene, {{}, renders.settings_.threads});
+        auto built = transport::BuiltScene::build(*scene, {.threads = renders.settings_.machine.threads});
         if (!built) return in_case(built.error(), subject);
         renders.scene_ = *built;
         if (Status chosen = renders.choose_channel(subject); !chosen) return chosen.error();
@@ -54,13 +54,13 @@ class SceneRenders {
 
     /// Renders and returns the requested channel: [pixel][component].
     Result<std::vector<double>> render(std::uint64_t seed, CaseImage* image = nullptr) {
-        settings_.seed = seed;
-        settings_.beauty = beauty_ || aov_ || image != nullptr;
+        settings_.samples.seed = seed;
+        settings_.channels.beauty = beauty_ || aov_ || image != nullptr;
         auto output = transport::render(*scene_, settings_, {}, &interrupt_flag());
         if (!output) return output.error();
-        if (!output->complete) return error_at({}, "interrupted");
-        width_ = output->width;
-        height_ = output->height;
+        if (!output->samples.complete) return error_at({}, "interrupted");
+        width_ = output->view.width;
+        height_ = output->view.height;
         if (image != nullptr) {
             const std::vector<double> rgb = output->frame_buffer.resolve(output->beauty);
             *image = {width_, height_, {rgb.begin(), rgb.end()}};
@@ -79,15 +79,15 @@ class SceneRenders {
     }
     /// Renders with seed 1 and returns the beauty and the layers of the shipped partition.
     Result<std::vector<std::vector<double>>> render_split() {
-        settings_.seed = 1;
-        settings_.beauty = true;
-        settings_.channels.clear();
+        settings_.samples.seed = 1;
+        settings_.channels.beauty = true;
+        settings_.channels.list.clear();
         for (const lpe::NamedExpression& each : lpe::shipped_partition())
-            settings_.channels.push_back(expression_channel(std::string(each.name), std::string(each.expression)));
+            settings_.channels.list.push_back(expression_channel(std::string(each.name), std::string(each.expression)));
         auto output = transport::render(*scene_, settings_, {}, &interrupt_flag());
         if (!output) return output.error();
         std::vector<std::vector<double>> layers;
-        for (std::size_t i = 0; i <= settings_.channels.size(); ++i)
+        for (std::size_t i = 0; i <= settings_.channels.list.size(); ++i)
             layers.push_back(output->frame_buffer.resolve(output->beauty + static_cast<display::ChannelId>(i)));
         return layers;
     }
@@ -112,7 +112,7 @@ class SceneRenders {
         if (beauty_) return success();
         auto aov = transport::named_channel(subject.channel, scene_->pattern_channels());
         aov_ = aov.ok();
-        settings_.channels.push_back(aov_ ? *aov : expression_channel("asked", subject.channel));
+        settings_.channels.list.push_back(aov_ ? *aov : expression_channel("asked", subject.channel));
         return success();
     }
     static display::ChannelDefinition expression_channel(const std::string& name, const std::string& expression) {

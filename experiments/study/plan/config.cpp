@@ -30,13 +30,13 @@ void read_method_table(TomlTable& table, MethodRequest& method) {
     read_timeout(table, method.timeout);
     table.take("sweep");
     if (!method.command.empty()) return;
-    table.read("beauty", method.settings.beauty);
+    table.read("beauty", method.settings.channels.beauty);
     read_method_settings(table, method.settings);
     read_effects(table, method.effects);
-    read_entity(table, "integrator", method.settings.integrator);
-    read_entity(table, "sampler", method.settings.sampler);
-    read_entity(table, "filter", method.settings.filter);
-    read_sample_filters(table, method.settings);
+    read_entity(table, "integrator", method.settings.paths.integrator);
+    read_entity(table, "sampler", method.settings.samples.sampler);
+    read_entity(table, "filter", method.settings.film.filter);
+    read_sample_filters(table, method.settings.channels);
 }
 
 Status check_method(const MethodRequest& method) {
@@ -108,8 +108,8 @@ class ConfigReader {
         if (root.read("seed", number, 0, std::numeric_limits<std::int64_t>::max()))
             config_.seed = static_cast<std::uint64_t>(number);
         if (root.read("replicates", number, 1, 100'000)) config_.replicates = static_cast<unsigned>(number);
-        if (root.read("threads", number, 0, 4096)) config_.base.settings.threads = static_cast<int>(number);
-        root.read("isa", config_.base.settings.isa);
+        if (root.read("threads", number, 0, 4096)) config_.base.settings.machine.threads = static_cast<int>(number);
+        root.read("isa", config_.base.settings.machine.isa);
         std::string clock = "cpu";
         if (root.read("clock", clock) && clock != "wall" && clock != "cpu")
             source_.fail(root.location_of("clock"), "'clock' is '" + clock + "'; expected \"wall\" or \"cpu\"");
@@ -251,18 +251,18 @@ Job ExperimentConfig::job(std::size_t scene, const Variant& variant) const {
     job.job_file = file;
     job.scene_file = from.scene_file;
     job.label_rules = from.label_rules;
-    job.settings.resolution = from.settings.resolution;
+    job.settings.film.resolution = from.settings.film.resolution;
     job.effects = variant.effects;
     const transport::RenderSettings& render = variant.render;
-    job.settings.integrator = render.integrator;
-    job.settings.sampler = render.sampler;
-    job.settings.filter = render.filter;
-    job.settings.max_depth = render.max_depth;
-    job.settings.beauty = render.beauty;
-    job.settings.prune = render.prune;
-    job.settings.splat = render.splat;
-    job.settings.picked_lobes = render.picked_lobes;
-    job.settings.sample_filters = render.sample_filters;
+    job.settings.paths.integrator = render.paths.integrator;
+    job.settings.samples.sampler = render.samples.sampler;
+    job.settings.film.filter = render.film.filter;
+    job.settings.paths.max_depth = render.paths.max_depth;
+    job.settings.channels.beauty = render.channels.beauty;
+    job.settings.paths.prune = render.paths.prune;
+    job.settings.film.splat = render.film.splat;
+    job.settings.labels.picked_lobes = render.labels.picked_lobes;
+    job.settings.channels.sample_filters = render.channels.sample_filters;
     return job;
 }
 

@@ -319,7 +319,7 @@ void read_exclusions(TomlTable& root, ExperimentConfig& config) {
 
 Status check_config(ExperimentConfig& config) {
     for (const Variant& variant : config.variants)
-        if (!variant.render.beauty)
+        if (!variant.render.channels.beauty)
             if (Status s = check_without_beauty(config, variant); !s) return s;
     for (const MethodRequest& method : config.methods) {
         if (method.command.empty()) continue;

@@ -125,11 +125,11 @@ Result<ReplayOutcome> replay_cell(ExperimentConfig config, const std::string& di
     if (!outcome.difference.empty()) return outcome;
     auto record = read_record(cell->directory);
     if (!record) return record.error();
-    config.base.settings.isa = cell->isa;
+    config.base.settings.machine.isa = cell->isa;
     SceneStore scenes(config);
     auto again = render_again({config, *plan, scenes, directory, {}, stop}, *planned, *cell);
     if (!again) return again.error();
-    if (!again->output.complete) return outcome;
+    if (!again->output.samples.complete) return outcome;
     outcome.difference = record->difference_from(again->output.frame_buffer);
     if (!outcome.difference.empty()) return outcome;
     std::string before, now;

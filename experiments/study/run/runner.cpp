@@ -84,7 +84,7 @@ Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config
 
 NamedValues provenance(const ExperimentConfig& config) {
     const unsigned cores = std::thread::hardware_concurrency();
-    const int threads = config.base.settings.threads;
+    const int threads = config.base.settings.machine.threads;
     double load = 0;
     if (getloadavg(&load, 1) != 1) load = 0;  // as on an idle machine
     return {{"version", raylex_version()},
@@ -189,7 +189,7 @@ class Run {
         }
         for (const PlannedCell& each : plan_.cells) experiment_.planned.push_back(each.cell);
         for (const MethodRequest& each : config_.methods) {
-            const std::string integrator = each.settings.integrator ? each.settings.integrator->type : "";
+            const std::string integrator = each.settings.paths.integrator ? each.settings.paths.integrator->type : "";
             experiment_.methods.push_back(
                 {each.name, integrator, each.command, each.unbiased, settings_text(each.settings, each.effects)});
         }

@@ -39,7 +39,7 @@ transport::SceneDescription scene_of(const std::string& name) {
 
 transport::RenderOutput rendered(const transport::SceneDescription& scene, Size size,
                                  transport::RenderSettings settings) {
-    settings.resolution = {size.width, size.height};
+    settings.film.resolution = {size.width, size.height};
     auto output = transport::render(scene, settings);
     REQUIRE(output);
     return *std::move(output);
@@ -47,8 +47,8 @@ transport::RenderOutput rendered(const transport::SceneDescription& scene, Size 
 
 transport::RenderSettings samples(std::uint64_t count, std::uint64_t seed) {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = count;
-    settings.seed = seed;
+    settings.samples.per_pixel = count;
+    settings.samples.seed = seed;
     return settings;
 }
 
@@ -88,9 +88,9 @@ TEST_CASE("the samples to an error are predicted within a quarter", "[.full][stu
         const auto half_error = [&](Differences& differences, const char* what, const transport::RenderOutput& early) {
             const double target = relative_error(early) / 2;
             transport::RenderSettings settings = samples(1 << 20, 1);
-            settings.limit = transport::SampleLimit{0, 0, target};
+            settings.stop.limit = transport::SampleLimit{.error = target};
             const display::Forecast forecast = sampler_after(early, target).forecast().samples_to(target);
-            const auto needed = static_cast<double>(rendered(scene, size, settings).samples_per_pixel);
+            const auto needed = static_cast<double>(rendered(scene, size, settings).samples.per_pixel);
             const double off = differences.add(what, name, forecast.expected, needed);
             // What is said to take at least so long does not end before.
             if (forecast.least > 0)
@@ -103,9 +103,9 @@ TEST_CASE("the samples to an error are predicted within a quarter", "[.full][stu
         half_error(later, "256 to half the error of the image", rendered(scene, size, samples(256, 1)));
         // --until-error: every pixel for itself, predicted by the first decision.
         transport::RenderSettings by_pixel;
-        by_pixel.seed = 1;
-        by_pixel.adaptive.emplace().error = relative_error(early) / 2;
-        const display::AdaptiveSampler sampler = sampler_after(early, by_pixel.adaptive->error);
+        by_pixel.samples.seed = 1;
+        by_pixel.stop.adaptive.emplace().error = relative_error(early) / 2;
+        const display::AdaptiveSampler sampler = sampler_after(early, by_pixel.stop.adaptive->error);
         const auto needed = static_cast<double>(rendered(scene, size, by_pixel).statistics.camera_samples);
         const auto least = static_cast<double>(sampler.progress().least_samples);
         const auto predicted = static_cast<double>(sampler.progress().predicted_samples);

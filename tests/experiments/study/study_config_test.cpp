@@ -80,10 +80,10 @@ TEST_CASE("sweeps and --set reach every value, and the variants are what they sa
     const ExperimentConfig config = config_of(made, text);
     REQUIRE(config.variants.size() == 8);
     CHECK(config.variants[1].settings == NamedValues{{"max_depth", "3"}, {"sampler.type", "sobol"}});
-    CHECK(config.variants[1].render.max_depth == 3);
-    REQUIRE(config.variants[1].render.sampler);
-    CHECK(config.variants[1].render.sampler->type == "sobol");
-    CHECK(config.variants[1].render.integrator->type == "path");
+    CHECK(config.variants[1].render.paths.max_depth == 3);
+    REQUIRE(config.variants[1].render.samples.sampler);
+    CHECK(config.variants[1].render.samples.sampler->type == "sobol");
+    CHECK(config.variants[1].render.paths.integrator->type == "path");
     CHECK(config.variants[4].method == 1);
 
     const ExperimentConfig changed =
@@ -93,7 +93,7 @@ TEST_CASE("sweeps and --set reach every value, and the variants are what they sa
     CHECK(changed.replicates == 3);
     CHECK(changed.budgets.size() == 3);
     CHECK(changed.reference.samples == 64);
-    CHECK((changed.scenes[0].job.settings.resolution == std::array<int, 2>{8, 6}));
+    CHECK((changed.scenes[0].job.settings.film.resolution == std::array<int, 2>{8, 6}));
     CHECK(changed.hash != config.hash);
     CHECK(config_of(made, "# a remark\n" + text).hash == config.hash);  // what it says counts, not how it is laid out
 }

@@ -22,9 +22,9 @@ constexpr int width = 24, height = 16;
 
 PixelArray rendered(const transport::SceneDescription& scene, std::uint64_t samples, std::uint64_t seed) {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = samples;
-    settings.seed = seed;
-    settings.resolution = {width, height};
+    settings.samples.per_pixel = samples;
+    settings.samples.seed = seed;
+    settings.film.resolution = {width, height};
     auto output = transport::render(scene, settings);
     REQUIRE(output);
     return {height, width, 3, output->frame_buffer.resolve(output->beauty, {0, 0, width, height})};

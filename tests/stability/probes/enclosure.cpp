@@ -180,16 +180,16 @@ Result<ProbeResult> enclosure(const ProbeInput& input) {
     if (!truth) return truth.error();
     const auto scene = scene_of(room, input.where());
     if (!scene) return scene.error();
-    const auto built = transport::BuiltScene::build(*scene, {.isa = {}, .threads = 1});
+    const auto built = transport::BuiltScene::build(*scene, {.threads = 1});
     if (!built) return built.error();
 
     transport::RenderSettings settings;
-    settings.threads = 1;
-    settings.samples_per_pixel = static_cast<std::uint64_t>(input.number("spp", 128));
-    settings.max_depth = depth;
-    settings.integrator.emplace().type = integrator;
-    settings.beauty = false;
-    display::ChannelDefinition& channel = settings.channels.emplace_back();
+    settings.machine.threads = 1;
+    settings.samples.per_pixel = static_cast<std::uint64_t>(input.number("spp", 128));
+    settings.paths.max_depth = depth;
+    settings.paths.integrator.emplace().type = integrator;
+    settings.channels.beauty = false;
+    display::ChannelDefinition& channel = settings.channels.list.emplace_back();
     channel.name = "expression";
     channel.style = display::ChannelStyle::expression;
     channel.expression = *expression;
@@ -197,7 +197,7 @@ Result<ProbeResult> enclosure(const ProbeInput& input) {
     const auto seeds = static_cast<std::uint64_t>(input.number("seeds", 8));
     std::vector<double> means;
     for (std::uint64_t seed = 0; seed < seeds; ++seed) {
-        settings.seed = seed;
+        settings.samples.seed = seed;
         const auto output = transport::render(**built, settings);
         if (!output) return output.error();
         double sum = 0;

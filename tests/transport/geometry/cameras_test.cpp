@@ -175,8 +175,8 @@ AttributeBegin AreaLightSource "diffuse" "rgb L" [6 6 6] Translate 1 2 -1 Shape 
 AttributeBegin Translate 0 0.3 0 Shape "sphere" "float radius" 0.5 AttributeEnd
 )";
     RenderSettings settings;
-    settings.max_depth = 2;
-    settings.samples_per_pixel = 96;
+    settings.paths.max_depth = 2;
+    settings.samples.per_pixel = 96;
     render_test::compare_with_path(scene, settings, render_test::integrator_named(integrator), 10, 96,
                                    {"C<RD>L", "C<RD><RD>L", "C.*L"});
 }
@@ -320,7 +320,7 @@ Camera "realistic" "float aperturediameter" 12 "float focusdistance" 2 "string l
     for (const std::size_t dark : {3 * 12 + 9, 9 * 12 + 3, 9 * 12 + 9}) CHECK(half[3 * dark] == 0);
     for (const char* integrator : {"bdpt", "lighttracer", "pssmlt"}) {
         RenderSettings settings;
-        settings.integrator = render_test::integrator_named(integrator);
+        settings.paths.integrator = render_test::integrator_named(integrator);
         const auto refused =
             transport::render(render_test::scene_of(scene + "LightSource \"infinite\" \"rgb L\" [2 2 2]"), settings);
         REQUIRE_FALSE(refused.ok());

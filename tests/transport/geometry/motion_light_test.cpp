@@ -69,8 +69,8 @@ AttributeEnd
 
 transport::RenderSettings few_bounces() {
     transport::RenderSettings settings;
-    settings.max_depth = 3;
-    settings.samples_per_pixel = 256;
+    settings.paths.max_depth = 3;
+    settings.samples.per_pixel = 256;
     return settings;
 }
 
@@ -96,11 +96,11 @@ TEST_CASE("motion: the image does not depend on the number of threads", "[motion
     for (const char* integrator : {"path", "bdpt", "lighttracer"}) {
         CAPTURE(integrator);
         transport::RenderSettings settings;
-        settings.samples_per_pixel = 8;
-        settings.integrator = integrator_named(integrator);
-        settings.threads = 1;
+        settings.samples.per_pixel = 8;
+        settings.paths.integrator = integrator_named(integrator);
+        settings.machine.threads = 1;
         const transport::RenderOutput one = render_of(scene, settings);
-        settings.threads = 3;
+        settings.machine.threads = 3;
         const transport::RenderOutput three = render_of(scene, settings);
         CHECK((one.frame_buffer.resolve(one.beauty) == three.frame_buffer.resolve(three.beauty)));
     }
@@ -131,9 +131,9 @@ AttributeEnd
     std::string camera = text;
     camera.replace(camera.find("Camera"), 0, "LookAt 1000 -2000 -3  1000.5 -2000 3.5  0 1 0\n");
     transport::RenderSettings settings;
-    settings.max_depth = 40;
-    settings.samples_per_pixel = 64;
-    settings.integrator = path_with(flag_parameter("roulette", false));
+    settings.paths.max_depth = 40;
+    settings.samples.per_pixel = 64;
+    settings.paths.integrator = path_with(flag_parameter("roulette", false));
     const transport::RenderOutput output = render_of(scene_of(camera), settings);
     const std::vector<double> image = output.frame_buffer.resolve(output.beauty);
     // A path of albedo 1 that ends brings 1 exactly; what is longer than 40 brings less, which is rare outside. A wrong

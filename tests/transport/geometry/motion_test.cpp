@@ -275,7 +275,7 @@ TEST_CASE("motion: positions and normals are those at each sample's time", "[mot
         "[-9 -9 0 9 -9 0 9 9 0 -9 9 0]\n";
     const int samples = 256;
     transport::RenderSettings settings;
-    settings.channels = {aov("Pw"), aov("Nn")};
+    settings.channels.list = {aov("Pw"), aov("Nn")};
     const transport::RenderOutput output = render_of(
         scene_of(silhouette(moving("Translate 0 0 1", "Translate 0 0 3 Rotate 170 0 0 1", everywhere), {}, 8, samples)),
         settings);

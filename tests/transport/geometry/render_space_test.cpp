@@ -61,8 +61,8 @@ LightSource "distant" "rgb L" [0.5 0.4 0.3] "point3 from" [0.2 1 3] "point3 to" 
 
 transport::RenderOutput image_of(const std::string& text, std::uint64_t samples) {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = samples;
-    for (const char* name : {"P", "Pw", "Po", "z", "Nn", "Ngn", "u", "v"}) settings.channels.push_back(aov(name));
+    settings.samples.per_pixel = samples;
+    for (const char* name : {"P", "Pw", "Po", "z", "Nn", "Ngn", "u", "v"}) settings.channels.list.push_back(aov(name));
     return render_of(scene_of(text), settings);
 }
 
@@ -136,7 +136,7 @@ TEST_CASE("render space is near the camera and the scene, and matrices that leav
     const Transform camera = near.camera_to_world;
     for (std::size_t r = 0; r < 4; ++r)
         for (std::size_t c = 0; c < 4; ++c)
-            CHECK(output.world_to_camera[r][c] == Approx(camera.inverse().matrix()[r][c]).margin(1e-14));
+            CHECK(output.view.world_to_camera[r][c] == Approx(camera.inverse().matrix()[r][c]).margin(1e-14));
 }
 
 TEST_CASE("a vertex that leaves float where it stands is an error at its shape", "[law7][geometry]") {

@@ -32,9 +32,9 @@ SceneDescription again(const SceneDescription& scene, const Folder& folder) {
 
 std::vector<double> image_of(const SceneDescription& scene) {
     RenderSettings settings;
-    settings.samples_per_pixel = 2;
-    settings.resolution = std::array<int, 2>{24, 16};
-    settings.threads = 1;
+    settings.samples.per_pixel = 2;
+    settings.film.resolution = std::array<int, 2>{24, 16};
+    settings.machine.threads = 1;
     auto output = render(scene, settings);
     if (!output) FAIL(output.error().to_string());
     return output->frame_buffer.resolve(output->beauty);

@@ -274,8 +274,8 @@ TEST_CASE("SceneBuilder: numbers are written in the type that pbrt reads them by
     // The same light as from the numbers themselves, bit for bit.
     const auto image = [](const SceneDescription& of) {
         RenderSettings settings;
-        settings.samples_per_pixel = 4;
-        settings.threads = 1;
+        settings.samples.per_pixel = 4;
+        settings.machine.threads = 1;
         const auto output = got(render(of, settings));
         return output.frame_buffer.resolve(output.beauty);
     };

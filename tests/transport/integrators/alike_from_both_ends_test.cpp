@@ -11,9 +11,9 @@ namespace {
 
 transport::RenderSettings small(std::uint32_t depth, std::uint64_t samples) {
     transport::RenderSettings settings;
-    settings.max_depth = depth;
-    settings.samples_per_pixel = samples;
-    settings.resolution = {{12, 12}};
+    settings.paths.max_depth = depth;
+    settings.samples.per_pixel = samples;
+    settings.film.resolution = {{12, 12}};
     return settings;
 }
 
@@ -24,7 +24,7 @@ using transport::Real;
 /// Of all components of all pixels.
 double sum_by(const std::string& integrator, const std::string& text, std::uint32_t depth) {
     transport::RenderSettings settings = small(depth, 16);
-    settings.integrator = integrator_named(integrator);
+    settings.paths.integrator = integrator_named(integrator);
     const auto output = render_of(scene_of(text), settings);
     double sum = 0;
     for (const double value : output.frame_buffer.resolve(output.beauty)) sum += std::abs(value);
@@ -144,7 +144,7 @@ TEST_CASE("bidirectional path tracing agrees on curves that face whoever looks",
 
 TEST_CASE("light tracing says that such curves look otherwise, and nothing of ribbons", "[light-tracer][curves]") {
     transport::RenderSettings settings = small(1, 1);
-    settings.integrator = integrator_named("lighttracer");
+    settings.paths.integrator = integrator_named("lighttracer");
     const auto warns = [&](const std::string& type) {
         const auto output =
             render_of(scene_of(plain_film +

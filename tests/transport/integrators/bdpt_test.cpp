@@ -7,9 +7,9 @@ using namespace render_test;
 
 TEST_CASE("bidirectional path tracing finds the path tracer's image, word by word", "[bdpt][render][statistical]") {
     transport::RenderSettings settings;
-    settings.max_depth = 4;
-    settings.samples_per_pixel = 256;
-    settings.resolution = {{18, 18}};
+    settings.paths.max_depth = 4;
+    settings.samples.per_pixel = 256;
+    settings.film.resolution = {{18, 18}};
     compare_with_path(room, settings, integrator_named("bdpt"), 12, 128,
                       {"C<.[DG]>L", "C<.[DG]>B", "CL", "C<RD><.S>+L", "C<.S>+<RD>L", "C<RD><RD>+[LB]", "C<RG>.*L",
                        "C<.S>.*[LB]", "C<RD><.G>.*[LB]", "C.*[LB]"});
@@ -18,8 +18,8 @@ TEST_CASE("bidirectional path tracing finds the path tracer's image, word by wor
 TEST_CASE("bidirectional path tracing through lenses and cutouts, with shading normals and every kind of light",
           "[bdpt][render][statistical]") {
     transport::RenderSettings settings;
-    settings.max_depth = 3;
-    settings.samples_per_pixel = 256;
+    settings.paths.max_depth = 3;
+    settings.samples.per_pixel = 256;
     // What only light subpaths find (a mirror's caustic of the spot light) has no counterpart and is left out.
     compare_with_path(many_lights(), settings, integrator_named("bdpt"), 12, 256,
                       {"C<RD>[LB]", "C<Ts><RD>[LB]", "C<RD><RS>+B", "C<RS>.*[LB]", "C<RG>[LB]", "C<RD><.G>+[LB]",
@@ -68,8 +68,8 @@ TEST_CASE("methods that begin at the lights find the path tracer's image in medi
           "[bdpt][lighttracer][render][media][statistical]") {
     const std::string integrator = GENERATE("bdpt", "lighttracer");
     transport::RenderSettings settings;
-    settings.max_depth = 4;
-    settings.samples_per_pixel = 192;
+    settings.paths.max_depth = 4;
+    settings.samples.per_pixel = 192;
     // Borders of media leave the event Ts.
     const std::vector<std::string> words = {
         "C<Ts>VL",      "C<Ts><Ts><V.'milk'>L", "C<Ts>VVL",       "C<Ts><V.'fog'><Ts><V.'milk'>.*L",
@@ -95,8 +95,8 @@ Material "diffuse" "rgb reflectance" [.5 .5 .5]
 AreaLightSource "diffuse" "rgb L" [1 1 1] "bool twosided" true
 Shape "sphere" "float radius" 50)";
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 64;
-    settings.resolution = {{12, 12}};
+    settings.samples.per_pixel = 64;
+    settings.film.resolution = {{12, 12}};
     for (const bool counts : {true, false}) {
         transport::SceneDescription scene = scene_of(seen);
         scene.integrator.parameters.parameters.push_back(flag_parameter("countmirrors", counts));
@@ -114,14 +114,14 @@ TEST_CASE("bidirectional path tracing gives prefixes, holdouts and user events w
     transport::SceneDescription scene = scene_of(room);
     for (std::size_t i = 0; i < scene.shapes.size(); ++i) scene.shapes[i].holdout = i == 0;
     transport::RenderSettings settings;
-    settings.max_depth = 3;
-    settings.samples_per_pixel = 192;
-    settings.resolution = {{18, 18}};
+    settings.paths.max_depth = 3;
+    settings.samples.per_pixel = 192;
+    settings.film.resolution = {{18, 18}};
     for (const char* expression :
          {"holdouts;C.*", "holdouts;C<RD><.S>+L", "C.*", "unoccluded;C.*", "holdouts;shadows;C[DS]+<L.>",
           "nothruput;C.*", "holdouts;noinfinitecheck;C.*", "CU2L", "CDU2L", "CU6L", "unoccluded;C.*<.S>[LB]"}) {
-        settings.channels.push_back(lpe_channel("c" + std::to_string(settings.channels.size()), expression));
-        settings.channels.back().statistics = false;
+        settings.channels.list.push_back(lpe_channel("c" + std::to_string(settings.channels.list.size()), expression));
+        settings.channels.list.back().statistics = false;
     }
     compare_with_path(scene, settings, integrator_named("bdpt"), 12, 128);
 }
@@ -141,19 +141,19 @@ AreaLightSource "diffuse" "rgb L" [2 2 2] "bool twosided" true
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 -1 -1 1 -1 -1 1 1 -1 -1 1 -1]
 )");
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 4;
-    settings.beauty = false;
-    settings.channels = {lpe_channel("mirrored", "unoccluded;C<.S>L")};
+    settings.samples.per_pixel = 4;
+    settings.channels.beauty = false;
+    settings.channels.list = {lpe_channel("mirrored", "unoccluded;C<.S>L")};
     const auto mirrored = [&](const char* integrator) {
-        settings.integrator = integrator_named(integrator);
+        settings.paths.integrator = integrator_named(integrator);
         return render_of(scene, settings).frame_buffer.resolve(0);
     };
     const std::vector<double> expected = mirrored("path");
     CHECK(*std::max_element(expected.begin(), expected.end()) > 1);
     CHECK(mirrored("bdpt") == expected);
-    settings.channels.push_back(lpe_channel("lit", "C<RD>L"));  // light samples find the lamp too
+    settings.channels.list.push_back(lpe_channel("lit", "C<RD>L"));  // light samples find the lamp too
     CHECK(mirrored("bdpt") == expected);
-    settings.prune = false;
+    settings.paths.prune = false;
     CHECK(mirrored("bdpt") == expected);
 }
 
@@ -168,10 +168,10 @@ Translate 0 0 -5
 Shape "sphere" "float radius" 1
 )");
     transport::RenderSettings settings;
-    settings.max_depth = 20'000;
-    settings.resolution = {{2, 2}};
-    settings.samples_per_pixel = 1;
-    settings.integrator = integrator_named("bdpt");
+    settings.paths.max_depth = 20'000;
+    settings.film.resolution = {{2, 2}};
+    settings.samples.per_pixel = 1;
+    settings.paths.integrator = integrator_named("bdpt");
     const auto cut_of = [&] {
         std::string all;
         for (const raylex::Error& warning : render_of(scene, settings).warnings) all += warning.message;
@@ -180,7 +180,7 @@ Shape "sphere" "float radius" 1
     const std::string cut = cut_of();
     INFO(cut);
     CHECK(cut.find("4 light subpaths were cut after ") != std::string::npos);
-    settings.max_depth = 1000;
+    settings.paths.max_depth = 1000;
     CHECK(cut_of().find("were cut") == std::string::npos);
 }
 
@@ -205,25 +205,26 @@ AttributeEnd
     auto built = transport::BuiltScene::build(scene);
     REQUIRE(built.ok());
     transport::RenderSettings settings;
-    settings.max_depth = 2;
-    settings.threads = 2;
-    settings.samples_per_pixel = 128;
-    settings.integrator = integrator_named("bdpt");
+    settings.paths.max_depth = 2;
+    settings.machine.threads = 2;
+    settings.samples.per_pixel = 128;
+    settings.paths.integrator = integrator_named("bdpt");
     struct Case {
         std::string words;
         std::vector<std::string> techniques;
     };
     for (const Case& each : {Case{"C.L", {"s0t3", "s1t2", "s2t1"}}, Case{"C..L", {"s0t4", "s1t3", "s2t2", "s3t1"}}}) {
-        settings.channels.clear();
+        settings.channels.list.clear();
         const auto add = [&](const std::string& expression) {
-            settings.channels.push_back(lpe_channel("c" + std::to_string(settings.channels.size()), expression));
-            settings.channels.back().statistics = false;
+            settings.channels.list.push_back(
+                lpe_channel("c" + std::to_string(settings.channels.list.size()), expression));
+            settings.channels.list.back().statistics = false;
         };
         add(each.words);
         for (const std::string& technique : each.techniques) add(technique + ";" + each.words);
         for (const std::string& technique : each.techniques) add(technique + ";unweighted;" + each.words);
-        settings.beauty = false;
-        const int channels = static_cast<int>(settings.channels.size());
+        settings.channels.beauty = false;
+        const int channels = static_cast<int>(settings.channels.list.size());
         const Replicates together = replicates(**built, settings, channels, 12, 40);
         const Replicates alone = replicates(**built, settings, channels, 12, 80);
         constexpr std::size_t blocks = blocks_across * blocks_across;
@@ -252,18 +253,18 @@ TEST_CASE("variances and adaptive sampling of bidirectional path tracing are of 
           "[bdpt][render][statistical][law7]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.max_depth = 3;
-    settings.threads = 2;
-    settings.samples_per_pixel = 64;
-    settings.resolution = {{18, 18}};
-    settings.integrator = integrator_named("bdpt");
+    settings.paths.max_depth = 3;
+    settings.machine.threads = 2;
+    settings.samples.per_pixel = 64;
+    settings.film.resolution = {{18, 18}};
+    settings.paths.integrator = integrator_named("bdpt");
     for (const char* splatted : {"s2t1;C.*", "s3t1;C.*", "s4t1;C.*"})
-        settings.channels.push_back(lpe_channel("c" + std::to_string(settings.channels.size()), splatted));
-    settings.statistics = {*display::parse_statistic_request("beauty", "mse", {"job.toml", 3, 1})};
+        settings.channels.list.push_back(lpe_channel("c" + std::to_string(settings.channels.list.size()), splatted));
+    settings.channels.statistics = {*display::parse_statistic_request("beauty", "mse", {"job.toml", 3, 1})};
     constexpr int seeds = 16;
     std::vector<double> sum, squares, said;
     for (int seed = 0; seed < seeds; ++seed) {
-        settings.seed = 300 + static_cast<std::uint64_t>(seed);
+        settings.samples.seed = 300 + static_cast<std::uint64_t>(seed);
         const auto output = render_of(scene, settings);
         REQUIRE(output.warnings.size() == 1);
         CHECK(output.warnings[0].to_string().find("job.toml:3:1") != std::string::npos);
@@ -299,16 +300,16 @@ TEST_CASE("variances and adaptive sampling of bidirectional path tracing are of 
         const auto output = transport::render(scene, settings);
         return output.ok() ? std::string() : output.error().to_string();
     };
-    settings.statistics = {*display::parse_statistic_request("beauty", "even", {"job.toml", 3, 1})};
+    settings.channels.statistics = {*display::parse_statistic_request("beauty", "even", {"job.toml", 3, 1})};
     CHECK(error().find("has no halves of 'beauty'") != std::string::npos);
-    settings.statistics.clear();
-    settings.channels.clear();
-    settings.seed = 0;
-    settings.samples_per_pixel = 512;
+    settings.channels.statistics.clear();
+    settings.channels.list.clear();
+    settings.samples.seed = 0;
+    settings.samples.per_pixel = 512;
     const auto plain = render_of(scene, settings);
-    settings.adaptive.emplace();
-    settings.adaptive->error = 0.1;
-    settings.adaptive->max_samples = 512;
+    settings.stop.adaptive.emplace();
+    settings.stop.adaptive->error = 0.1;
+    settings.stop.adaptive->max_samples = 512;
     const auto adaptive = render_of(scene, settings);
     REQUIRE(adaptive.warnings.size() == 1);
     CHECK(adaptive.warnings[0].message.find("camera samples bring") != std::string::npos);
@@ -327,19 +328,19 @@ TEST_CASE("in an emitting enclosure every word has its closed form with every in
     auto built = transport::BuiltScene::build(scene_of(enclosure(0.5, 0.3)));
     REQUIRE(built.ok());
     transport::RenderSettings settings;
-    settings.max_depth = 5;
-    settings.beauty = false;
-    settings.threads = 2;
+    settings.paths.max_depth = 5;
+    settings.channels.beauty = false;
+    settings.machine.threads = 2;
     const std::string integrator = GENERATE("path", "bdpt", "lighttracer", "pssmlt");
     CAPTURE(integrator);
-    settings.integrator = integrator_named(integrator);
+    settings.paths.integrator = integrator_named(integrator);
     std::vector<ClosedForm> expected;
     for (const EnclosureWord& word : enclosure_words(0.5, 0.3, 5)) {
         const bool found = integrator != "lighttracer" || light_tracer_finds(word);
         expected.push_back({"C" + word.reflections + "L", found ? word.value : 0});
-        settings.channels.push_back(osl("w" + std::to_string(expected.size()), expected.back().expression));
+        settings.channels.list.push_back(osl("w" + std::to_string(expected.size()), expected.back().expression));
     }
-    settings.samples_per_pixel =
+    settings.samples.per_pixel =
         integrator == "lighttracer" ? 256 : 64;  // mirrors that light paths meet are rare words
     check_closed_forms(replicates(**built, settings, static_cast<int>(expected.size()), 16, 900), expected,
                        4 * expected.size(), 0.12);

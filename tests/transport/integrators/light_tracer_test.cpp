@@ -8,9 +8,9 @@ using namespace render_test;
 TEST_CASE("the light tracer finds the path tracer's image, word by word", "[lighttracer][render][statistical]") {
     // Rough and smooth conductors, glass, a coat, an area light, a sky and a spot light.
     transport::RenderSettings settings;
-    settings.max_depth = 4;
-    settings.samples_per_pixel = 256;
-    settings.resolution = {{18, 18}};
+    settings.paths.max_depth = 4;
+    settings.samples.per_pixel = 256;
+    settings.film.resolution = {{18, 18}};
     compare_with_path(room, settings, integrator_named("lighttracer"), 12, 256,
                       {"C<.[DG]>L", "C<.[DG]>B", "CL", "C<RD><.S>+L", "C<RD><RD>+[LB]", "C<RG>.*L", "C<RD><.G>.*[LB]"});
 }
@@ -18,8 +18,8 @@ TEST_CASE("the light tracer finds the path tracer's image, word by word", "[ligh
 TEST_CASE("the light tracer through lenses and cutouts, with shading normals and every kind of light",
           "[lighttracer][render][statistical]") {
     transport::RenderSettings settings;
-    settings.max_depth = 3;
-    settings.samples_per_pixel = 256;
+    settings.paths.max_depth = 3;
+    settings.samples.per_pixel = 256;
     compare_with_path(
         many_lights(), settings, integrator_named("lighttracer"), 12, 384,
         {"C<RD>[LB]", "C<Ts><RD>[LB]", "C<RD><RS>+B", "C<RG>[LB]", "C<RD><.G>+[LB]", "C<RD><RD>[LB]", "C<Ts>*[LB]"});
@@ -39,9 +39,9 @@ TEST_CASE("light that begins in glass leaves it with all its power", "[lighttrac
     }
     const std::string integrator = GENERATE("lighttracer", "bdpt");
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 64;
-    settings.integrator = integrator_named(integrator);
-    settings.channels = {osl("once", "C<RD><TS>L")};
+    settings.samples.per_pixel = 64;
+    settings.paths.integrator = integrator_named(integrator);
+    settings.channels.list = {osl("once", "C<RD><TS>L")};
     auto built = transport::BuiltScene::build(scene_of(film + R"(
 Integrator "path" "integer maxdepth" 2
 LookAt 0 0 1.5  0 0 3  0 1 0
@@ -59,7 +59,7 @@ Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
 Shape "sphere" "float radius" 3
 )"));
     REQUIRE(built.ok());
-    settings.beauty = false;
+    settings.channels.beauty = false;
     check_closed_forms(replicates(**built, settings, 1, 16, 1), {{"C<RD><TS>L", expected}}, 2, 0.02);
 }
 
@@ -69,22 +69,22 @@ TEST_CASE("methods that splat keep the laws: splits sum, asking changes nothing,
     CAPTURE(integrator);
     const auto scene = scene_of(GENERATE(false, true) ? foggy_room() : room);
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 20;
-    settings.integrator = integrator_named(integrator);
+    settings.samples.per_pixel = 20;
+    settings.paths.integrator = integrator_named(integrator);
     transport::SceneEntity filter;
     filter.type = "mitchell";
-    settings.filter = filter;
+    settings.film.filter = filter;
     for (const bool splat : {false, true}) {
         CAPTURE(splat);
-        settings.splat = splat;
-        settings.channels.clear();
-        settings.threads = 3;
+        settings.film.splat = splat;
+        settings.channels.list.clear();
+        settings.machine.threads = 3;
         const auto alone = render_of(scene, settings);
-        settings.channels = {osl("direct", "C<RD>L"), osl("caustic", "C<RD><.S>+L"), osl("seen", "C[LB]"),
-                             osl("rest", "")};
-        settings.channels[3].rest_of = {0, 1, 2};
+        settings.channels.list = {osl("direct", "C<RD>L"), osl("caustic", "C<RD><.S>+L"), osl("seen", "C[LB]"),
+                                  osl("rest", "")};
+        settings.channels.list[3].rest_of = {0, 1, 2};
         const auto three = render_of(scene, settings);
-        settings.threads = 1;
+        settings.machine.threads = 1;
         const auto one = render_of(scene, settings);
         const auto side = static_cast<std::uint64_t>(24 + (splat ? 4 : 0));
         CHECK(one.frame_buffer.light_path_count() == side * side * 20);
@@ -110,21 +110,21 @@ TEST_CASE("methods that splat keep the laws: splits sum, asking changes nothing,
 
         // Stopped after half the samples, saved, and gone on with.
         const ScratchFile file;
-        settings.checkpoint = transport::CheckpointSettings{file.path(), 60, false, {}};
-        settings.threads = 2;
-        settings.integrator = counted(integrator);
+        settings.checkpoint = transport::CheckpointSettings{.file = file.path()};
+        settings.machine.threads = 2;
+        settings.paths.integrator = counted(integrator);
         std::atomic<bool> stop{false};
         interruption().begin(side * side * 10, &stop);
         const auto first = transport::render(scene, settings, {}, &stop);
         interruption().begin(0, nullptr);
         REQUIRE(first.ok());
-        REQUIRE_FALSE(first->complete);
+        REQUIRE_FALSE(first->samples.complete);
         settings.checkpoint->resume = true;
         const auto resumed = render_of(scene, settings);
         CHECK(resumed.frame_buffer.light_path_count() == one.frame_buffer.light_path_count());
         for (display::ChannelId id = 0; id < 5; ++id)
             CHECK(one.frame_buffer.resolve(id) == resumed.frame_buffer.resolve(id));
-        settings.integrator = integrator_named(integrator);
+        settings.paths.integrator = integrator_named(integrator);
         settings.checkpoint.reset();
     }
 }
@@ -132,42 +132,42 @@ TEST_CASE("methods that splat keep the laws: splits sum, asking changes nothing,
 TEST_CASE("what the light tracer cannot do is refused or said", "[lighttracer][render][law7]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 1;
-    settings.integrator = integrator_named("lighttracer");
+    settings.samples.per_pixel = 1;
+    settings.paths.integrator = integrator_named("lighttracer");
     const auto said = render_of(scene, settings);
     REQUIRE(said.warnings.size() == 1);
     CHECK(said.warnings[0].message.find("first scattering is singular") != std::string::npos);
-    settings.channels = {lpe_channel("albedo", "CU2L")};
+    settings.channels.list = {lpe_channel("albedo", "CU2L")};
     const auto surfaces = render_of(scene, settings);
     CHECK(std::any_of(surfaces.warnings.begin(), surfaces.warnings.end(), [](const raylex::Error& warning) {
         return warning.message.find("C.+U is missing") != std::string::npos;
     }));
-    settings.integrator = integrator_named("path");
+    settings.paths.integrator = integrator_named("path");
     CHECK(surfaces.frame_buffer.resolve(1) == render_of(scene, settings).frame_buffer.resolve(1));
-    settings.integrator = integrator_named("lighttracer");
-    settings.channels.clear();
+    settings.paths.integrator = integrator_named("lighttracer");
+    settings.channels.list.clear();
     const auto error = [&] {
         const auto output = transport::render(scene, settings);
         return output.ok() ? std::string() : output.error().to_string();
     };
-    settings.statistics = {*display::parse_statistic_request("beauty", "mse", {"job.toml", 3, 1})};
+    settings.channels.statistics = {*display::parse_statistic_request("beauty", "mse", {"job.toml", 3, 1})};
     CHECK(error().find("job.toml:3:1") != std::string::npos);
     CHECK(error().find("'lighttracer'") != std::string::npos);
-    settings.statistics.clear();
-    settings.channels = {lpe_channel("a", "CDL")};  // moments that nobody asks a layer of are just not kept
+    settings.channels.statistics.clear();
+    settings.channels.list = {lpe_channel("a", "CDL")};  // moments that nobody asks a layer of are just not kept
     CHECK(render_of(scene, settings).frame_buffer.resolve_variance_of_mean(1).empty());
-    settings.channels[0].rule = display::FilterRule::max;
+    settings.channels.list[0].rule = display::FilterRule::max;
     CHECK(error().find("no rule but the pixel filter") != std::string::npos);
-    settings.channels.clear();
-    settings.adaptive.emplace();
+    settings.channels.list.clear();
+    settings.stop.adaptive.emplace();
     CHECK(error().find("cannot sample adaptively") != std::string::npos);
-    settings.adaptive.reset();
+    settings.stop.adaptive.reset();
     transport::SceneEntity clamp;
     clamp.type = "clamp";
-    settings.sample_filters = {clamp};
+    settings.channels.sample_filters = {clamp};
     CHECK(error().find("sample filters ('clamp')") != std::string::npos);
-    settings.sample_filters.clear();
-    settings.channels = {osl("u", "unoccluded;C.*L")};
-    settings.channels[0].dialect = raylex::lpe::Dialect::renderman;
+    settings.channels.sample_filters.clear();
+    settings.channels.list = {osl("u", "unoccluded;C.*L")};
+    settings.channels.list[0].dialect = raylex::lpe::Dialect::renderman;
     CHECK(error().find("samples no lights") != std::string::npos);
 }

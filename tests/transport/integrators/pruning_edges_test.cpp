@@ -25,11 +25,11 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 0 -3  -3 0 3
 transport::RenderOutput render_alone(const transport::SceneDescription& scene, const std::string& expression,
                                      bool prune, const std::string& integrator = "path") {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16;
-    settings.beauty = false;
-    settings.prune = prune;
-    settings.channels = {lpe_channel("asked", expression)};
-    settings.integrator.emplace().type = integrator;
+    settings.samples.per_pixel = 16;
+    settings.channels.beauty = false;
+    settings.paths.prune = prune;
+    settings.channels.list = {lpe_channel("asked", expression)};
+    settings.paths.integrator.emplace().type = integrator;
     return render_of(scene, settings);
 }
 
@@ -43,11 +43,11 @@ TEST_CASE("a spot that a pilot's rays do not meet keeps its light samples", "[re
         "\"rgb I\" [400000 400000 400000]\n";
     const auto mean_with = [&](const std::string& light, bool prune) {
         transport::RenderSettings settings;
-        settings.samples_per_pixel = 64;
-        settings.resolution = {96, 72};
-        settings.beauty = false;
-        settings.prune = prune;
-        settings.channels = {lpe_channel("asked", "C<RD>[LB]")};
+        settings.samples.per_pixel = 64;
+        settings.film.resolution = {96, 72};
+        settings.channels.beauty = false;
+        settings.paths.prune = prune;
+        settings.channels.list = {lpe_channel("asked", "C<RD>[LB]")};
         const auto output =
             render_of(scene_of(film + view + "LightSource \"infinite\"\n" + light + floor_of_grey), settings);
         if (prune && !light.empty()) CHECK(output.statistics.shadow_rays > 0);
@@ -108,11 +108,11 @@ AttributeEnd
         }
     // Beside a channel that finds something such a channel costs nothing.
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 4;
-    settings.beauty = false;
-    settings.channels = {lpe_channel("asked", "C<RD>L")};
+    settings.samples.per_pixel = 4;
+    settings.channels.beauty = false;
+    settings.channels.list = {lpe_channel("asked", "C<RD>L")};
     const auto alone = render_of(scene, settings).statistics;
-    settings.channels.push_back(lpe_channel("nothing", "C.*O"));
+    settings.channels.list.push_back(lpe_channel("nothing", "C.*O"));
     const auto both = render_of(scene, settings).statistics;
     CHECK(both.scattering_rays == alone.scattering_rays);
     CHECK(both.shadow_rays == alone.shadow_rays);
@@ -168,9 +168,9 @@ AttributeEnd
     }
     // Beside a channel of what fog scatters its vertices are last ones too, which the pilot does not look at.
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 4;
-    settings.beauty = false;
-    settings.channels = {lpe_channel("asked", "C<RD>L"), lpe_channel("fog", "CVL")};
+    settings.samples.per_pixel = 4;
+    settings.channels.beauty = false;
+    settings.channels.list = {lpe_channel("asked", "C<RD>L"), lpe_channel("fog", "CVL")};
     const auto both = render_of(scene_of(film + view + lamp_ball + floor_of_grey + fog), settings).statistics;
     CHECK(both.pruned[static_cast<std::size_t>(transport::Pruned::rays_left_to_light_samples)] == 0);
 }

@@ -33,12 +33,12 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 0 -3  -3 0 3
 
 transport::RenderSettings asking_for_each(const std::string& integrator) {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 8;
-    settings.beauty = false;
-    settings.integrator.emplace().type = integrator;
+    settings.samples.per_pixel = 8;
+    settings.channels.beauty = false;
+    settings.paths.integrator.emplace().type = integrator;
     for (std::size_t k = 0; k < balls; ++k) {
         const std::string number = std::to_string(k);
-        settings.channels.push_back(lpe_channel("c" + number, "C.*<RD'ball" + number + "'>.*<L.'key'>"));
+        settings.channels.list.push_back(lpe_channel("c" + number, "C.*<RD'ball" + number + "'>.*<L.'key'>"));
     }
     return settings;
 }
@@ -51,12 +51,12 @@ TEST_CASE("channels of many objects are pruned as those of few", "[render][pruni
     for (const char* integrator : {"path", "bdpt", "lighttracer"}) {
         CAPTURE(integrator);
         transport::RenderSettings settings = asking_for_each(integrator);
-        const auto setup = display::LpeSetup::build(settings.channels, display::invalid_channel);
+        const auto setup = display::LpeSetup::build(settings.channels.list, display::invalid_channel);
         REQUIRE(setup.ok());
         REQUIRE(setup->program().view().has_lanes());
         constexpr int seeds = 12;
         const Replicates pruned = replicates(**built, settings, balls, seeds, 0);
-        settings.seed = 0;
+        settings.samples.seed = 0;
         auto once = transport::render(**built, settings);
         REQUIRE(once.ok());
         const auto left_out = [&](transport::Pruned cause) {
@@ -65,7 +65,7 @@ TEST_CASE("channels of many objects are pruned as those of few", "[render][pruni
         // From the floor, seen by most, no light sample is a word: first a ball must be met.
         if (std::string(integrator) != "lighttracer") CHECK(left_out(transport::Pruned::light_samples) > 0);
         else CHECK(left_out(transport::Pruned::shadow_rays) > 0);
-        settings.prune = false;
+        settings.paths.prune = false;
         const Replicates whole = replicates(**built, settings, balls, seeds, 1000);
         // One lamp of five has a fifth of the choices where all are chosen from. Ratios of variances of 11 degrees of
         // freedom, of which no block has more than a few per cent of the sum, are off by a factor of 2 less than once
@@ -93,9 +93,9 @@ TEST_CASE("nothing is traced where no packed channel can find anything", "[rende
     for (const char* end : {"<RS>.*<L.'key'>", "<L.'rim'>"}) {
         CAPTURE(end);
         for (std::size_t k = 0; k < balls; ++k)
-            settings.channels[k] =
+            settings.channels.list[k] =
                 lpe_channel("c" + std::to_string(k), "C.*<RD'ball" + std::to_string(k) + "'>.*" + end);
-        const auto setup = display::LpeSetup::build(settings.channels, display::invalid_channel);
+        const auto setup = display::LpeSetup::build(settings.channels.list, display::invalid_channel);
         REQUIRE(setup.ok());
         REQUIRE(setup->program().view().has_lanes());
         const auto nothing = statistics();

@@ -52,9 +52,9 @@ transport::SceneEntity named(const std::string& integrator) {
 
 transport::RenderSettings asking_for(const std::string& expression) {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16;
-    settings.beauty = false;
-    settings.channels = {lpe_channel("asked", expression)};
+    settings.samples.per_pixel = 16;
+    settings.channels.beauty = false;
+    settings.channels.list = {lpe_channel("asked", expression)};
     return settings;
 }
 
@@ -67,10 +67,10 @@ void check_means(const std::string& scene, const std::string& expression,
     auto built = transport::BuiltScene::build(grouped(scene_of(scene)));
     REQUIRE(built.ok());
     transport::RenderSettings settings = asking_for(expression);
-    settings.integrator = integrator;
+    settings.paths.integrator = integrator;
     constexpr int seeds = 12;
     const Replicates pruned = replicates(**built, settings, 1, seeds, 0);
-    settings.prune = false;
+    settings.paths.prune = false;
     const Replicates whole = replicates(**built, settings, 1, seeds, 1000);
     const Estimate a = pruned.channel(0), b = whole.channel(0);
     CAPTURE(integrator.type, expression, a.mean, a.error, b.mean, b.error);
@@ -93,8 +93,8 @@ TEST_CASE("pruned channels keep their means", "[render][pruning][law4][statistic
 TEST_CASE("what no channel takes is not traced", "[render][pruning][law4]") {
     const auto statistics = [](const std::string& expression, bool prune = true) {
         transport::RenderSettings settings = asking_for(expression);
-        settings.integrator = path_with(flag_parameter("splits", false));  // as many paths as samples, to compare
-        settings.prune = prune;
+        settings.paths.integrator = path_with(flag_parameter("splits", false));  // as many paths as samples, to compare
+        settings.paths.prune = prune;
         return render_of(grouped(scene_of(corner())), settings).statistics;
     };
     const auto whole = statistics("C<RD>L", false);
@@ -137,7 +137,7 @@ TEST_CASE("a light group alone is sampled alone: less noise from as many samples
     REQUIRE(built.ok());
     transport::RenderSettings settings = asking_for("C<RD><L.'key'>");
     const Replicates pruned = replicates(**built, settings, 1, 12, 0);
-    settings.prune = false;
+    settings.paths.prune = false;
     const Replicates whole = replicates(**built, settings, 1, 12, 0);
     // The lamp is chosen always instead of about half of the time; a ratio of variances of 9 x 11 degrees of freedom
     // is off by more than a factor of 1.6 once in 1,000.
@@ -176,10 +176,10 @@ TEST_CASE("light paths that are left out change no bit of the others", "[render]
     for (const char* integrator : from_lights)
         for (const char* expression : {"C<RD>L", "C<RD>{2}L", "C<RD><.S>+L", "C<TS>+L", "C<RD>(<RS>|<RD><TS>)L"}) {
             transport::RenderSettings settings = asking_for(expression);
-            settings.integrator = named(integrator);
+            settings.paths.integrator = named(integrator);
             const auto scene = grouped(scene_of(corner()));
             const auto pruned = render_of(scene, settings);
-            settings.prune = false;
+            settings.paths.prune = false;
             const auto whole = render_of(scene, settings);
             CAPTURE(integrator, expression);
             CHECK(pruned.frame_buffer.resolve(0) == whole.frame_buffer.resolve(0));
@@ -190,8 +190,8 @@ TEST_CASE("light paths that are left out change no bit of the others", "[render]
 TEST_CASE("what no word joins is not traced from the lights", "[render][pruning][law4]") {
     const auto statistics = [](const char* integrator, const std::string& expression, bool prune = true) {
         transport::RenderSettings settings = asking_for(expression);
-        settings.integrator = named(integrator);
-        settings.prune = prune;
+        settings.paths.integrator = named(integrator);
+        settings.paths.prune = prune;
         return render_of(grouped(scene_of(corner())), settings).statistics;
     };
     const auto count = [](const auto& statistics, transport::Pruned cause) {
@@ -235,9 +235,9 @@ TEST_CASE("light paths begin at live lights alone: less noise from as many", "[r
     REQUIRE(built.ok());
     for (const char* integrator : from_lights) {
         transport::RenderSettings settings = asking_for("C<RD>.*<L.'key'>");
-        settings.integrator = named(integrator);
+        settings.paths.integrator = named(integrator);
         const Replicates pruned = replicates(**built, settings, 1, 12, 0);
-        settings.prune = false;
+        settings.paths.prune = false;
         const Replicates whole = replicates(**built, settings, 1, 12, 0);
         // As above.
         CAPTURE(integrator);

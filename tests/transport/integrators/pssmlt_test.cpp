@@ -26,9 +26,9 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 -1.3 3 3 -1.
 /// Of images whose words are compared with the path tracer's.
 transport::RenderSettings compared(std::int64_t max_depth) {
     transport::RenderSettings settings;
-    settings.max_depth = max_depth;
-    settings.samples_per_pixel = 256;
-    settings.resolution = {{18, 18}};
+    settings.paths.max_depth = max_depth;
+    settings.samples.per_pixel = 256;
+    settings.film.resolution = {{18, 18}};
     return settings;
 }
 
@@ -161,7 +161,7 @@ TEST_CASE("Metropolis has surfaces say of themselves what the path tracer has th
           "[pssmlt][bdpt][render][statistical]") {
     transport::RenderSettings settings = compared(3);
     for (const char* expression : {"C.*", "CU2L", "CDU2L", "C<RS>U2L", "CDU6L"})
-        settings.channels.push_back(lpe_channel("c" + std::to_string(settings.channels.size()), expression));
+        settings.channels.list.push_back(lpe_channel("c" + std::to_string(settings.channels.list.size()), expression));
     for (const char* integrator : {"path", "bdpt"})
         compare_with_path(scene_of(room), settings, metropolis_over(integrator, 40), 12, 96);
 }
@@ -170,9 +170,9 @@ TEST_CASE("Metropolis with channels for a target keeps every channel's mean, and
           "[pssmlt][render][statistical]") {
     const std::string over = GENERATE("path", "bdpt");
     transport::RenderSettings settings;
-    settings.max_depth = 4;
-    settings.samples_per_pixel = 256;
-    settings.resolution = {{18, 18}};
+    settings.paths.max_depth = 4;
+    settings.samples.per_pixel = 256;
+    settings.film.resolution = {{18, 18}};
     transport::SceneEntity aimed = metropolis(40, 20000);
     aimed.parameters.parameters.push_back(text_parameter("integrator", over));
     transport::SceneEntity plain = aimed;
@@ -181,16 +181,16 @@ TEST_CASE("Metropolis with channels for a target keeps every channel's mean, and
     const std::vector<std::string> words{"C.*", "C<RD><.S>+L", "C<RD>L", "C<RD><RD>+[LB]"};
     compare_with_path(room, settings, aimed, 12, 96, words);
 
-    settings.threads = 2;
-    settings.beauty = false;
-    settings.samples_per_pixel = 64;
+    settings.machine.threads = 2;
+    settings.channels.beauty = false;
+    settings.samples.per_pixel = 64;
     for (const std::string& each : words)
-        settings.channels.push_back(osl("c" + std::to_string(settings.channels.size()), each));
+        settings.channels.list.push_back(osl("c" + std::to_string(settings.channels.list.size()), each));
     auto built = transport::BuiltScene::build(scene_of(room));
     REQUIRE(built.ok());
-    settings.integrator = aimed;
+    settings.paths.integrator = aimed;
     const Replicates with = replicates(**built, settings, 4, 12, 900);
-    settings.integrator = plain;
+    settings.paths.integrator = plain;
     const Replicates without = replicates(**built, settings, 4, 12, 900);
     constexpr std::size_t blocks = blocks_across * blocks_across;
     double of_aimed = 0, of_plain = 0;
@@ -208,14 +208,15 @@ TEST_CASE("Metropolis keeps the laws: splits sum, asking changes nothing, thread
           "[pssmlt][render][law1][law2][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 20;
-    settings.integrator = metropolis(30, 5000);
-    settings.threads = 3;
+    settings.samples.per_pixel = 20;
+    settings.paths.integrator = metropolis(30, 5000);
+    settings.machine.threads = 3;
     const auto alone = render_of(scene, settings);
-    settings.channels = {osl("direct", "C<RD>L"), osl("caustic", "C<RD><.S>+L"), osl("seen", "C[LB]"), osl("rest", "")};
-    settings.channels[3].rest_of = {0, 1, 2};
+    settings.channels.list = {osl("direct", "C<RD>L"), osl("caustic", "C<RD><.S>+L"), osl("seen", "C[LB]"),
+                              osl("rest", "")};
+    settings.channels.list[3].rest_of = {0, 1, 2};
     const auto three = render_of(scene, settings);
-    settings.threads = 1;
+    settings.machine.threads = 1;
     const auto one = render_of(scene, settings);
     // The start-up's 5000 paths are in none of it.
     CHECK(one.frame_buffer.light_path_count() == 24 * 24 * 20);
@@ -239,8 +240,8 @@ TEST_CASE("Metropolis keeps the laws: splits sum, asking changes nothing, thread
 
 TEST_CASE("a Metropolis start-up that finds no light, and one of which nothing is left over", "[pssmlt][render]") {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 4;
-    settings.integrator = metropolis(4, 1000);
+    settings.samples.per_pixel = 4;
+    settings.paths.integrator = metropolis(4, 1000);
     const auto dark = render_of(scene_of(film + R"(
 WorldBegin
 Material "diffuse"
@@ -251,29 +252,29 @@ Shape "sphere" "float radius" 1
     // What scatters nowhere is the camera rays' alone: bit for bit the path tracer's image, had the start-up left
     // nothing.
     const auto scene = scene_of(room);
-    settings.max_depth = 0;
+    settings.paths.max_depth = 0;
     const auto metropolis_image = render_of(scene, settings);
-    settings.integrator = integrator_named("path");
+    settings.paths.integrator = integrator_named("path");
     CHECK(metropolis_image.frame_buffer.resolve(0) == render_of(scene, settings).frame_buffer.resolve(0));
 }
 
 TEST_CASE("Metropolis runs no chains for channels that camera rays serve alone", "[pssmlt][render][pruning][law4]") {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 4;
-    settings.beauty = false;
-    settings.integrator = metropolis(4, 1000);
-    settings.channels = {lpe_channel("seen", "CL")};
+    settings.samples.per_pixel = 4;
+    settings.channels.beauty = false;
+    settings.paths.integrator = metropolis(4, 1000);
+    settings.channels.list = {lpe_channel("seen", "CL")};
     const auto scene = scene_of(room);
     const auto pruned = render_of(scene, settings);
     CHECK(pruned.statistics.camera_rays == pruned.statistics.camera_samples);
     CHECK(pruned.statistics.pruned[static_cast<std::size_t>(transport::Pruned::paths)] ==
           pruned.statistics.camera_samples);
-    settings.prune = false;
+    settings.paths.prune = false;
     const auto whole = render_of(scene, settings);
     CHECK(whole.statistics.camera_rays >= whole.statistics.camera_samples + 1000);
     CHECK(pruned.frame_buffer.resolve(0) == whole.frame_buffer.resolve(0));
     // Nor where nothing is asked of light, or nothing scatters; what nobody left out is not counted.
-    settings.prune = true;
+    settings.paths.prune = true;
     const auto counts = [&](std::uint64_t pruned_paths) {
         const transport::RenderStatistics statistics = render_of(scene, settings).statistics;
         CHECK(statistics.camera_rays == statistics.camera_samples);
@@ -281,23 +282,23 @@ TEST_CASE("Metropolis runs no chains for channels that camera rays serve alone",
         CHECK(statistics.pruned[static_cast<std::size_t>(transport::Pruned::paths)] == pruned_paths);
     };
     counts(pruned.statistics.camera_samples);
-    settings.max_depth = 0;
+    settings.paths.max_depth = 0;
     counts(0);
-    settings.beauty = true;
+    settings.channels.beauty = true;
     counts(0);
-    settings.beauty = false;
-    settings.max_depth.reset();
-    settings.channels = {aov("z")};
+    settings.channels.beauty = false;
+    settings.paths.max_depth.reset();
+    settings.channels.list = {aov("z")};
     counts(0);
-    settings.channels = {lpe_channel("seen", "CL"), lpe_channel("lit", "C<RD>L")};
+    settings.channels.list = {lpe_channel("seen", "CL"), lpe_channel("lit", "C<RD>L")};
     CHECK(render_of(scene, settings).statistics.camera_rays >= whole.statistics.camera_samples + 1000);
 }
 
 TEST_CASE("a Metropolis start-up counts as preparation, not as rendering", "[pssmlt][render]") {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 1;
-    settings.threads = 1;
-    settings.integrator = metropolis(4, 100'000);
+    settings.samples.per_pixel = 1;
+    settings.machine.threads = 1;
+    settings.paths.integrator = metropolis(4, 100'000);
     const auto statistics = render_of(scene_of(room), settings).statistics;
     // Thirty times as many paths before the image as for it.
     REQUIRE(100'000 >= 30 * statistics.camera_samples);
@@ -308,35 +309,34 @@ TEST_CASE("a Metropolis start-up counts as preparation, not as rendering", "[pss
 TEST_CASE("what Metropolis cannot do is refused by name", "[pssmlt][render][law7]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.integrator = metropolis(4, 1000);
+    settings.paths.integrator = metropolis(4, 1000);
     const auto error = [&] {
         const auto output = transport::render(scene, settings);
         return output.ok() ? std::string() : output.error().to_string();
     };
-    settings.only = transport::SampleChoice{3, 3, 0};
+    settings.samples.only = transport::SampleChoice{.x = 3, .y = 3};
     CHECK(error().find("'pssmlt' cannot render one sample alone") != std::string::npos);
-    settings.only.reset();
-    settings.samples_per_pixel = 32;
-    settings.first_sample = 16;
+    settings.samples.only.reset();
+    settings.samples.per_pixel = 32;
+    settings.samples.first = 16;
     CHECK(error().find("a shard of a render by Markov chains") != std::string::npos);
-    settings.first_sample = 0;
-    settings.limit = transport::SampleLimit{};
-    settings.limit->error = 0.1;
+    settings.samples.first = 0;
+    settings.stop.limit = transport::SampleLimit{.error = 0.1};
     CHECK(error().find("light paths land anywhere") != std::string::npos);
-    settings.limit.reset();
-    settings.checkpoint = transport::CheckpointSettings{"pssmlt.checkpoint", 60, false, {}};
+    settings.stop.limit.reset();
+    settings.checkpoint = transport::CheckpointSettings{.file = "pssmlt.checkpoint"};
     CHECK(error().find("'pssmlt' does not say how its state is saved") != std::string::npos);
     settings.checkpoint.reset();
-    settings.integrator = metropolis(0, 1000);
+    settings.paths.integrator = metropolis(0, 1000);
     CHECK(error().find("'chains' is 0") != std::string::npos);
-    settings.integrator = integrator_named("pssmlt");
-    settings.integrator->parameters.parameters = {number_parameter("rrthreshold", -1)};
+    settings.paths.integrator = integrator_named("pssmlt");
+    settings.paths.integrator->parameters.parameters = {number_parameter("rrthreshold", -1)};
     CHECK(error().find("'rrthreshold' is -1.000000; expected at most 1") != std::string::npos);
     for (const auto& [name, value, expected] :
          {std::tuple{"integrator", "lighttracer", "expected path or bdpt"},
           std::tuple{"target", "a,,b", "expected beauty"}, std::tuple{"target", "glow", "names the channel 'glow'"}}) {
-        settings.integrator = metropolis(4, 1000);
-        settings.integrator->parameters.parameters.push_back(text_parameter(name, value));
+        settings.paths.integrator = metropolis(4, 1000);
+        settings.paths.integrator->parameters.parameters.push_back(text_parameter(name, value));
         CHECK(error().find(expected) != std::string::npos);
     }
 }

@@ -71,8 +71,8 @@ TEST_CASE("regularized microfacets have pbrt's alphas, and are closures like oth
 TEST_CASE("a regularized path finds what comes through glass, and its words are glossy behind the floor",
           "[render][law4][statistical]") {
     RenderSettings settings;
-    settings.channels = {lpe_channel("through", "C<RD><TG>+L"), lpe_channel("any", "C<RD>T+L"),
-                         lpe_channel("seen", "CT+<RD>L"), lpe_channel("seen blurred", "C<TG>T*<RD>L")};
+    settings.channels.list = {lpe_channel("through", "C<RD><TG>+L"), lpe_channel("any", "C<RD>T+L"),
+                              lpe_channel("seen", "CT+<RD>L"), lpe_channel("seen blurred", "C<TG>T*<RD>L")};
     const RenderOutput plain = render_of(scene(), settings);
     const auto id = [](const RenderOutput& output, const std::string& name) {
         const auto channels = output.frame_buffer.channels();
@@ -82,7 +82,7 @@ TEST_CASE("a regularized path finds what comes through glass, and its words are 
         return static_cast<display::ChannelId>(found - channels.begin());
     };
     CHECK(estimate(plain, id(plain, "any")).mean == 0);
-    settings.integrator = path_with(flag_parameter("regularize", true));
+    settings.paths.integrator = path_with(flag_parameter("regularize", true));
     const RenderOutput blurred = render_of(scene(), settings);
     const Estimate through = estimate(blurred, id(blurred, "through"));
     CHECK(through.mean > 5 * through.error);
@@ -91,8 +91,8 @@ TEST_CASE("a regularized path finds what comes through glass, and its words are 
     CHECK(estimate(blurred, id(blurred, "seen")).mean > 0);
     CHECK(estimate(blurred, id(blurred, "seen blurred")).mean == 0);
     // Where channels alone decide what is traced, they know that glass may be glossy (Law 4): 4 standard errors.
-    settings.beauty = false;
-    settings.seed = 7;
+    settings.channels.beauty = false;
+    settings.samples.seed = 7;
     const RenderOutput alone = render_of(scene(), settings);
     const Estimate pruned = estimate(alone, id(alone, "through"));
     CHECK(std::abs(pruned.mean - through.mean) < 4 * std::hypot(pruned.error, through.error));

@@ -14,12 +14,12 @@ constexpr const char* deep = "C<RD>{5}L";
 
 transport::RenderSettings channels_alone(const std::vector<std::string>& expressions, bool by_channels = true) {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 32;
-    settings.max_depth = 8;
-    settings.beauty = false;
-    settings.integrator = path_with(flag_parameter("channelroulette", by_channels));
+    settings.samples.per_pixel = 32;
+    settings.paths.max_depth = 8;
+    settings.channels.beauty = false;
+    settings.paths.integrator = path_with(flag_parameter("channelroulette", by_channels));
     for (std::size_t i = 0; i < expressions.size(); ++i)
-        settings.channels.push_back(lpe_channel("asked" + std::to_string(i), expressions[i]));
+        settings.channels.list.push_back(lpe_channel("asked" + std::to_string(i), expressions[i]));
     return settings;
 }
 
@@ -54,14 +54,14 @@ TEST_CASE("roulette by what channels may still receive keeps their means", "[ren
         auto built = transport::BuiltScene::build(scene_of(scene));
         REQUIRE(built.ok());
         transport::RenderSettings settings = channels_alone(expressions);
-        settings.samples_per_pixel = 16;
+        settings.samples.per_pixel = 16;
         constexpr int seeds = 12;
         const int channels = static_cast<int>(expressions.size());
         const auto output = transport::render(**built, settings);
         REQUIRE(output.ok());
         by_channels += weak_paths(*output) > 0 ? 1 : 0;
         const Replicates driven = replicates(**built, settings, channels, seeds, 0);
-        settings.beauty = true;
+        settings.channels.beauty = true;
         const Replicates layers = replicates(**built, settings, 1 + channels, seeds, 1000);  // beauty is the first
         for (std::size_t i = 0; i < expressions.size(); ++i) {
             const Estimate a = driven.channel(i), b = layers.channel(1 + i);
@@ -92,21 +92,21 @@ TEST_CASE("roulette by channels is the same bits for any number of threads and s
         REQUIRE(output.ok());
         return *std::move(output);
     };
-    settings.threads = 1;
+    settings.machine.threads = 1;
     const auto one = render();
     REQUIRE(weak_paths(one) > 0);
     for (const int threads : {2, 3}) {
-        settings.threads = threads;
+        settings.machine.threads = threads;
         const auto more = render();
         for (const int channel : {0, 1}) CHECK(one.frame_buffer.resolve(channel) == more.frame_buffer.resolve(channel));
         CHECK(weak_paths(one) == weak_paths(more));
         CHECK(one.statistics.pilot_rays == more.statistics.pilot_rays);
     }
     CHECK(one.statistics.pilot_rays > 1000);
-    settings.first_sample = 16;
+    settings.samples.first = 16;
     auto merged = render();
-    settings.first_sample = 0;
-    settings.samples_per_pixel = 16;
+    settings.samples.first = 0;
+    settings.samples.per_pixel = 16;
     const auto first = render();
     REQUIRE(merged.frame_buffer.merge(first.frame_buffer).ok());
     for (const int channel : {0, 1}) CHECK(one.frame_buffer.resolve(channel) == merged.frame_buffer.resolve(channel));
@@ -115,25 +115,25 @@ TEST_CASE("roulette by channels is the same bits for any number of threads and s
 TEST_CASE("roulette goes by throughput alone where beauty is asked for, or channels do not gain", "[render][pruning]") {
     const auto scene = scene_of(room);
     const auto same_bits = [&](transport::RenderSettings settings) {
-        settings.integrator = path_with(flag_parameter("channelroulette", true));
+        settings.paths.integrator = path_with(flag_parameter("channelroulette", true));
         const auto on = render_of(scene, settings);
-        settings.integrator = path_with(flag_parameter("channelroulette", false));
+        settings.paths.integrator = path_with(flag_parameter("channelroulette", false));
         const auto off = render_of(scene, settings);
         CHECK(weak_paths(on) == 0);
         CHECK(on.frame_buffer.resolve(0) == off.frame_buffer.resolve(0));
         CHECK(on.statistics.scattering_rays == off.statistics.scattering_rays);
     };
     transport::RenderSettings settings = channels_alone({deep});
-    settings.beauty = true;
+    settings.channels.beauty = true;
     same_bits(settings);  // Law 2
     CHECK(render_of(scene, settings).statistics.pilot_rays == 0);
-    settings.beauty = false;
-    settings.prune = false;
+    settings.channels.beauty = false;
+    settings.paths.prune = false;
     same_bits(settings);
     same_bits(channels_alone({"C<RD>L"}));  // light ends these words where roulette is not yet played
     // Nor is any played where none is asked for.
     settings = channels_alone({deep});
-    settings.integrator->parameters.parameters.push_back(flag_parameter("roulette", false));
+    settings.paths.integrator->parameters.parameters.push_back(flag_parameter("roulette", false));
     CHECK(weak_paths(render_of(scene, settings)) == 0);
     CHECK(weak_paths(render_of(scene, channels_alone({deep}, false))) == 0);
 }

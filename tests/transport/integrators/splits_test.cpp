@@ -57,11 +57,11 @@ AttributeEnd
 
 transport::RenderSettings only_channels(const std::vector<std::string>& expressions, bool splits = true) {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16;
-    settings.beauty = false;
-    settings.integrator = path_with(flag_parameter("splits", splits));
+    settings.samples.per_pixel = 16;
+    settings.channels.beauty = false;
+    settings.paths.integrator = path_with(flag_parameter("splits", splits));
     for (std::size_t i = 0; i < expressions.size(); ++i)
-        settings.channels.push_back(lpe_channel("asked" + std::to_string(i), expressions[i]));
+        settings.channels.list.push_back(lpe_channel("asked" + std::to_string(i), expressions[i]));
     return settings;
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("split paths and live lobes keep the means of channels", "[render][pru
         transport::RenderSettings settings = only_channels({expression});
         constexpr int seeds = 12;
         const Estimate a = replicates(**built, settings, 1, seeds, 0).channel(0);
-        settings.prune = false;
+        settings.paths.prune = false;
         const Estimate b = replicates(**built, settings, 1, seeds, 1000).channel(0);
         CAPTURE(expression, a.mean, a.error, b.mean, b.error);
         CHECK(b.mean > 0);
@@ -129,10 +129,10 @@ TEST_CASE("paths are split where no beauty is asked for and it pays", "[render][
     CHECK(split.scattering_rays > whole.scattering_rays);
     CHECK(split.camera_rays == whole.camera_rays);
     transport::RenderSettings settings = only_channels({"CDS+L"});
-    settings.prune = false;
+    settings.paths.prune = false;
     CHECK(render_of(scene, settings).statistics.branches == 0);
-    settings.prune = true;
-    settings.beauty = true;
+    settings.paths.prune = true;
+    settings.channels.beauty = true;
     CHECK(render_of(scene, settings).statistics.branches == 0);
     // Light ends all of these words at the first vertex: nothing lies behind it.
     CHECK(render_of(scene, only_channels({"CDL"})).statistics.branches == 0);
@@ -152,7 +152,7 @@ TEST_CASE("lobes that no channel takes are not drawn", "[render][pruning][law4]"
     REQUIRE(built.ok());
     transport::RenderSettings settings = only_channels({"C<RS>L"});
     const Replicates live = replicates(**built, settings, 1, 12, 0);
-    settings.prune = false;
+    settings.paths.prune = false;
     const Replicates both = replicates(**built, settings, 1, 12, 0);
     // Fresnel's 4 to 10 % were drawn before; a ratio of two variances of 11 degrees of freedom is off by more than 8
     // once in 1,000.
@@ -163,10 +163,10 @@ TEST_CASE("split paths are the same bits for any number of threads, and split by
           "[render][pruning][law1][law3]") {
     const auto scene = scene_of(glass_over_floor(two_sided_things));
     transport::RenderSettings settings = only_channels({"CD.+L", "CDS+L", "CD.*D.*L"});
-    settings.threads = 1;
+    settings.machine.threads = 1;
     const auto one = render_of(scene, settings);
     REQUIRE(one.statistics.branches > 0);
-    settings.threads = 3;
+    settings.machine.threads = 3;
     const auto three = render_of(scene, settings);
     for (int channel = 0; channel < 3; ++channel)
         CHECK(one.frame_buffer.resolve(channel) == three.frame_buffer.resolve(channel));

@@ -19,7 +19,7 @@ ReverseOrientation
 Shape "sphere" "float radius" 2
 )");
     transport::RenderSettings settings;
-    settings.channels = {lpe_channel("2", "CS{2}L"), lpe_channel("3", "CS{3}L"), lpe_channel("4", "CS{4}L")};
+    settings.channels.list = {lpe_channel("2", "CS{2}L"), lpe_channel("3", "CS{3}L"), lpe_channel("4", "CS{4}L")};
     const auto output = render_of(scene, settings);
     for (display::ChannelId id = 1; id <= 3; ++id) {
         const double expected = std::pow(0.7, id + 1), found_by = std::pow(0.5, id + 1);
@@ -45,7 +45,7 @@ Material "dielectric" "float eta" 1.5
 Shape "sphere" "float radius" 1
 )");
     transport::RenderSettings settings;
-    settings.channels = {lpe_channel("inner", "C<TS><RS>+<TS>B")};
+    settings.channels.list = {lpe_channel("inner", "C<TS><RS>+<TS>B")};
     const auto output = render_of(scene, settings);
     CHECK(estimate(output, 1).mean > 0.01);  // there are paths long enough for roulette
     // Each interface multiplies by floats whose product is 1 but for some ulp. Roulette may find 1 - 1e-7 too weak and
@@ -65,7 +65,7 @@ TEST_CASE("roulette is played below rrthreshold, from the second bounce on", "[r
     for (const auto& [threshold, rays] : of) {
         CAPTURE(threshold);
         transport::RenderSettings settings;
-        settings.samples_per_pixel = 16;
+        settings.samples.per_pixel = 16;
         const auto output = render_of(scene_of(film + R"(
 Integrator "path" "integer maxdepth" 60 )" + threshold +
                                                R"(
@@ -92,8 +92,8 @@ TEST_CASE("roulette on light paths compares with the strongest colour of the lig
     const auto rays =
         [](const std::string& light) {
             transport::RenderSettings settings;
-            settings.samples_per_pixel = 4;
-            settings.integrator = integrator_named("lighttracer");
+            settings.samples.per_pixel = 4;
+            settings.paths.integrator = integrator_named("lighttracer");
             const auto output = render_of(scene_of(film + R"(
 Integrator "path" "integer maxdepth" 20
 LookAt 0 0 0.3  0 0 -1  0 1 0
@@ -139,7 +139,7 @@ AttributeEnd
     // Seen along its normal from 100 away in a view of 0.1 degrees, so that a ray's crossing is 1 to within
     // 1 - cos = 1e-6; it is a difference of floats of about 100, whose ulp is 8e-6.
     transport::RenderSettings settings;
-    settings.integrator = path_with(flag_parameter("roulette", false));
+    settings.paths.integrator = path_with(flag_parameter("roulette", false));
     const auto seen = render_of(scene("[0.5 1 2]", R"(
 LookAt 0 0 100  0 0 0  0 1 0
 Camera "perspective" "float fov" 0.1)",
@@ -150,7 +150,7 @@ Camera "perspective" "float fov" 0.1)",
 
     // Parallel light through it onto a board, which the camera sees from in between. Sheets stop shadow rays: light
     // paths alone find it. With and without dye they are the same but for what the dye takes, without roulette.
-    settings.integrator->type = "lighttracer";
+    settings.paths.integrator->type = "lighttracer";
     const auto lit = [&](const std::string& sigma_a) {
         const auto output =
             render_of(scene(sigma_a, R"(
@@ -188,9 +188,9 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 -3 0 3 -3 0 
 )");
     };
     transport::RenderSettings settings;
-    settings.channels = {lpe_channel("surface", "C<RD>L"), aov("z")};
+    settings.channels.list = {lpe_channel("surface", "C<RD>L"), aov("z")};
     const auto full = render_of(scene(true), settings);
-    settings.beauty = false;
+    settings.channels.beauty = false;
     const auto pruned = render_of(scene(true), settings), clear = render_of(scene(false), settings);
     CHECK(pruned.frame_buffer.resolve(0) == full.frame_buffer.resolve(1));
     CHECK(pruned.frame_buffer.resolve(1) == full.frame_buffer.resolve(2));

@@ -491,8 +491,8 @@ Shape "bilinearmesh" "point3 P" [-1 0.3 -1.5 1 0.3 -1.5 -1 1.6 -1.5 1 1.6 -1.5] 
 AttributeBegin Translate 0 0.5 0 Shape "sphere" "float radius" 0.4 AttributeEnd
 )";
     transport::RenderSettings settings;
-    settings.max_depth = 3;
-    settings.samples_per_pixel = 128;
+    settings.paths.max_depth = 3;
+    settings.samples.per_pixel = 128;
     render_test::compare_with_path(scene, settings, render_test::integrator_named(integrator), 10, 128,
                                    {"C<RD>B", "C<RD>L", "C<RD><RD>+B", "C<RD><RD>+L", "CL", "C.*[LB]"});
 }

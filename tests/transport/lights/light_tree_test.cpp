@@ -201,12 +201,12 @@ TEST_CASE("images by every choice of lights agree, and the one by receiver has t
         "Shape \"sphere\" \"float radius\" 0.9\nAttributeEnd\n";
     const auto scene = built(world);
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16;
-    settings.channels = {lpe_channel("direct", "C<RD>L"), lpe_channel("again", "C<RD><RD>L"),
-                         lpe_channel("haze", "CVL")};
+    settings.samples.per_pixel = 16;
+    settings.channels.list = {lpe_channel("direct", "C<RD>L"), lpe_channel("again", "C<RD><RD>L"),
+                              lpe_channel("haze", "CVL")};
     const auto by = [&](const std::string& choice, std::uint64_t seed) {
-        settings.integrator.emplace().type = "path";
-        settings.integrator->parameters.parameters = {text_parameter("lightsampler", choice)};
+        settings.paths.integrator.emplace().type = "path";
+        settings.paths.integrator->parameters.parameters = {text_parameter("lightsampler", choice)};
         return replicates(*scene, settings, 4, 10, seed);
     };
     const Replicates receiver = by("bvh", 0), power = by("power", 100), uniform = by("uniform", 200);

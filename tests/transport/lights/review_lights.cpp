@@ -37,10 +37,10 @@ const Emitter emitters[] = {
 Estimate with_strategy(const std::string& text, const char* strategy) {
     transport::SceneDescription scene = scene_of(text);
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 256;
+    settings.samples.per_pixel = 256;
     auto integrator = path_with(text_parameter("strategy", strategy));
-    settings.integrator = integrator;
-    settings.max_depth = 1;
+    settings.paths.integrator = integrator;
+    settings.paths.max_depth = 1;
     return estimate(render_of(scene, settings));
 }
 
@@ -83,6 +83,6 @@ AreaLightSource "diffuse" "rgb L" [4 4 4] "bool twosided" true
 Shape "sphere" "float alpha" 0
 )");
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 4;
+    settings.samples.per_pixel = 4;
     CHECK(estimate(render_of(scene, settings)).mean == 0);
 }

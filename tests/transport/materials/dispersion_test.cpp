@@ -139,8 +139,8 @@ LightSource "infinite" "rgb L" [0.2 0.25 0.3]
 
 RenderSettings bounded(std::uint64_t samples) {
     RenderSettings settings;
-    settings.max_depth = 4;
-    settings.samples_per_pixel = samples;
+    settings.paths.max_depth = 4;
+    settings.samples.per_pixel = samples;
     return settings;
 }
 
@@ -213,20 +213,21 @@ Shape "bilinearmesh" "point3 P" [-9 -9 .5  9 -9 .5  -9 9 .5  9 9 .5]
                     expected[static_cast<std::size_t>(1 + inside)] += passed * std::pow(f, inside);
             }
             RenderSettings settings = bounded(256);
-            settings.max_depth = 40;
-            settings.beauty = false;
-            settings.integrator = integrator_named(integrator);
-            settings.integrator->parameters.parameters.push_back(flag_parameter("roulette", false));
+            settings.paths.max_depth = 40;
+            settings.channels.beauty = false;
+            settings.paths.integrator = integrator_named(integrator);
+            settings.paths.integrator->parameters.parameters.push_back(flag_parameter("roulette", false));
             const std::vector<ClosedForm> forms{{"C<TS><TS>B", expected[1]},
                                                 {"C<TS><RS><TS>B", expected[2]},
                                                 {"C<TS><RS><RS><TS>B", expected[3]},
                                                 {"C.*B", 1}};
             for (const ClosedForm& each : forms)
-                settings.channels.push_back(osl("c" + std::to_string(settings.channels.size()), each.expression));
-            settings.channels.push_back(osl("mirror", "C<RS>B"));
+                settings.channels.list.push_back(
+                    osl("c" + std::to_string(settings.channels.list.size()), each.expression));
+            settings.channels.list.push_back(osl("mirror", "C<RS>B"));
             CAPTURE(integrator, color);
-            const Replicates found = replicates(**built, settings, static_cast<int>(settings.channels.size()), 12, 7,
-                                                static_cast<int>(color));
+            const Replicates found = replicates(**built, settings, static_cast<int>(settings.channels.list.size()), 12,
+                                                7, static_cast<int>(color));
             check_closed_forms(found, forms, 2 * 3 * forms.size(), 0.05);
             // What is reflected first takes its colour from the mean index of each primary: no noise of colour, and
             // this close to the mean over the wavelengths.
@@ -265,12 +266,12 @@ TEST_CASE("dispersion: a prism spreads a beam as Snell's law says, and at minimu
     constexpr std::size_t seeds = 12;
     for (const char* integrator : {"lighttracer", "bdpt"}) {
         RenderSettings settings = bounded(4096);
-        settings.beauty = false;
-        settings.integrator = integrator_named(integrator);
-        settings.channels = {osl("caustic", "C<RD><TS><TS>L")};
+        settings.channels.beauty = false;
+        settings.paths.integrator = integrator_named(integrator);
+        settings.channels.list = {osl("caustic", "C<RD><TS><TS>L")};
         std::vector<std::vector<double>> found(seeds);  // [seed][3 row + c]
         for (std::size_t seed = 0; seed < seeds; ++seed) {
-            settings.seed = 11 + seed;
+            settings.samples.seed = 11 + seed;
             const RenderOutput output = render_of(scene_of(prism.scene()), settings);
             const std::vector<double> image = output.frame_buffer.resolve(0);
             found[seed].resize(3 * row_count);
@@ -304,7 +305,7 @@ TEST_CASE("dispersion: an index that is the same at all wavelengths is one index
         return scene_of(text.replace(text.find(glass), glass.size(), glass + " " + eta));
     };
     RenderSettings settings;
-    settings.samples_per_pixel = 16;
+    settings.samples.per_pixel = 16;
     const auto beauty = [&](const SceneDescription& scene) {
         const RenderOutput output = render_of(scene, settings);
         return output.frame_buffer.resolve(output.beauty);
@@ -316,7 +317,7 @@ TEST_CASE("dispersion: an index that is the same at all wavelengths is one index
     REQUIRE(varying.ok());
     REQUIRE((*varying)->view().wavelengths != nullptr);
     REQUIRE((*constant)->view().wavelengths == nullptr);
-    settings.samples_per_pixel = 64;
+    settings.samples.per_pixel = 64;
     for (const int color : {0, 1, 2}) {
         CAPTURE(color);
         check_agreement(replicates(**constant, settings, 1, 12, 50, color),
@@ -348,13 +349,13 @@ TEST_CASE("dispersion: splits sum to the beauty, which does not know of them, fo
     for (const char* integrator : {"path", "bdpt", "lighttracer"}) {
         CAPTURE(integrator);
         RenderSettings settings = bounded(16);
-        settings.integrator = integrator_named(integrator);
-        settings.threads = 1;
+        settings.paths.integrator = integrator_named(integrator);
+        settings.machine.threads = 1;
         const RenderOutput alone = render_of(scene, settings);
         const std::vector<double> beauty = alone.frame_buffer.resolve(alone.beauty);
         for (const char* each : {"C[LB]", "C<R.>.*[LB]", "C<TS>.*[LB]", "C<TG>.*[LB]"})
-            settings.channels.push_back(osl("c" + std::to_string(settings.channels.size()), each));
-        settings.threads = 3;
+            settings.channels.list.push_back(osl("c" + std::to_string(settings.channels.list.size()), each));
+        settings.machine.threads = 3;
         const RenderOutput split = render_of(scene, settings);
         CHECK((split.frame_buffer.resolve(split.beauty) == beauty));
         std::vector<double> sum(beauty.size()), magnitude(beauty.size());

@@ -60,8 +60,8 @@ std::string tilted_scene(const std::string& texture, const std::string& material
 
 double mean_of(const std::string& text) {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 4;
-    settings.max_depth = 1;
+    settings.samples.per_pixel = 4;
+    settings.paths.max_depth = 1;
     return estimate(render_of(scene_of(text), settings)).mean;
 }
 
@@ -240,9 +240,9 @@ TEST_CASE("every material takes bumps: no light comes out of nothing, none is lo
                                          ? "Material \"mix\" \"string materials\" [\"bumpy\" \"metal\"]"
                                          : "Material \"" + entry.name + "\" \"texture displacement\" \"h\"";
         transport::RenderSettings settings;
-        settings.samples_per_pixel = 16;
-        settings.max_depth = 8;
-        settings.channels = {lpe_channel("seen", "CB"), lpe_channel("scattered", "C.+B")};
+        settings.samples.per_pixel = 16;
+        settings.paths.max_depth = 8;
+        settings.channels.list = {lpe_channel("seen", "CB"), lpe_channel("scattered", "C.+B")};
         const auto output = render_of(scene_of(text + material + shapes), settings);  // no invalid samples
         const Estimate sky = estimate(output, 1), scattered = estimate(output, 2);
         // Shading normals break reciprocity, not energy: what the closure sends is at most 1 of a sky of 1. Slopes of
@@ -265,9 +265,9 @@ TEST_CASE("bumps are seen alike from the camera and from lights", "[materials][b
     put("\"rgb reflectance\" [0.8 0.7 0.6] \"float roughness\" 0.1", " \"texture displacement\" \"h\"");
     put("\"rgb reflectance\" [0.2 0.5 0.7] \"float roughness\" 0.05", " \"texture displacement\" \"h\"");
     transport::RenderSettings settings;
-    settings.max_depth = 3;
-    settings.samples_per_pixel = 192;
-    settings.resolution = {{18, 18}};
+    settings.paths.max_depth = 3;
+    settings.samples.per_pixel = 192;
+    settings.film.resolution = {{18, 18}};
     const std::string integrator = GENERATE("bdpt", "lighttracer");
     compare_with_path(text, settings, integrator_named(integrator), 12, 192,
                       {"C<.[DG]>L", "C<.[DG]>B", "C<RD><RD>+[LB]", "C<RG>.*L", "C<RD><.G>.*[LB]"});
@@ -291,13 +291,13 @@ TEST_CASE("a mix goes by the bumps of what it chose, and AOVs show the normal th
     CHECK(mean_of(mixed(0)) == Approx(flat).epsilon(1e-5));
     CHECK(mean_of(mixed(1)) == Approx(bumpy).epsilon(2e-3));
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 64;
-    settings.max_depth = 1;
-    settings.channels = {aov("Nn"), aov("Non")};
+    settings.samples.per_pixel = 64;
+    settings.paths.max_depth = 1;
+    settings.channels.list = {aov("Nn"), aov("Non")};
     const auto half = render_of(scene_of(mixed(0.5)), settings);
     // 36 x 64 samples of one of two values: 4.5 standard errors.
     CHECK(std::abs(estimate(half).mean - (flat + bumpy) / 2) < 4.5 * std::abs(flat - bumpy) / 2 / 48);
-    settings.samples_per_pixel = 4;
+    settings.samples.per_pixel = 4;
     const auto output = render_of(scene_of(mixed(1)), settings);
     const std::vector<double> normals = output.frame_buffer.resolve(1), plain = output.frame_buffer.resolve(2);
     const double l = std::sqrt(1.13);

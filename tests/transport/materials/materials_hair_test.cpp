@@ -238,9 +238,9 @@ TEST_CASE("leaves and hair are seen alike from the camera and from lights",
     put("Material \"coateddiffuse\" \"rgb reflectance\" [0.2 0.5 0.7] \"float roughness\" 0.05",
         R"(Material "diffusetransmission" "rgb reflectance" [.2 .3 .4] "rgb transmittance" [.5 .4 .3])");
     RenderSettings settings;
-    settings.max_depth = 4;
-    settings.samples_per_pixel = 192;
-    settings.resolution = {{18, 18}};
+    settings.paths.max_depth = 4;
+    settings.samples.per_pixel = 192;
+    settings.film.resolution = {{18, 18}};
     const std::string integrator = GENERATE("bdpt", "lighttracer");
     render_test::compare_with_path(text, settings, integrator_named(integrator), 12, 192,
                                    {"C<RD>[LB]", "C<TD><TD>[LB]", "C<RG.'R'>.*[LB]", "C<TG.'TT'><.G>.*[LB]",

@@ -53,7 +53,7 @@ double plane_albedo(double a) {
 TEST_CASE("subsurface is its medium inside a dielectric, to the bit", "[materials][media][render]") {
     const std::string kind = GENERATE("\"float roughness\" 0", "\"float roughness\" 0.2");
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16;
+    settings.samples.per_pixel = 16;
     const auto walk =
         render_of(scene_of(body("", "Material \"subsurface\" \"float eta\" 1.4 " + wax + kind)), settings);
     const auto medium =
@@ -75,9 +75,9 @@ TEST_CASE("a subsurface body is one event of maxdepth, by any method", "[materia
                   1u));
     const std::string integrator = GENERATE("bdpt", "lighttracer");
     transport::RenderSettings settings;
-    settings.max_depth = depth;
-    settings.samples_per_pixel = 64;
-    settings.resolution = {{12, 12}};
+    settings.paths.max_depth = depth;
+    settings.samples.per_pixel = 64;
+    settings.film.resolution = {{12, 12}};
     compare_with_path(body("", material), settings, integrator_named(integrator), 12, 384,
                       {"C<TD>V*<TD>[LB]", "C<RG>[LB]", "C<TD>(V|<RG>)*<TD>[LB]", "C.*[LB]"});
 }
@@ -85,9 +85,9 @@ TEST_CASE("a subsurface body is one event of maxdepth, by any method", "[materia
 TEST_CASE("nothing that happens inside a subsurface body is held against maxdepth", "[materials][render]") {
     const auto mean_of = [&](const std::string& material, const std::string& depth, const std::string& expression) {
         transport::RenderSettings path;
-        path.samples_per_pixel = 64;
-        path.channels = {osl("crossed", expression)};
-        path.channels[0].statistics = true;
+        path.samples.per_pixel = 64;
+        path.channels.list = {osl("crossed", expression)};
+        path.channels.list[0].statistics = true;
         return estimate(render_of(scene_of(body("", material, depth)), path), 1).mean;
     };
     const std::string material = "Material \"subsurface\" \"float roughness\" 0.4 " + wax;
@@ -122,11 +122,11 @@ TEST_CASE("total reflection in a clear body ends", "[materials][light-tracer][re
         Shape "trianglemesh" "point3 P" [-1 -1 -1  1 -1 -1  -1 1 -1  1 1 -1  -1 -1 1  1 -1 1  -1 1 1  1 1 1]
             "integer indices" [0 2 1 1 2 3  4 5 6 5 7 6  0 1 4 1 5 4  2 6 3 3 6 7  0 4 2 2 4 6  1 3 5 3 7 5])";
     transport::RenderSettings settings;
-    settings.max_depth = 1;
-    settings.samples_per_pixel = 64;
-    settings.integrator = integrator_named("lighttracer");
-    settings.beauty = false;
-    settings.channels = {osl("some", "C<TD><RG>{20,63}L"), osl("more", "C<TD><RG>{64,}L")};
+    settings.paths.max_depth = 1;
+    settings.samples.per_pixel = 64;
+    settings.paths.integrator = integrator_named("lighttracer");
+    settings.channels.beauty = false;
+    settings.channels.list = {osl("some", "C<TD><RG>{20,63}L"), osl("more", "C<TD><RG>{64,}L")};
     const auto output = render_of(scene_of(scene), settings);
     const auto sum = [&](int channel) {
         double total = 0;
@@ -149,7 +149,7 @@ TEST_CASE("what absorbs nothing loses nothing in a white furnace at a maxdepth o
         Material "subsurface" "rgb sigma_a" [0 0 0] "rgb sigma_s" [5 5 5] "float eta" 1.4
         Shape "sphere")";
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 64;
+    settings.samples.per_pixel = 64;
     const Estimate found = estimate(render_of(scene_of(scene), settings));
     CAPTURE(found.mean, found.error);
     // All of a path's light comes at once, so nothing is left to chance but roulette: see the error.
@@ -179,7 +179,7 @@ TEST_CASE("the albedo of a reflectance is what such a half space sends back", "[
 
 TEST_CASE("all forms of subsurface parameters, and their mistakes", "[materials][media]") {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 4;
+    settings.samples.per_pixel = 4;
     const auto image = [&](const std::string& parameters) {
         double weighted = 0;  // a picture as one number: equal ones have equal bits
         const std::vector<double> pixels =
@@ -242,14 +242,14 @@ TEST_CASE("walks in the medium of a body that is open, or faces inwards, end", "
     // Nothing absorbs and the medium is everywhere behind the surface: without a bound these would go on for ever.
     const std::string view = subsurface_under_sky("40", R"("rgb sigma_a" [0 0 0] "rgb sigma_s" [2 2 2])");
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 1;
-    settings.resolution = {{4, 4}};
+    settings.samples.per_pixel = 1;
+    settings.film.resolution = {{4, 4}};
     for (const char* shape :
          {"ReverseOrientation Shape \"sphere\"",
           "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0]"}) {
         CAPTURE(shape);
         for (const char* integrator : {"path", "lighttracer"}) {
-            settings.integrator = integrator_named(integrator);
+            settings.paths.integrator = integrator_named(integrator);
             const auto output = render_of(scene_of(view + shape), settings);
             CHECK(output.statistics.scattering_rays < 16u * 2u * 66000u);  // of 16 samples, a path from each end
         }
@@ -260,14 +260,14 @@ TEST_CASE("one sheet is the surface of a half space", "[materials][render]") {
     // As the top of a box 80 mean free paths deep: where people write ground, snow or water as one quad.
     const std::string view = subsurface_under_sky("30", R"("rgb reflectance" [.8 .6 .4] "rgb mfp" [.05 .05 .05])");
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 64;
-    settings.resolution = {{8, 8}};
-    settings.channels = {osl("all", "C.*[LB]")};
-    settings.channels[0].statistics = true;
+    settings.samples.per_pixel = 64;
+    settings.film.resolution = {{8, 8}};
+    settings.channels.list = {osl("all", "C.*[LB]")};
+    settings.channels.list[0].statistics = true;
     const auto of = [&](const std::string& shape) { return estimate(render_of(scene_of(view + shape), settings), 1); };
     const Estimate sheet =
         of("Shape \"trianglemesh\" \"integer indices\" [0 2 1 0 3 2] \"point3 P\" [-4 -4 0 4 -4 0 4 4 0 -4 4 0]");
-    settings.seed = 1;
+    settings.samples.seed = 1;
     const Estimate box =
         of("Shape \"trianglemesh\" \"point3 P\" [-4 -4 0 4 -4 0 -4 4 0 4 4 0 -4 -4 4 4 -4 4 -4 4 4 4 4 4] "
            "\"integer indices\" [0 2 1 1 2 3 4 5 6 5 7 6 0 1 4 1 5 4 2 6 3 3 6 7 0 4 2 2 4 6 1 3 5 3 7 5]");

@@ -66,7 +66,7 @@ double scattered_once(double sigma_s, double sigma_t, double g) {
 
 TEST_CASE("a medium without absorption in a furnace is invisible, sample by sample", "[render][media]") {
     transport::RenderSettings settings;
-    settings.channels = {lpe_channel("none", "CB"), lpe_channel("some", "CV+B"), lpe_channel("volume", "CV.*")};
+    settings.channels.list = {lpe_channel("none", "CB"), lpe_channel("some", "CV+B"), lpe_channel("volume", "CV.*")};
     for (const char* g : {"0", "0.7", "-0.7"}) {
         const auto output = render_of(
             scene_of(ball("\"rgb sigma_a\" [0 0 0] \"rgb sigma_s\" [2 2 2] \"float g\" " + std::string(g))), settings);
@@ -92,7 +92,7 @@ TEST_CASE("coloured scattering without absorption keeps every colour in a furnac
 
 TEST_CASE("a medium that only absorbs follows Beer and Lambert exactly, in light and alpha", "[render][media]") {
     transport::RenderSettings settings;
-    settings.channels = {lpe_channel("seen", "CB")};
+    settings.channels.list = {lpe_channel("seen", "CB")};
     const auto output = render_of(scene_of(ball("\"rgb sigma_a\" [0.5 1 2] \"rgb sigma_s\" [0 0 0]")), settings);
     const std::vector<double> values = output.frame_buffer.resolve(1);
     const double sigma[] = {0.5, 1, 2};
@@ -132,8 +132,8 @@ Shape "sphere" "float radius" 0.6 "float alpha" 0
 
 TEST_CASE("light scattered once has its closed form, whichever way the fog scatters", "[render][media]") {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 1024;
-    settings.channels = {lpe_channel("seen", "CB"), lpe_channel("once", "CVB"), lpe_channel("twice", "CVVB")};
+    settings.samples.per_pixel = 1024;
+    settings.channels.list = {lpe_channel("seen", "CB"), lpe_channel("once", "CVB"), lpe_channel("twice", "CVVB")};
     for (const double g : {0.0, 0.6, -0.6}) {
         const auto output =
             render_of(scene_of(ball("\"rgb sigma_a\" [0.2 0.2 0.2] \"rgb sigma_s\" [0.8 0.8 0.8] \"float g\" " +
@@ -164,8 +164,9 @@ WorldBegin
 )";
     transport::RenderSettings settings;
     for (int k = 0; k <= 3; ++k)
-        settings.channels.push_back(lpe_channel("o" + std::to_string(k), "C" + std::string(std::size_t(k), 'V') + "O"));
-    settings.channels.push_back(lpe_channel("fourth", "CVVVVV*O"));
+        settings.channels.list.push_back(
+            lpe_channel("o" + std::to_string(k), "C" + std::string(std::size_t(k), 'V') + "O"));
+    settings.channels.list.push_back(lpe_channel("fourth", "CVVVVV*O"));
     const auto output = render_of(scene_of(scene), settings);
     for (int k = 0; k <= 3; ++k)
         for (const double value : output.frame_buffer.resolve(1 + k))
@@ -194,7 +195,7 @@ AttributeEnd
 )");
     };
     transport::RenderSettings settings;
-    settings.channels = {lpe_channel("shadowless", "unoccluded;C<RD>L")};
+    settings.channels.list = {lpe_channel("shadowless", "unoccluded;C<RD>L")};
     const auto clear = render_of(lit("\"rgb sigma_a\" [0 0 0]"), settings),
                dim = render_of(lit("\"rgb sigma_a\" [1 2 4]"), settings);
     const double passed[] = {std::exp(-0.5), std::exp(-1.0), std::exp(-2.0)};
@@ -224,17 +225,17 @@ AttributeBegin
 AttributeEnd
 )");
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 256;
-    settings.max_depth = 4;
-    settings.channels = {lpe_channel("volume", "CV.*"), lpe_channel("direct", "CVL"),
-                         lpe_channel("surface", "C<RD>.*")};
+    settings.samples.per_pixel = 256;
+    settings.paths.max_depth = 4;
+    settings.channels.list = {lpe_channel("volume", "CV.*"), lpe_channel("direct", "CVL"),
+                              lpe_channel("surface", "C<RD>.*")};
     std::vector<std::vector<Estimate>> found;
     for (const char* strategy : {"mis", "light", "scattering"}) {
-        settings.integrator = path_with(text_parameter("strategy", strategy));
+        settings.paths.integrator = path_with(text_parameter("strategy", strategy));
         const auto output = render_of(scene, settings);
         found.emplace_back();
         for (display::ChannelId id = 0; id < 4; ++id) found.back().push_back(estimate(output, id));
-        settings.seed += 100;
+        settings.samples.seed += 100;
     }
     for (std::size_t id = 0; id < 4; ++id) {
         CAPTURE(id, found[0][id].mean, found[1][id].mean, found[2][id].mean, found[0][id].error);
@@ -247,14 +248,14 @@ AttributeEnd
 TEST_CASE("laws 1 to 3 hold in fog", "[render][media][law1][law2][law3]") {
     const auto scene = scene_of(foggy_room());
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16;
-    settings.threads = 1;
+    settings.samples.per_pixel = 16;
+    settings.machine.threads = 1;
     const auto alone = render_of(scene, settings);
-    settings.threads = 2;
-    settings.channels = {lpe_channel("emissive", "C[<L.>O]-CB"), lpe_channel("background", "CB"),
-                         lpe_channel("diffuse", "C<RD>.*"),      lpe_channel("subsurface", "C<TD>.*"),
-                         lpe_channel("specular", "C<RS>.*"),     lpe_channel("transmissive", "C<TS>.*"),
-                         lpe_channel("haze", "C<V.'haze'>.*"),   lpe_channel("juice", "C<V.'juice'>.*")};
+    settings.machine.threads = 2;
+    settings.channels.list = {lpe_channel("emissive", "C[<L.>O]-CB"), lpe_channel("background", "CB"),
+                              lpe_channel("diffuse", "C<RD>.*"),      lpe_channel("subsurface", "C<TD>.*"),
+                              lpe_channel("specular", "C<RS>.*"),     lpe_channel("transmissive", "C<TS>.*"),
+                              lpe_channel("haze", "C<V.'haze'>.*"),   lpe_channel("juice", "C<V.'juice'>.*")};
     const auto output = render_of(scene, settings);
     const std::vector<double> beauty = output.frame_buffer.resolve(output.beauty);
     CHECK(beauty == alone.frame_buffer.resolve(alone.beauty));
@@ -270,11 +271,11 @@ TEST_CASE("laws 1 to 3 hold in fog", "[render][media][law1][law2][law3]") {
 TEST_CASE("without beauty less is simulated in fog, and the channels keep their means", "[render][media][law4]") {
     const auto scene = scene_of(foggy_room());
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 64;
-    settings.channels = {lpe_channel("direct", "C<RD>L"), lpe_channel("twice", "C<RD><RD>L"),
-                         lpe_channel("volume", "CVL")};
+    settings.samples.per_pixel = 64;
+    settings.channels.list = {lpe_channel("direct", "C<RD>L"), lpe_channel("twice", "C<RD><RD>L"),
+                              lpe_channel("volume", "CVL")};
     const auto full = render_of(scene, settings);
-    settings.beauty = false;
+    settings.channels.beauty = false;
     const auto pruned = render_of(scene, settings);
     CHECK(pruned.statistics.scattering_rays * 2 < full.statistics.scattering_rays);
     CHECK(pruned.statistics.shadow_rays * 4 < full.statistics.shadow_rays * 3);
@@ -320,7 +321,7 @@ TEST_CASE("camera rays say where in a medium they end: WriteDistance at collisio
     const auto recorded = [](const std::string& medium, transport::RenderOutput& output) {
         RowRecorder recorder;
         transport::RenderSettings settings;
-        settings.samples_per_pixel = 256;
+        settings.samples.per_pixel = 256;
         settings.before_rendering = [&](const transport::RenderPlan&, std::vector<display::SampleSink*>& sinks) {
             sinks.push_back(&recorder);
             return raylex::success();
@@ -362,7 +363,7 @@ TEST_CASE("deep images hold a medium as spans whose transmittance is Beer and La
                                "\"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [0 0 0]"}) {
         std::unique_ptr<display::DeepBuffer> deep;
         transport::RenderSettings settings;
-        settings.samples_per_pixel = 1024;
+        settings.samples.per_pixel = 1024;
         settings.before_rendering = [&](const transport::RenderPlan& plan, std::vector<display::SampleSink*>& sinks) {
             display::DeepOptions options;
             options.tolerance = 0.25;
@@ -437,8 +438,8 @@ TEST_CASE("an integrator that does not know media is refused on scenes that have
              return raylex::Result<std::unique_ptr<transport::Integrator>>(std::make_unique<BlindIntegrator>());
          }});
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 1;
-    settings.integrator.emplace().type = "test-blind";
+    settings.samples.per_pixel = 1;
+    settings.paths.integrator.emplace().type = "test-blind";
     CHECK(transport::render(scene_of(room), settings).ok());
     auto refused = transport::render(scene_of(foggy_room()), settings);
     REQUIRE_FALSE(refused.ok());

@@ -9,10 +9,10 @@ namespace {
 
 transport::RenderSettings adaptive_settings(double error, std::uint64_t most = 4096) {
     transport::RenderSettings settings;
-    settings.threads = 1;
-    settings.adaptive.emplace();
-    settings.adaptive->error = error;
-    settings.adaptive->max_samples = most;
+    settings.machine.threads = 1;
+    settings.stop.adaptive.emplace();
+    settings.stop.adaptive->error = error;
+    settings.stop.adaptive->max_samples = most;
     return settings;
 }
 
@@ -34,7 +34,7 @@ double image_mean(const transport::RenderOutput& output) {
 TEST_CASE("every pixel ends within the tolerance or with the most samples", "[render][adaptive]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.08, 1000);
-    settings.channels = {sample_count()};
+    settings.channels.list = {sample_count()};
     const auto output = render_of(scene, settings);
     const display::FrameBuffer& buffer = output.frame_buffer;
     const std::vector<double> values = buffer.resolve(output.beauty),
@@ -60,22 +60,22 @@ TEST_CASE("every pixel ends within the tolerance or with the most samples", "[re
     }
     CHECK(fewest < most);
     CHECK(total == output.statistics.camera_samples);
-    REQUIRE(output.adaptive.has_value());
-    CHECK(output.adaptive->open_pixels == 0);
-    CHECK(output.unconverged_pixels == above);
-    CHECK(output.complete);
+    REQUIRE(output.samples.adaptive.has_value());
+    CHECK(output.samples.adaptive->open_pixels == 0);
+    CHECK(output.samples.unconverged_pixels == above);
+    CHECK(output.samples.complete);
 }
 
 TEST_CASE("channels outside the metric leave an adaptive beauty alone", "[render][adaptive][law2]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.15);
     const auto alone = render_of(scene, settings);
-    settings.channels = {lpe_channel("direct", "CDL"), lpe_channel("glossy", "C<.G>.*"), sample_count()};
+    settings.channels.list = {lpe_channel("direct", "CDL"), lpe_channel("glossy", "C<.G>.*"), sample_count()};
     const auto asked = render_of(scene, settings);
     CHECK((alone.frame_buffer.resolve(alone.beauty) == asked.frame_buffer.resolve(asked.beauty)));
     CHECK(alone.statistics.camera_samples == asked.statistics.camera_samples);
     // One in the metric is another job: it brings samples of its own.
-    settings.adaptive->channels = {{"beauty", 1, {}}, {"direct", 3, {}}};
+    settings.stop.adaptive->channels = {{"beauty", 1, {}}, {"direct", 3, {}}};
     const auto other = render_of(scene, settings);
     CHECK(other.statistics.camera_samples > asked.statistics.camera_samples);
 }
@@ -83,27 +83,27 @@ TEST_CASE("channels outside the metric leave an adaptive beauty alone", "[render
 TEST_CASE("without a beauty the metric is of all light that is asked for", "[render][adaptive][law4]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.15);
-    settings.beauty = false;
-    settings.channels = {lpe_channel("direct", "CDL"), lpe_channel("glossy", "C<.G>.*"), sample_count()};
+    settings.channels.beauty = false;
+    settings.channels.list = {lpe_channel("direct", "CDL"), lpe_channel("glossy", "C<.G>.*"), sample_count()};
     const auto all = render_of(scene, settings);
-    settings.adaptive->channels = {{"direct", 1, {}}, {"glossy", 1, {}}};
+    settings.stop.adaptive->channels = {{"direct", 1, {}}, {"glossy", 1, {}}};
     const auto named = render_of(scene, settings);
     CHECK(all.statistics.camera_samples == named.statistics.camera_samples);
     CHECK((all.frame_buffer.resolve(0) == named.frame_buffer.resolve(0)));
-    settings.adaptive->channels = {{"direct", 1, {}}};
+    settings.stop.adaptive->channels = {{"direct", 1, {}}};
     CHECK(render_of(scene, settings).statistics.camera_samples < all.statistics.camera_samples);
-    settings.adaptive->channels.clear();
-    settings.channels = {sample_count()};
+    settings.stop.adaptive->channels.clear();
+    settings.channels.list = {sample_count()};
     CHECK_FALSE(transport::render(scene, settings).ok());  // no light has an error
 }
 
 TEST_CASE("any number of threads takes the same decisions", "[render][adaptive][law3]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.15);
-    settings.channels = {lpe_channel("direct", "CDL")};
+    settings.channels.list = {lpe_channel("direct", "CDL")};
     std::string one, three;
     render_of(scene, settings).frame_buffer.append_record(one);
-    settings.threads = 3;
+    settings.machine.threads = 3;
     render_of(scene, settings).frame_buffer.append_record(three);
     CHECK((one == three));
 }
@@ -111,8 +111,8 @@ TEST_CASE("any number of threads takes the same decisions", "[render][adaptive][
 TEST_CASE("the predicted number of samples is near what is spent", "[render][adaptive][release-only]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.04, 65536);
-    settings.resolution = {{48, 48}};
-    settings.threads = 2;
+    settings.film.resolution = {{48, 48}};
+    settings.machine.threads = 2;
     std::uint64_t first = 0;
     auto output = transport::render(scene, settings, [&](const transport::RenderProgress& now) {
         if (first == 0 && now.adaptive != nullptr && !now.adaptive->channel.empty()) first = now.samples_total;
@@ -131,8 +131,8 @@ TEST_CASE("the predicted number of samples is near what is spent", "[render][ada
 TEST_CASE("metrics that cannot be are refused before rendering", "[render][adaptive][law7]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.1);
-    settings.adaptive->channels = {{"directt", 1, {}}};
-    settings.channels = {lpe_channel("direct", "CDL")};
+    settings.stop.adaptive->channels = {{"directt", 1, {}}};
+    settings.channels.list = {lpe_channel("direct", "CDL")};
     auto output = transport::render(scene, settings);
     REQUIRE_FALSE(output.ok());
     CHECK(output.error().hint == "did you mean 'direct'?");
@@ -151,8 +151,8 @@ Findings findings(int neighbourhood, std::uint64_t least, double error, int seed
     auto built = transport::BuiltScene::build(scene);
     REQUIRE(built.ok());
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16384;
-    settings.seed = 1000003;  // independent of the adaptive ones
+    settings.samples.per_pixel = 16384;
+    settings.samples.seed = 1000003;  // independent of the adaptive ones
     auto plain = transport::render(**built, settings);
     REQUIRE(plain.ok());
     const double reference = image_mean(*plain);
@@ -168,14 +168,14 @@ Findings findings(int neighbourhood, std::uint64_t least, double error, int seed
     reference_variance /= pixels * pixels;
 
     settings = adaptive_settings(error, 65536);
-    settings.threads = 0;
-    settings.adaptive->neighbourhood = neighbourhood;
-    settings.adaptive->min_samples = least;
+    settings.machine.threads = 0;
+    settings.stop.adaptive->neighbourhood = neighbourhood;
+    settings.stop.adaptive->min_samples = least;
     const std::vector<double> truth = plain->frame_buffer.resolve(plain->beauty);
     Findings result;
     double sum = 0, square = 0;
     for (int seed = 0; seed < seeds; ++seed) {
-        settings.seed = static_cast<std::uint64_t>(seed);
+        settings.samples.seed = static_cast<std::uint64_t>(seed);
         auto adaptive = transport::render(**built, settings);
         REQUIRE(adaptive.ok());
         const double mean = image_mean(*adaptive) / reference - 1;

@@ -39,12 +39,12 @@ std::string header(int size, const std::string& camera = "") {
 /// Every AOV, [name] -> pixels.
 std::map<std::string, Values> aovs_of(const std::string& text) {
     transport::RenderSettings settings;
-    settings.channels = all_aovs();
+    settings.channels.list = all_aovs();
     const auto output = render_of(scene_of(text), settings);
     CHECK(output.statistics.refused_services_calls == 0);
     std::map<std::string, Values> result;
-    for (std::size_t i = 0; i < settings.channels.size(); ++i)
-        result[settings.channels[i].name] = output.frame_buffer.resolve(static_cast<display::ChannelId>(i + 1));
+    for (std::size_t i = 0; i < settings.channels.list.size(); ++i)
+        result[settings.channels.list[i].name] = output.frame_buffer.resolve(static_cast<display::ChannelId>(i + 1));
     return result;
 }
 
@@ -250,30 +250,30 @@ TEST_CASE("asking for every AOV leaves the beauty's bits, and no thread shows bu
           "[geoaovs][law2][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16;
+    settings.samples.per_pixel = 16;
     raylex::transport::SceneEntity clamp;
     clamp.type = "clamp";
-    settings.sample_filters = {clamp};
+    settings.channels.sample_filters = {clamp};
     const auto alone = render_of(scene, settings);
-    settings.channels = all_aovs();
-    settings.threads = 1;
+    settings.channels.list = all_aovs();
+    settings.machine.threads = 1;
     const auto one = render_of(scene, settings);
-    settings.threads = 3;
+    settings.machine.threads = 3;
     const auto three = render_of(scene, settings);
     CHECK(one.frame_buffer.resolve(one.beauty) == alone.frame_buffer.resolve(alone.beauty));
     double seconds = 0;
-    for (std::size_t i = 0; i < settings.channels.size(); ++i) {
+    for (std::size_t i = 0; i < settings.channels.list.size(); ++i) {
         const auto id = static_cast<display::ChannelId>(i + 1);
-        CAPTURE(settings.channels[i].name);
+        CAPTURE(settings.channels.list[i].name);
         const Values values = one.frame_buffer.resolve(id);
-        if (settings.channels[i].name == "cpuTime") {
+        if (settings.channels.list[i].name == "cpuTime") {
             for (const double v : values) seconds += v;
             CHECK(*std::min_element(values.begin(), values.end()) > 0);
             continue;
         }
         CHECK(values == three.frame_buffer.resolve(id));
-        if (settings.channels[i].name == "Ci") CHECK(values == one.frame_buffer.resolve(one.beauty));
-        if (settings.channels[i].name == "a") CHECK(values == one.frame_buffer.resolve_alpha());
+        if (settings.channels.list[i].name == "Ci") CHECK(values == one.frame_buffer.resolve(one.beauty));
+        if (settings.channels.list[i].name == "a") CHECK(values == one.frame_buffer.resolve_alpha());
     }
     CHECK(seconds > 0);
     CHECK(seconds <= one.statistics.render_cpu_seconds);
@@ -284,9 +284,9 @@ TEST_CASE("where no light is to come, materials are evaluated only for AOVs that
     const auto scene = scene_of(room);
     const auto rendered = [&](std::vector<display::ChannelDefinition> channels, bool beauty) {
         transport::RenderSettings settings;
-        settings.samples_per_pixel = 16;
-        settings.channels = std::move(channels);
-        settings.beauty = beauty;
+        settings.samples.per_pixel = 16;
+        settings.channels.list = std::move(channels);
+        settings.channels.beauty = beauty;
         return render_of(scene, settings);
     };
     const auto closures = [](const transport::RenderOutput& output) {

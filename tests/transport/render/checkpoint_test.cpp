@@ -30,33 +30,34 @@ std::string everything(const transport::RenderOutput& output) {
 
 transport::RenderSettings room_settings() {
     transport::RenderSettings settings;
-    settings.integrator = counted("path");
-    settings.samples_per_pixel = 200;  // the last block is not whole
-    settings.threads = 2;
-    settings.channels = {lpe_channel("direct", "CDL"),
-                         lpe_channel("glossy", "C<.G>.*"),
-                         aov("Nn"),
-                         aov("id"),
-                         aov("sampleCount"),
-                         aov("z")};
-    settings.cryptomatte = {raylex::geoaovs::MatteKind::object, raylex::geoaovs::MatteKind::material};
+    settings.paths.integrator = counted("path");
+    settings.samples.per_pixel = 200;  // the last block is not whole
+    settings.machine.threads = 2;
+    settings.channels.list = {lpe_channel("direct", "CDL"),
+                              lpe_channel("glossy", "C<.G>.*"),
+                              aov("Nn"),
+                              aov("id"),
+                              aov("sampleCount"),
+                              aov("z")};
+    settings.mattes.kinds = {raylex::geoaovs::MatteKind::object, raylex::geoaovs::MatteKind::material};
     return settings;
 }
 
 /// Renders in sessions of at least `samples` more camera samples each, of 1, 2, 3, 1 ... threads.
 transport::RenderOutput in_sessions(const transport::SceneDescription& scene, transport::RenderSettings settings,
                                     const ScratchFile& file, std::uint64_t samples, int& sessions) {
-    settings.checkpoint = transport::CheckpointSettings{file.path(), 0.01, false, {{"test", "1"}}};
+    settings.checkpoint =
+        transport::CheckpointSettings{.file = file.path(), .seconds = 0.01, .identity = {{"test", "1"}}};
     for (sessions = 1;; ++sessions) {
         std::atomic<bool> stop{false};
-        settings.threads = 1 + sessions % 3;
+        settings.machine.threads = 1 + sessions % 3;
         interruption().begin(samples, &stop);
         auto output = transport::render(scene, settings, {}, &stop);
         interruption().begin(0, nullptr);
         INFO((output ? std::string() : output.error().to_string()));
         REQUIRE(output.ok());
         REQUIRE(sessions < 1000);
-        if (output->complete) return *std::move(output);
+        if (output->samples.complete) return *std::move(output);
         REQUIRE(file.exists());
         settings.checkpoint->resume = true;
     }
@@ -65,7 +66,8 @@ transport::RenderOutput in_sessions(const transport::SceneDescription& scene, tr
 /// The Error of resuming with these settings.
 raylex::Error refusal(const transport::SceneDescription& scene, transport::RenderSettings settings,
                       const ScratchFile& file) {
-    settings.checkpoint = transport::CheckpointSettings{file.path(), 60, true, {{"test", "1"}}};
+    settings.checkpoint =
+        transport::CheckpointSettings{.file = file.path(), .resume = true, .identity = {{"test", "1"}}};
     auto output = transport::render(scene, settings);
     REQUIRE_FALSE(output.ok());
     return output.error();
@@ -81,7 +83,7 @@ TEST_CASE("a render in many sessions has the bits of one that was never interrup
     int sessions = 0;
     const auto resumed = in_sessions(scene, settings, file, 12000, sessions);
     CHECK(sessions > 2);
-    CHECK(resumed.resumed_samples > 0);
+    CHECK(resumed.samples.resumed > 0);
     CHECK(resumed.statistics.render_seconds > 0);
     CHECK((everything(resumed) == everything(whole)));
     CHECK(file.exists());  // the caller's to remove, once the image is safe
@@ -90,9 +92,9 @@ TEST_CASE("a render in many sessions has the bits of one that was never interrup
 TEST_CASE("adaptive sampling takes the same decisions after interruptions", "[render][checkpoint][adaptive][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = room_settings();
-    settings.adaptive.emplace();
-    settings.adaptive->error = 0.1;
-    settings.adaptive->max_samples = 500;
+    settings.stop.adaptive.emplace();
+    settings.stop.adaptive->error = 0.1;
+    settings.stop.adaptive->max_samples = 500;
     const auto whole = render_of(scene, settings);
     CHECK(whole.statistics.camera_samples < 24 * 24 * 500);
     const ScratchFile file;
@@ -100,24 +102,24 @@ TEST_CASE("adaptive sampling takes the same decisions after interruptions", "[re
     const auto resumed = in_sessions(scene, settings, file, 12000, sessions);
     CHECK(sessions > 2);
     CHECK((everything(resumed) == everything(whole)));
-    CHECK(resumed.adaptive->error == whole.adaptive->error);
-    CHECK(resumed.unconverged_pixels == whole.unconverged_pixels);
+    CHECK(resumed.samples.adaptive->error == whole.samples.adaptive->error);
+    CHECK(resumed.samples.unconverged_pixels == whole.samples.unconverged_pixels);
 }
 
 TEST_CASE("checkpoints while a render goes on change nothing", "[render][checkpoint][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = room_settings();
-    settings.samples_per_pixel = samples_until_due;
+    settings.samples.per_pixel = samples_until_due;
     const auto whole = render_of(scene, settings);
     const ScratchFile file;
-    settings.checkpoint = transport::CheckpointSettings{file.path(), 0.01, false, {}};
+    settings.checkpoint = transport::CheckpointSettings{.file = file.path(), .seconds = 0.01};
     const auto saved = render_of(scene, settings);
     CHECK(saved.statistics.checkpoints > 0);
     CHECK((everything(saved) == everything(whole)));
     // Another one from the last of them, as after a kill.
     settings.checkpoint->resume = true;
     const auto resumed = render_of(scene, settings);
-    CHECK(resumed.resumed_samples > 0);
+    CHECK(resumed.samples.resumed > 0);
     CHECK((everything(resumed) == everything(whole)));
 }
 
@@ -136,38 +138,38 @@ TEST_CASE("a checkpoint of another render is refused, and what differs is named"
         CHECK(error.message.find(difference) != std::string::npos);
     };
     transport::RenderSettings other = settings;
-    other.seed = 7;
+    other.samples.seed = 7;
     names(other, "seed: 0 there, 7 here");
     other = settings;
-    other.samples_per_pixel = 300;
+    other.samples.per_pixel = 300;
     names(other, "samples per pixel: 200 there, 300 here");
     other = settings;
-    other.resolution = {{12, 12}};
+    other.film.resolution = {{12, 12}};
     names(other, "resolution: 24x24 there, 12x12 here");
     other = settings;
-    other.channels.pop_back();
+    other.channels.list.pop_back();
     names(other, "channel z: z, ");
     other = settings;
-    other.channels[0].expression = "CDDL";
+    other.channels.list[0].expression = "CDDL";
     names(other, "channel direct: CDL, type 1, rule 0, statistics there, CDDL");
     other = settings;
-    other.cryptomatte.pop_back();
+    other.mattes.kinds.pop_back();
     names(other, "cryptomatte CryptoMaterial");
     other = settings;
-    other.max_depth = 2;
+    other.paths.max_depth = 2;
     names(other, "max depth: nothing there, 2 here");
     other = settings;
-    other.picked_lobes = true;
+    other.labels.picked_lobes = true;
     names(other, "lobes: exact there, picked here");
     other = settings;
-    other.filter.emplace();
-    other.filter->type = "gaussian";
+    other.film.filter.emplace();
+    other.film.filter->type = "gaussian";
     names(other, "pixel filter: box there, gaussian gaussian() here");
     other = settings;
-    other.isa = "sse2";
+    other.machine.isa = "sse2";
     names(other, "instruction set: ");
     other = settings;
-    other.adaptive.emplace();
+    other.stop.adaptive.emplace();
     names(other, "adaptive: nothing there, error 0.01 of beauty or all light, 64 to 65536 samples");
 
     std::string text = room;
@@ -180,7 +182,7 @@ TEST_CASE("a checkpoint of another render is refused, and what differs is named"
 TEST_CASE("a damaged checkpoint is refused and left as it is", "[render][checkpoint][law7]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = room_settings();
-    settings.resolution = {{8, 8}};
+    settings.film.resolution = {{8, 8}};
     const ScratchFile file;
     int sessions = 0;
     in_sessions(scene, settings, file, 2000, sessions);
@@ -201,10 +203,10 @@ TEST_CASE("a damaged checkpoint is refused and left as it is", "[render][checkpo
 TEST_CASE("a checkpoint that cannot be written is a warning, and the render goes on", "[render][checkpoint][law7]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = room_settings();
-    settings.samples_per_pixel = samples_until_due;
+    settings.samples.per_pixel = samples_until_due;
     const auto whole = render_of(scene, settings);
     const ScratchFile file;
-    settings.checkpoint = transport::CheckpointSettings{file.path(), 0.01, false, {}};
+    settings.checkpoint = transport::CheckpointSettings{.file = file.path(), .seconds = 0.01};
     display::set_file_fault(
         [](display::FileCall call, const std::string&) { return call == display::FileCall::sync ? EIO : 0; });
     const auto output = render_of(scene, settings);
@@ -271,10 +273,10 @@ TEST_CASE("an integrator's own state is saved, or the integrator is named and re
              }});
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.integrator.emplace();
-    settings.integrator->type = "counting";
-    settings.resolution = {{64, 64}};
-    settings.samples_per_pixel = 1600;
+    settings.paths.integrator.emplace();
+    settings.paths.integrator->type = "counting";
+    settings.film.resolution = {{64, 64}};
+    settings.samples.per_pixel = 1600;
     const auto whole = render_of(scene, settings);
     const ScratchFile file;
     int sessions = 0;
@@ -282,8 +284,8 @@ TEST_CASE("an integrator's own state is saved, or the integrator is named and re
     CHECK(sessions > 1);
     CHECK((everything(resumed) == everything(whole)));
 
-    settings.integrator->type = "silent";
-    settings.checkpoint = transport::CheckpointSettings{file.path(), 60, false, {}};
+    settings.paths.integrator->type = "silent";
+    settings.checkpoint = transport::CheckpointSettings{.file = file.path()};
     auto refused = transport::render(scene, settings);
     REQUIRE_FALSE(refused.ok());
     CHECK(refused.error().message.find("integrator 'silent' does not say how its state is saved") != std::string::npos);
@@ -293,20 +295,20 @@ TEST_CASE("an interrupted render that ends by its error goes on to the same bits
     const auto scene = scene_of(room);
     const ScratchFile file;
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 100'000;
-    settings.threads = 2;
-    settings.limit = transport::SampleLimit{.error = 0.05};
+    settings.samples.per_pixel = 100'000;
+    settings.machine.threads = 2;
+    settings.stop.limit = transport::SampleLimit{.error = 0.05};
     const std::string whole = everything(render_of(scene, settings));
-    settings.checkpoint = transport::CheckpointSettings{file.path(), 0.01, false, {}};
+    settings.checkpoint = transport::CheckpointSettings{.file = file.path(), .seconds = 0.01};
     std::atomic<bool> stop{false};
     auto output = transport::render(
         scene, settings, [&](const transport::RenderProgress& now) { stop = now.samples_done > 24 * 24 * 64; }, &stop);
     REQUIRE(output.ok());
-    REQUIRE_FALSE(output->complete);
+    REQUIRE_FALSE(output->samples.complete);
     settings.checkpoint->resume = true;
-    settings.threads = 1;
+    settings.machine.threads = 1;
     output = transport::render(scene, settings);
     REQUIRE(output.ok());
-    CHECK(output->resumed_samples > 0);
+    CHECK(output->samples.resumed > 0);
     CHECK((everything(*output) == whole));
 }

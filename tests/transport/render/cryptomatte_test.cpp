@@ -46,9 +46,9 @@ transport::RenderOutput render_yard(int threads, const std::vector<raylex::trans
     auto scene = scene_of(yard);
     REQUIRE(transport::apply_label_rules(scene, rules));
     transport::RenderSettings settings;
-    settings.threads = threads;
-    settings.cryptomatte = {MatteKind::object, MatteKind::material, MatteKind::asset};
-    settings.cryptomatte_ranks = ranks;
+    settings.machine.threads = threads;
+    settings.mattes.kinds = {MatteKind::object, MatteKind::material, MatteKind::asset};
+    settings.mattes.ranks = ranks;
     return render_of(scene, settings);
 }
 
@@ -116,7 +116,7 @@ Shape "disk" "float radius" 50 "float height" 20
 Shape "bilinearmesh" "point3 P" [-9 -9 5 9 -9 5 -9 9 5 9 9 5] "float alpha" 0.25
 )");
     transport::RenderSettings settings;
-    settings.cryptomatte = {MatteKind::object};
+    settings.mattes.kinds = {MatteKind::object};
     const auto output = render_of(scene, settings);
     std::map<std::uint32_t, double> mean;
     const std::vector<float> values = output.cryptomatte[0].values();
@@ -181,19 +181,19 @@ TEST_CASE("a label that is the name of the material names objects too", "[crypto
 
 TEST_CASE("kernels with negative lobes and odd ranks are refused", "[cryptomatte][law7]") {
     transport::RenderSettings settings;
-    settings.cryptomatte = {MatteKind::object};
+    settings.mattes.kinds = {MatteKind::object};
     raylex::transport::SceneEntity filter;
     filter.type = "mitchell";
     filter.location = {"job.toml", 7, 3};
-    settings.filter = filter;
+    settings.film.filter = filter;
     const auto negative = transport::render(scene_of(yard), settings);
     REQUIRE_FALSE(negative.ok());
     CHECK(negative.error().file == "job.toml");
     CHECK(negative.error().line == 7);
     CHECK(negative.error().message.find("'mitchell' has negative lobes") != std::string::npos);
-    settings.filter.reset();
+    settings.film.filter.reset();
     for (const int ranks : {0, 3, 34}) {
-        settings.cryptomatte_ranks = ranks;
+        settings.mattes.ranks = ranks;
         const auto odd = transport::render(scene_of(yard), settings);
         REQUIRE_FALSE(odd.ok());
         CHECK(odd.error().message.find("even number from 2 to 32") != std::string::npos);

@@ -47,11 +47,11 @@ TEST_CASE("a scene without light, and lights that give none, are warnings", "[re
 TEST_CASE("who asks for AOVs alone hears nothing of lights", "[render][geoaovs]") {
     const std::string ball = "Translate 0 0 4 Shape \"sphere\"\n";
     transport::RenderSettings settings;
-    settings.beauty = false;
-    settings.channels = {aov("z")};
+    settings.channels.beauty = false;
+    settings.channels.list = {aov("z")};
     CHECK(warnings_of(ball, settings).empty());
     CHECK(warnings_of("LightSource \"infinite\" \"rgb L\" [0 0 0]" + ball, settings).empty());
-    settings.channels.push_back(lpe_channel("direct", "CDL"));
+    settings.channels.list.push_back(lpe_channel("direct", "CDL"));
     CHECK(warnings_of(ball, settings).size() == 1);
 }
 

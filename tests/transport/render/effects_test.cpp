@@ -175,11 +175,11 @@ SceneDescription forced(SceneDescription scene, Effect effect, bool on) {
 /// Every layer of an image: beauty, parts of the light, a statistic, geometry; by an integrator.
 std::vector<std::vector<double>> layers_of(const SceneDescription& scene, const std::string& integrator) {
     RenderSettings settings;
-    settings.threads = 1;
-    settings.integrator.emplace();
-    settings.integrator->type = integrator;
-    settings.channels = {lpe_channel("direct", "C<RD>L"), lpe_channel("rest", "C.+[LOB]"), aov("Nn"), aov("z"),
-                         aov("albedo")};
+    settings.machine.threads = 1;
+    settings.paths.integrator.emplace();
+    settings.paths.integrator->type = integrator;
+    settings.channels.list = {lpe_channel("direct", "C<RD>L"), lpe_channel("rest", "C.+[LOB]"), aov("Nn"), aov("z"),
+                              aov("albedo")};
     const RenderOutput output = render_of(scene, settings);
     std::vector<std::vector<double>> layers;
     for (std::size_t i = 0; i < output.frame_buffer.channels().size(); ++i)

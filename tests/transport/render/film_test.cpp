@@ -40,18 +40,19 @@ RenderOutput rendered(const std::string& film, const std::string& shutter = "", 
 TEST_CASE("crops of the film are rendered as the whole image has them", "[film][render]") {
     const std::string size = "Film \"rgb\" \"integer xresolution\" 10 \"integer yresolution\" 8 ";
     const auto region = [](const RenderOutput& output) {
-        REQUIRE(output.crop.has_value());
-        return std::array<int, 4>{output.crop->x0, output.crop->y0, output.crop->x1, output.crop->y1};
+        REQUIRE(output.view.crop.has_value());
+        return std::array<int, 4>{output.view.crop->x0, output.view.crop->y0, output.view.crop->x1,
+                                  output.view.crop->y1};
     };
-    CHECK_FALSE(rendered(size).crop.has_value());
-    CHECK_FALSE(rendered(size + "\"float cropwindow\" [0 1 0 1]").crop.has_value());
+    CHECK_FALSE(rendered(size).view.crop.has_value());
+    CHECK_FALSE(rendered(size + "\"float cropwindow\" [0 1 0 1]").view.crop.has_value());
     // pbrt's order is x, x, y, y; a share of 0.3 of 10 pixels is 3, 0.55 of 8 begins with pixel 5.
     CHECK(region(rendered(size + "\"float cropwindow\" [0.3 0.6 0.55 1]")) == std::array<int, 4>{3, 5, 6, 8});
     CHECK(region(rendered(size + "\"integer pixelbounds\" [2 7 1 4]")) == std::array<int, 4>{2, 1, 7, 4});
     RenderSettings doubled;
-    doubled.resolution = {{20, 16}};
+    doubled.film.resolution = {{20, 16}};
     CHECK(region(rendered(size + "\"integer pixelbounds\" [2 7 1 4]", "", doubled)) == std::array<int, 4>{4, 2, 14, 8});
-    doubled.crop = {{1, 1, 3, 3}};  // what is asked for counts, and not what the scene says
+    doubled.film.crop = {{1, 1, 3, 3}};  // what is asked for counts, and not what the scene says
     CHECK(region(rendered(size + "\"integer pixelbounds\" [2 7 1 4]", "", doubled)) == std::array<int, 4>{1, 1, 3, 3});
     const RenderOutput crop = rendered(size + "\"float cropwindow\" [0.3 0.6 0.5 1]"), whole = rendered(size);
     const std::vector<double> some = crop.frame_buffer.resolve(crop.beauty), all = whole.frame_buffer.resolve(0);
@@ -308,7 +309,7 @@ TEST_CASE("files that are not there are errors, or magenta, counted", "[film][im
     CHECK(scene->materials[static_cast<std::size_t>(scene->shapes[0].material)].type == "diffuse");
     CHECK(scene->lights[1].type == "point");
     RenderSettings settings;
-    settings.resolution = {{4, 4}};
+    settings.film.resolution = {{4, 4}};
     const auto output = render_test::render_of(*scene, settings);
     const std::vector<double> beauty = output.frame_buffer.resolve(output.beauty);
     CHECK(beauty[0] > 0);

@@ -108,11 +108,11 @@ void register_random_calls() {
 transport::RenderSettings settings_of(const char* integrator) {
     register_random_calls();
     transport::RenderSettings settings;
-    settings.integrator = transport::SceneEntity{};
-    settings.integrator->type = integrator;
-    settings.samples_per_pixel = 48;
-    settings.threads = 1;
-    settings.resolution = {{40, 37}};
+    settings.paths.integrator = transport::SceneEntity{};
+    settings.paths.integrator->type = integrator;
+    settings.samples.per_pixel = 48;
+    settings.machine.threads = 1;
+    settings.film.resolution = {{40, 37}};
     for (const auto& [name, type] :
          {std::pair("heat", display::ChannelType::real), std::pair("N", display::ChannelType::normal),
           std::pair("paint", display::ChannelType::rgb), std::pair("near", display::ChannelType::real)}) {
@@ -121,7 +121,7 @@ transport::RenderSettings settings_of(const char* integrator) {
         channel.type = type;
         channel.declared = true;
         if (std::string(name) == "near") channel.rule = display::FilterRule::zmin;
-        settings.channels.push_back(channel);
+        settings.channels.list.push_back(channel);
     }
     return settings;
 }
@@ -174,24 +174,24 @@ TEST_CASE("random calls of a plugin leave the same bits for any thread count, ba
     CHECK(once.refused > 0);
     REQUIRE(once.deep.size() > 40 * 37 * 6);
     transport::RenderSettings other = settings;
-    other.threads = 3;
+    other.machine.threads = 3;
     CHECK(seen_of(other, whole, true) == once);
     // With times of samples each pixel is a batch of its own; the channel of times comes last.
-    other.channels.push_back(aov("cpuTime"));
+    other.channels.list.push_back(aov("cpuTime"));
     Seen by_pixel = seen_of(other, whole, true);
     by_pixel.values.erase(by_pixel.values.end() - 2 * 40 * 37, by_pixel.values.end() - 40 * 37);
     CHECK(by_pixel == once);
 
     Seen of_part = seen_of(settings, part, true);
     other = settings;
-    other.crop = part;
+    other.film.crop = part;
     Seen cropped = seen_of(other, part, true);
     CHECK(cropped.samples < of_part.samples);
     CHECK(std::tie(cropped.values, cropped.deep) == std::tie(of_part.values, of_part.deep));
 
     const raylex::test::Folder folder;
     other = settings;
-    other.buckets = transport::BucketSettings{0, 16};
+    other.buckets = transport::BucketSettings{.rows = 16};
     other.checkpoint = transport::CheckpointSettings{};
     other.checkpoint->file = folder.path("buckets");
     other.checkpoint->seconds = std::numeric_limits<double>::infinity();
@@ -204,13 +204,13 @@ TEST_CASE("what a plugin discards, by any call in any order, is nowhere", "[rend
     const Seen once = seen_of(settings, whole, false);
     CHECK(once.discarded == 16 * 40 * 37);  // the second of three iterations of 16 samples
     CHECK(once.samples == 32 * 40 * 37);
-    settings.threads = 3;
+    settings.machine.threads = 3;
     CHECK(seen_of(settings, whole, false) == once);
     // The iterations that are left are the image of a render without the discarded one, but for the samples' numbers: a
     // render of the first alone has its values where nothing else was added.
-    settings.samples_per_pixel = 16;
+    settings.samples.per_pixel = 16;
     const Seen first = seen_of(settings, whole, false);
-    settings.samples_per_pixel = 32;
+    settings.samples.per_pixel = 32;
     Seen two = seen_of(settings, whole, false);
     CHECK(two.discarded == first.samples);
     two.discarded = first.discarded;
@@ -249,13 +249,13 @@ TEST_CASE("the renderer supplies what an integrator does not report, with the bi
                                                   std::make_unique<Silent>());
                                           }});
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16;
+    settings.samples.per_pixel = 16;
     for (const char* name : {"Nn", "P", "id", "albedo", "z", "st", "Vn", "wireframe", "a"})
-        settings.channels.push_back(aov(name));
+        settings.channels.list.push_back(aov(name));
     const auto scene = scene_of(room);
     const auto expected = render_of(scene, settings);
-    settings.integrator = transport::SceneEntity{};
-    settings.integrator->type = "test:silent";
+    settings.paths.integrator = transport::SceneEntity{};
+    settings.paths.integrator->type = "test:silent";
     const auto output = render_of(scene, settings);
     const display::PixelRegion silent{0, 4, 24, 24}, reported{0, 0, 24, 4};
     for (display::ChannelId id = 1; id < 10; ++id) {

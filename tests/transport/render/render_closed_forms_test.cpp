@@ -33,7 +33,7 @@ Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
 Shape "sphere" "float radius" 1
 )");
     transport::RenderSettings settings;
-    settings.channels = {lpe_channel("once", "C<RD>B"), lpe_channel("more", "C<RD>[DS]+B")};
+    settings.channels.list = {lpe_channel("once", "C<RD>B"), lpe_channel("more", "C<RD>[DS]+B")};
     const auto output = render_of(scene, settings);
     // The camera sees only the sphere; every path is 0.5 exactly, up to float rounding of one product.
     CHECK(estimate(output).mean == Approx(0.5).epsilon(1e-6));
@@ -54,10 +54,10 @@ ReverseOrientation
 Shape "sphere" "float radius" 2
 )");
     transport::RenderSettings settings;
-    settings.channels = {lpe_channel("k0", "C[<L.>O]"), lpe_channel("k1", "C<RD>[<L.>O]"),
-                         lpe_channel("k2", "C<RD>D[<L.>O]"), lpe_channel("k6", "CD{6}[<L.>O]"),
-                         lpe_channel("even", "C(DD)*[<L.>O]")};
-    settings.samples_per_pixel = 256;
+    settings.channels.list = {lpe_channel("k0", "C[<L.>O]"), lpe_channel("k1", "C<RD>[<L.>O]"),
+                              lpe_channel("k2", "C<RD>D[<L.>O]"), lpe_channel("k6", "CD{6}[<L.>O]"),
+                              lpe_channel("even", "C(DD)*[<L.>O]")};
+    settings.samples.per_pixel = 256;
     const auto output = render_of(scene, settings);
     const double expected[] = {2 - std::pow(0.5, 6), 1, 0.5, 0.25, std::pow(0.5, 6), 1 + 0.25 + 0.0625 + 1.0 / 64};
     for (display::ChannelId id = 0; id < 6; ++id) {
@@ -72,9 +72,9 @@ TEST_CASE("a mirror box multiplies by its reflectance, and words follow", "[rend
     // Row A with kd = 0.5, ks = 0.3 in a sphere: L = Le / (1 - kd - ks) = 5 but for a remainder of 0.8^100.
     const auto scene = scene_of(enclosure(0.5, 0.3));
     transport::RenderSettings settings;
-    settings.channels = {lpe_channel("dsd", "CDSD[<L.>O]"), lpe_channel("s-first", "CSD*[<L.>O]")};
-    settings.samples_per_pixel = 256;
-    settings.max_depth = 100;
+    settings.channels.list = {lpe_channel("dsd", "CDSD[<L.>O]"), lpe_channel("s-first", "CSD*[<L.>O]")};
+    settings.samples.per_pixel = 256;
+    settings.paths.max_depth = 100;
     const auto output = render_of(scene, settings);
     const double expected[] = {5, 0.5 * 0.3 * 0.5, 0.3 / (1 - 0.5)};
     for (display::ChannelId id = 0; id < 3; ++id) {
@@ -101,7 +101,7 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-9 -9 4 9 -9 4 
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-9 3 0 9 3 0 9 3 3 -9 3 3] "float alpha" 0.5
 )");
     transport::RenderSettings settings;
-    settings.channels = {lpe_channel("direct", "C<RD>L")};
+    settings.channels.list = {lpe_channel("direct", "C<RD>L")};
     const auto output = render_of(scene, settings);
     const double cosine = 0.1 / std::sqrt(1.01), expected = 0.75 * 0.5 * 0.5 / 3.14159265358979 * 2 * cosine;
     const Estimate e = estimate(output);

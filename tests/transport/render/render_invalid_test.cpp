@@ -39,12 +39,12 @@ TEST_CASE("refused contributions are counted at the very pixels that have them, 
           "[render][law3][law6]") {
     const auto scene = broken_scene();
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 20;  // a whole block and a part of one
-    settings.channels = {lpe_channel("lit", "C<RD>L"), lpe_channel("sky", "CB"), invalid_aov("invalidSamples"),
-                         invalid_aov("a")};
-    settings.threads = 1;
+    settings.samples.per_pixel = 20;  // a whole block and a part of one
+    settings.channels.list = {lpe_channel("lit", "C<RD>L"), lpe_channel("sky", "CB"), invalid_aov("invalidSamples"),
+                              invalid_aov("a")};
+    settings.machine.threads = 1;
     const auto one = render_broken(scene, settings);
-    settings.threads = 3;
+    settings.machine.threads = 3;
     const auto three = render_broken(scene, settings);
     const std::vector<double> counts = one.frame_buffer.resolve(3), alpha = one.frame_buffer.resolve(4),
                               light = one.frame_buffer.resolve(0);
@@ -72,14 +72,14 @@ TEST_CASE("refused contributions are counted at the very pixels that have them, 
     for (std::size_t i = 0; i < one.statistics.invalid_log.size(); ++i) {
         const display::InvalidSample &a = one.statistics.invalid_log[i], &b = three.statistics.invalid_log[i];
         CHECK((a.pixel_x == b.pixel_x && a.pixel_y == b.pixel_y && a.sample == b.sample));
-        settings.only = transport::SampleChoice{a.pixel_x, a.pixel_y, a.sample};
+        settings.samples.only = transport::SampleChoice{.x = a.pixel_x, .y = a.pixel_y, .sample = a.sample};
         const auto again = render_broken(scene, settings);
         CHECK(again.statistics.camera_samples == 1);
         REQUIRE(again.statistics.invalid_log.size() == 1);
         CHECK(again.statistics.invalid_log[0].value == a.value);
     }
-    settings.only = transport::SampleChoice{24, 0, 0};
+    settings.samples.only = transport::SampleChoice{.x = 24};
     CHECK_FALSE(transport::render(scene, settings).ok());
-    settings.only = transport::SampleChoice{0, 0, 20};
+    settings.samples.only = transport::SampleChoice{.sample = 20};
     CHECK_FALSE(transport::render(scene, settings).ok());
 }

@@ -28,12 +28,12 @@ std::vector<display::ChannelDefinition> shipped_partition() {
 
 TEST_CASE("the shipped partition sums to beauty in every pixel", "[render][law1]") {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16;
-    settings.channels = shipped_partition();
+    settings.samples.per_pixel = 16;
+    settings.channels.list = shipped_partition();
     const auto output = render_of(scene_of(room), settings);
     const std::vector<double> beauty = beauty_of(output);
     std::vector<double> sum(beauty.size()), magnitude(beauty.size());
-    for (display::ChannelId id = 1; id <= static_cast<display::ChannelId>(settings.channels.size()); ++id) {
+    for (display::ChannelId id = 1; id <= static_cast<display::ChannelId>(settings.channels.list.size()); ++id) {
         const std::vector<double> layer = output.frame_buffer.resolve(id);
         for (std::size_t i = 0; i < sum.size(); ++i) {
             sum[i] += layer[i];
@@ -53,23 +53,24 @@ TEST_CASE("the shipped partition sums to beauty in every pixel", "[render][law1]
 TEST_CASE("beauty is bit-identical with 0, 8 and 64 channels and geometric AOVs", "[render][law2]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16;
+    settings.samples.per_pixel = 16;
     const std::vector<double> alone = beauty_of(render_of(scene, settings));
-    settings.channels = shipped_partition();
+    settings.channels.list = shipped_partition();
     CHECK(beauty_of(render_of(scene, settings)) == alone);
-    settings.channels.clear();
+    settings.channels.list.clear();
     for (int i = 0; i < 64; ++i) {
         std::string expression = "C";
         for (int bit = 0; bit < 6; ++bit) expression += i >> bit & 1 ? "D" : "S?";
-        settings.channels.push_back(lpe_channel(std::string("c").append(std::to_string(i)), expression + "[<L.>O]"));
+        settings.channels.list.push_back(
+            lpe_channel(std::string("c").append(std::to_string(i)), expression + "[<L.>O]"));
     }
     for (const char* name : {"Nn", "z", "albedo"}) {
         display::ChannelDefinition aov;
         aov.name = name;
-        settings.channels.push_back(aov);
+        settings.channels.list.push_back(aov);
     }
     CHECK(beauty_of(render_of(scene, settings)) == alone);
-    settings.picked_lobes = true;
+    settings.labels.picked_lobes = true;
     CHECK(beauty_of(render_of(scene, settings)) == alone);
 }
 
@@ -78,12 +79,12 @@ TEST_CASE("images are bit-identical for any number of threads, and on a rerun", 
     auto built = transport::BuiltScene::build(scene);
     REQUIRE(built.ok());
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 20;  // a whole block and a part of one
-    settings.channels = {lpe_channel("specular", "C<RS>.*"), lpe_channel("diffuse", "C<RD>.*")};
-    settings.threads = 1;
+    settings.samples.per_pixel = 20;  // a whole block and a part of one
+    settings.channels.list = {lpe_channel("specular", "C<RS>.*"), lpe_channel("diffuse", "C<RD>.*")};
+    settings.machine.threads = 1;
     auto one = transport::render(**built, settings);
     REQUIRE(one.ok());
-    settings.threads = 3;
+    settings.machine.threads = 3;
     auto three = transport::render(**built, settings);
     REQUIRE(three.ok());
     const auto fresh = render_of(scene, settings);
@@ -91,7 +92,7 @@ TEST_CASE("images are bit-identical for any number of threads, and on a rerun", 
         CHECK(one->frame_buffer.resolve(id) == three->frame_buffer.resolve(id));
         CHECK(one->frame_buffer.resolve(id) == fresh.frame_buffer.resolve(id));
     }
-    settings.seed = 1;
+    settings.samples.seed = 1;
     auto other = transport::render(**built, settings);
     REQUIRE(other.ok());
     CHECK(one->frame_buffer.resolve(0) != other->frame_buffer.resolve(0));
@@ -104,10 +105,10 @@ TEST_CASE("without beauty the channels are the same bits for fewer rays", "[rend
     text.replace(text.find(coated), coated.size(), R"("diffuse" "rgb reflectance" [0.2 0.5 0.7])");
     const auto scene = scene_of(text);
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16;
-    settings.channels = {lpe_channel("direct", "C<RD>[<L.>O]"), lpe_channel("background", "CB")};
+    settings.samples.per_pixel = 16;
+    settings.channels.list = {lpe_channel("direct", "C<RD>[<L.>O]"), lpe_channel("background", "CB")};
     const auto full = render_of(scene, settings);
-    settings.beauty = false;
+    settings.channels.beauty = false;
     const auto pruned = render_of(scene, settings);
     CHECK(pruned.beauty == display::invalid_channel);
     for (display::ChannelId id = 0; id < 2; ++id)
@@ -136,13 +137,13 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-5 0 5 5 0 5 5 
 )");
     };
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 256;
-    settings.channels = {lpe_channel("d", "C<RD>[<L.>O]"), lpe_channel("s", "C<RS>[<L.>O]")};
+    settings.samples.per_pixel = 256;
+    settings.channels.list = {lpe_channel("d", "C<RD>[<L.>O]"), lpe_channel("s", "C<RS>[<L.>O]")};
     const auto both = render_of(surface("0.4 0.5 0.3", "0.6 0.5 0.4"), settings);
-    settings.picked_lobes = true;
+    settings.labels.picked_lobes = true;
     const auto picked = render_of(surface("0.4 0.5 0.3", "0.6 0.5 0.4"), settings);
-    settings.picked_lobes = false;
-    settings.seed = 99;  // independent of the render above, as the deviation below assumes
+    settings.labels.picked_lobes = false;
+    settings.samples.seed = 99;  // independent of the render above, as the deviation below assumes
     const auto diffuse = render_of(surface("0.4 0.5 0.3", "0 0 0"), settings);
     const auto specular = render_of(surface("0 0 0", "0.6 0.5 0.4"), settings);
     const Estimate d = estimate(both, 1), s = estimate(both, 2);
@@ -163,9 +164,9 @@ TEST_CASE("Russian roulette changes cost, not the mean", "[render]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
     const auto with = render_of(scene, settings);
-    settings.seed = 5;
-    settings.integrator = path_with(flag_parameter("roulette", false));
-    settings.max_depth = 6;
+    settings.samples.seed = 5;
+    settings.paths.integrator = path_with(flag_parameter("roulette", false));
+    settings.paths.max_depth = 6;
     const auto without = render_of(scene, settings);
     INFO(estimate(with).mean << " " << estimate(without).mean);
     CHECK(deviation(estimate(with), estimate(without)) < 4.5);
@@ -194,14 +195,15 @@ Shape "bilinearmesh" "point3 P" [0.6 1.9 -0.6 -0.6 1.9 -0.6 0.6 1.9 0.6 -0.6 1.9
 LightSource "infinite" "rgb L" [0.5 0.5 0.5]
 )");
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 128;
-    settings.max_depth = 3;
-    settings.channels = {lpe_channel("direct diffuse", "C<RD>[<L.>O]"), lpe_channel("direct specular", "C<RS>[<L.>O]"),
-                         lpe_channel("sky", "C.*B"), lpe_channel("rest", "C[DS]{2,}L")};
+    settings.samples.per_pixel = 128;
+    settings.paths.max_depth = 3;
+    settings.channels.list = {lpe_channel("direct diffuse", "C<RD>[<L.>O]"),
+                              lpe_channel("direct specular", "C<RS>[<L.>O]"), lpe_channel("sky", "C.*B"),
+                              lpe_channel("rest", "C[DS]{2,}L")};
     std::vector<transport::RenderOutput> outputs;
     for (const char* strategy : {"mis", "light", "scattering"}) {
-        settings.integrator = path_with(text_parameter("strategy", strategy));
-        ++settings.seed;
+        settings.paths.integrator = path_with(text_parameter("strategy", strategy));
+        ++settings.samples.seed;
         outputs.push_back(render_of(scene, settings));
     }
     for (display::ChannelId id = 0; id <= 4; ++id)
@@ -231,16 +233,16 @@ AttributeBegin AreaLightSource "diffuse" "rgb L" [60 60 60] Translate -1 2.5 -1.
 LightSource "point" "rgb I" [2 2 2] "point3 from" [0 3 2]
 )");
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 128;
-    settings.max_depth = 2;
-    settings.channels = {lpe_channel("plates", "C<RS>[<L.>O]"), lpe_channel("floor", "C<RD>.*[<L.>O]"),
-                         lpe_channel("rest", "")};
-    settings.channels[2].rest_of = {0, 1};
+    settings.samples.per_pixel = 128;
+    settings.paths.max_depth = 2;
+    settings.channels.list = {lpe_channel("plates", "C<RS>[<L.>O]"), lpe_channel("floor", "C<RD>.*[<L.>O]"),
+                              lpe_channel("rest", "")};
+    settings.channels.list[2].rest_of = {0, 1};
     std::vector<transport::RenderOutput> outputs;
     for (const char* strategy : {"mis", "light", "scattering"}) {
         CAPTURE(strategy);
-        settings.integrator = path_with(text_parameter("strategy", strategy));
-        ++settings.seed;
+        settings.paths.integrator = path_with(text_parameter("strategy", strategy));
+        ++settings.samples.seed;
         outputs.push_back(render_of(scene, settings));
         const display::FrameBuffer& buffer = outputs.back().frame_buffer;
         const std::vector<double> whole = buffer.resolve(0), a = buffer.resolve(1), b = buffer.resolve(2),
@@ -276,11 +278,11 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 0 -2 4 0 -2 
                 " 4 0 Shape \"sphere\" \"float radius\" 0.15 AttributeEnd\n";
     const auto scene = scene_of(text);
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 64;
+    settings.samples.per_pixel = 64;
     const auto with = [&](const std::string& strategy, const std::string& selection) {
-        settings.integrator = path_with(text_parameter("strategy", strategy));
-        settings.integrator->parameters.parameters.push_back(text_parameter("lightsampler", selection));
-        ++settings.seed;
+        settings.paths.integrator = path_with(text_parameter("strategy", strategy));
+        settings.paths.integrator->parameters.parameters.push_back(text_parameter("lightsampler", selection));
+        ++settings.samples.seed;
         return estimate(render_of(scene, settings));
     };
     for (const char* strategy : {"mis", "light"}) {
@@ -293,7 +295,7 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 0 -2 4 0 -2 
         // that alone.
         CHECK(even.error > 1.5 * power.error);
     }
-    settings.integrator = path_with(text_parameter("lightsampler", "powr"));
+    settings.paths.integrator = path_with(text_parameter("lightsampler", "powr"));
     const auto refused = transport::render(scene, settings);
     REQUIRE_FALSE(refused.ok());
     CHECK(refused.error().to_string().find("expected power, uniform, bvh or exhaustive") != std::string::npos);
@@ -304,7 +306,7 @@ TEST_CASE("a render that is stopped returns what it has, marked incomplete", "[r
     std::atomic<bool> stop{true};
     auto output = transport::render(scene_of(room), {}, {}, &stop);
     REQUIRE(output.ok());
-    CHECK_FALSE(output->complete);
+    CHECK_FALSE(output->samples.complete);
     CHECK(output->statistics.camera_samples == 0);
     std::uint64_t total = 0, done = 0;
     auto whole = transport::render(scene_of(room), {}, [&](const transport::RenderProgress& p) {
@@ -312,37 +314,37 @@ TEST_CASE("a render that is stopped returns what it has, marked incomplete", "[r
         done = p.samples_done;
     });
     REQUIRE(whole.ok());
-    CHECK(whole->complete);
+    CHECK(whole->samples.complete);
     CHECK(total == 24 * 24 * 64);
     CHECK(done == total);
 }
 
 TEST_CASE("settings replace the scene's, and what is not there is a warning or an error", "[render]") {
     transport::RenderSettings settings;
-    settings.resolution = {{8, 6}};
-    settings.samples_per_pixel = 3;
+    settings.film.resolution = {{8, 6}};
+    settings.samples.per_pixel = 3;
     transport::SceneEntity entity;
     entity.type = "sppm";
-    settings.integrator = entity;
+    settings.paths.integrator = entity;
     auto output = render_of(scene_of(room), settings);
-    CHECK(output.width == 8);
-    CHECK(output.height == 6);
-    CHECK(output.integrator == "bdpt");
-    CHECK(output.samples_per_pixel == 3);
+    CHECK(output.view.width == 8);
+    CHECK(output.view.height == 6);
+    CHECK(output.used.integrator == "bdpt");
+    CHECK(output.samples.per_pixel == 3);
     CHECK_FALSE(output.warnings.empty());
-    settings.integrator->type = "paht";
+    settings.paths.integrator->type = "paht";
     auto unknown = transport::render(scene_of(room), settings);
     REQUIRE_FALSE(unknown.ok());
     CHECK(unknown.error().hint.find("path") != std::string::npos);
-    settings.integrator.reset();
+    settings.paths.integrator.reset();
     const auto refusal = [](const std::string& text, const transport::RenderSettings& wrong) {
         const auto output = transport::render(scene_of(text), wrong);
         return output.ok() ? std::string() : output.error().to_string();
     };
-    settings.channels = {lpe_channel("a", "C<RD>L"), lpe_channel("a", "C<RS>L")};
+    settings.channels.list = {lpe_channel("a", "C<RD>L"), lpe_channel("a", "C<RS>L")};
     CHECK(refusal(room, settings).find("the channel name 'a' is used twice") != std::string::npos);
-    settings.channels.clear();
-    settings.beauty = false;
+    settings.channels.list.clear();
+    settings.channels.beauty = false;
     CHECK(refusal(room, settings).find("nothing to render: no beauty and no channel") != std::string::npos);
     const std::string camera = refusal("Camera \"fisheye\"\nWorldBegin\n", {});
     CHECK(camera.find("test.pbrt:1:") != std::string::npos);

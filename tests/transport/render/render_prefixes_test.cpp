@@ -85,14 +85,14 @@ double total(const std::vector<double>& values) {
 TEST_CASE("unshadowed direct light is the direct light of the scene without what casts shadows", "[render][prefixes]") {
     for (const std::string& sky : {std::string(), constant_sky}) {
         transport::RenderSettings settings;
-        settings.samples_per_pixel = 256;
-        settings.channels = {lpe_channel("unoccluded", "unoccluded;C<RD'floor'>L"),
-                             lpe_channel("plain", "C<RD'floor'>L")};
+        settings.samples.per_pixel = 256;
+        settings.channels.list = {lpe_channel("unoccluded", "unoccluded;C<RD'floor'>L"),
+                                  lpe_channel("plain", "C<RD'floor'>L")};
         const auto shadowed = render_of(scene_of(plate_scene(sky)), settings);
         // Without the plate nothing on the floor is shadowed. Where the camera sees the plate, neither has floor: so
         // compare with a plate that the camera sees and light does not, the floor's own light being black on plate
         // pixels.
-        settings.seed = 77;
+        settings.samples.seed = 77;
         std::string empty = plate_scene(sky);
         const std::size_t plate = empty.find("NamedMaterial \"plate\"\nShape");
         REQUIRE(plate != std::string::npos);
@@ -120,11 +120,11 @@ TEST_CASE("unshadowed direct light is the direct light of the scene without what
 TEST_CASE("shadows are what separates unshadowed light from light", "[render][prefixes]") {
     for (const std::string& strategy : {std::string("mis"), std::string("light")}) {
         transport::RenderSettings settings;
-        settings.samples_per_pixel = 256;
-        settings.integrator = path_with(text_parameter("strategy", strategy));
-        settings.max_depth = 4;
-        settings.channels = {lpe_channel("plain", "C[DS]+L"), lpe_channel("unoccluded", "unoccluded;C[DS]+L"),
-                             lpe_channel("shadows", "shadows;C[DS]+L")};
+        settings.samples.per_pixel = 256;
+        settings.paths.integrator = path_with(text_parameter("strategy", strategy));
+        settings.paths.max_depth = 4;
+        settings.channels.list = {lpe_channel("plain", "C[DS]+L"), lpe_channel("unoccluded", "unoccluded;C[DS]+L"),
+                                  lpe_channel("shadows", "shadows;C[DS]+L")};
         const auto output = render_of(scene_of(plate_scene(constant_sky)), settings);
         const std::vector<double> plain = output.frame_buffer.resolve(1), shadows = output.frame_buffer.resolve(3);
         const Difference d = difference(sum_of(plain, shadows), output.frame_buffer.resolve(2));
@@ -143,10 +143,11 @@ TEST_CASE("light through a half open cutout casts half a shadow", "[render][pref
     REQUIRE(at != std::string::npos);
     text.insert(at + std::string("Shape \"trianglemesh\"").size(), " \"float alpha\" 0.5");
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 256;
-    settings.max_depth = 1;
-    settings.channels = {lpe_channel("plain", "C<RD'floor'>L"), lpe_channel("unoccluded", "unoccluded;C<RD'floor'>L"),
-                         lpe_channel("shadows", "shadows;C<RD'floor'>L")};
+    settings.samples.per_pixel = 256;
+    settings.paths.max_depth = 1;
+    settings.channels.list = {lpe_channel("plain", "C<RD'floor'>L"),
+                              lpe_channel("unoccluded", "unoccluded;C<RD'floor'>L"),
+                              lpe_channel("shadows", "shadows;C<RD'floor'>L")};
     const auto output = render_of(scene_of(text), settings);
     const std::vector<double> shadows = output.frame_buffer.resolve(3);
     const Difference d = difference(sum_of(output.frame_buffer.resolve(1), shadows), output.frame_buffer.resolve(2));
@@ -159,15 +160,15 @@ TEST_CASE("beauty and plain channels have the same bits beside channels with pre
           "[render][prefixes][law2]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16;
-    settings.channels = {lpe_channel("direct", "C<RD>[<L.>O]"), lpe_channel("osl", "C<RD>.*")};
+    settings.samples.per_pixel = 16;
+    settings.channels.list = {lpe_channel("direct", "C<RD>[<L.>O]"), lpe_channel("osl", "C<RD>.*")};
     const auto alone = render_of(scene, settings);
     for (const char* expression :
          {"unoccluded;C.*", "shadows;C.*", "nothruput;C.*", "holdouts;C.*", "overwrite;C.*", "noinfinitecheck;C.*",
           "unoccluded;holdouts;C[DS]+<L.>",
           "nothruput;noinfinitecheck;noclamp;unoccluded;overwrite;C<.S'passthru'>*((U2L)|O)", "CU6L"})
-        settings.channels.push_back(
-            lpe_channel(std::string("p").append(std::to_string(settings.channels.size())), expression));
+        settings.channels.list.push_back(
+            lpe_channel(std::string("p").append(std::to_string(settings.channels.list.size())), expression));
     const auto beside = render_of(scene, settings);
     for (display::ChannelId id = 0; id < 3; ++id)
         CHECK((beside.frame_buffer.resolve(id) == alone.frame_buffer.resolve(id)));
@@ -178,13 +179,13 @@ TEST_CASE("beauty and plain channels have the same bits beside channels with pre
 TEST_CASE("what a camera ray finds first at a holdout leaves beauty, alpha and plain channels",
           "[render][prefixes][law1]") {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16;
-    settings.channels = {lpe_channel("floor", "C<.D'floor'>.*"), lpe_channel("all", "C.*"),
-                         lpe_channel("catcher", "holdouts;C.*"), lpe_channel("occluded", "holdouts;C[DS]+<L.>"),
-                         lpe_channel("clear", "holdouts;unoccluded;C[DS]+<L.>")};
+    settings.samples.per_pixel = 16;
+    settings.channels.list = {lpe_channel("floor", "C<.D'floor'>.*"), lpe_channel("all", "C.*"),
+                              lpe_channel("catcher", "holdouts;C.*"), lpe_channel("occluded", "holdouts;C[DS]+<L.>"),
+                              lpe_channel("clear", "holdouts;unoccluded;C[DS]+<L.>")};
     display::ChannelDefinition depth;
     depth.name = "z";
-    settings.channels.push_back(depth);
+    settings.channels.list.push_back(depth);
     const std::string text = plate_scene(constant_sky);
     const auto ordinary = render_of(scene_of(text), settings);
     const auto output = render_of(with_holdout(text, "floor"), settings);
@@ -212,18 +213,18 @@ TEST_CASE("what a camera ray finds first at a holdout leaves beauty, alpha and p
 
 TEST_CASE("a holdout that no channel asks for costs no rays", "[render][prefixes][law4]") {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 4;
+    settings.samples.per_pixel = 4;
     const std::string text = plate_scene(constant_sky);
     const auto ordinary = render_of(scene_of(text), settings),
                output = render_of(with_holdout(text, "floor"), settings);
     CHECK(output.statistics.shadow_rays * 2 < ordinary.statistics.shadow_rays);
     // And where only unshadowed light is asked for, no shadow ray is traced.
-    settings.beauty = false;
-    settings.channels = {lpe_channel("clear", "unoccluded;C<RD>L")};
+    settings.channels.beauty = false;
+    settings.channels.list = {lpe_channel("clear", "unoccluded;C<RD>L")};
     const auto unshadowed = render_of(scene_of(text), settings);
     CHECK(unshadowed.statistics.shadow_rays == 0);
     CHECK(total(unshadowed.frame_buffer.resolve(0)) > 0);
-    settings.beauty = true;
+    settings.channels.beauty = true;
     const auto beside = render_of(scene_of(text), settings);
     CHECK(beside.frame_buffer.resolve(1) == unshadowed.frame_buffer.resolve(0));
 }
@@ -250,8 +251,8 @@ AttributeBegin Translate 1 0 0 ObjectInstance "ball" AttributeEnd
     CHECK(scene.objects[0].shapes[0].label == "balls");
     CHECK(scene.instances[1].label == "right");
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 4;
-    settings.channels = {lpe_channel("held", "holdouts;C.+L"), lpe_channel("plain", "C.+L")};
+    settings.samples.per_pixel = 4;
+    settings.channels.list = {lpe_channel("held", "holdouts;C.+L"), lpe_channel("plain", "C.+L")};
     const auto output = render_of(scene, settings);
     const std::vector<double> held = output.frame_buffer.resolve(1), plain = output.frame_buffer.resolve(2);
     // Camera space is left-handed: looking along -z, the object at x = -1 is on the right.
@@ -278,9 +279,9 @@ Material "diffuse" "rgb reflectance" [0.2 0.2 0.2]
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2 -2 0 2 -2 0 2 2 0 -2 2 0]
 )";
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 16;
-    settings.max_depth = 1;
-    settings.channels = {lpe_channel("sent", "nothruput;CDL"), lpe_channel("last", "nothruput;overwrite;CDL")};
+    settings.samples.per_pixel = 16;
+    settings.paths.max_depth = 1;
+    settings.channels.list = {lpe_channel("sent", "nothruput;CDL"), lpe_channel("last", "nothruput;overwrite;CDL")};
     const auto mean = [](const transport::RenderOutput& output, display::ChannelId id) {
         const std::vector<double> values = output.frame_buffer.resolve(id);
         return total(values) / static_cast<double>(values.size());
@@ -295,24 +296,25 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2 -2 0 2 -2 0 
         CHECK(mean(output, 2) == Approx(3).epsilon(1e-6));
     }
     // An emitter seen directly sends its radiance.
-    settings.channels = {lpe_channel("sent", "nothruput;CL")};
+    settings.channels.list = {lpe_channel("sent", "nothruput;CL")};
     const auto seen = render_of(scene_of(text + "AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\n" + wall), settings);
     CHECK(mean(seen, 1) == 5);
 }
 
 TEST_CASE("RenderMan's albedo and normal recipes give the geometric AOVs", "[render][prefixes]") {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 8;
+    settings.samples.per_pixel = 8;
     const std::string prefixes = "nothruput;noinfinitecheck;noclamp;unoccluded;overwrite;";
-    settings.channels = {lpe_channel("a", prefixes + "C<.S'passthru'>*((U2L)|O)"), lpe_channel("n", prefixes + "CU6L"),
-                         lpe_channel("second", prefixes + "C<RS><.U2'plate'>L"), lpe_channel("through", "CDU2L")};
+    settings.channels.list = {lpe_channel("a", prefixes + "C<.S'passthru'>*((U2L)|O)"),
+                              lpe_channel("n", prefixes + "CU6L"),
+                              lpe_channel("second", prefixes + "C<RS><.U2'plate'>L"), lpe_channel("through", "CDU2L")};
     for (const char* name : {"albedo", "Nn"}) {
         display::ChannelDefinition aov;
         aov.name = name;
-        settings.channels.push_back(aov);
+        settings.channels.list.push_back(aov);
     }
     for (const std::int64_t depth : {5, 0}) {
-        settings.max_depth = depth;
+        settings.paths.max_depth = depth;
         const auto output = render_of(scene_of(plate_scene(constant_sky, "\"conductor\"")), settings);
         for (const auto& [mine, aov] : {std::pair{1, 5}, std::pair{2, 6}}) {
             const std::vector<double> a = output.frame_buffer.resolve(mine), b = output.frame_buffer.resolve(aov);
@@ -334,15 +336,15 @@ TEST_CASE("RenderMan's albedo and normal recipes give the geometric AOVs", "[ren
 TEST_CASE("channels that the integrator cannot fill are refused before the render", "[render][prefixes][law7]") {
     const auto scene = scene_of(plate_scene(""));
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 1;
-    settings.integrator = path_with(text_parameter("strategy", "scattering"));
+    settings.samples.per_pixel = 1;
+    settings.paths.integrator = path_with(text_parameter("strategy", "scattering"));
     for (const char* expression : {"unoccluded;C.*", "holdouts;shadows;C.*"}) {
-        settings.channels = {lpe_channel("mine", expression)};
+        settings.channels.list = {lpe_channel("mine", expression)};
         const auto output = transport::render(scene, settings);
         REQUIRE_FALSE(output.ok());
         CHECK(output.error().message.find("'mine'") != std::string::npos);
         CHECK(output.error().message.find("samples no lights") != std::string::npos);
     }
-    settings.channels = {lpe_channel("mine", "nothruput;overwrite;C.*")};
+    settings.channels.list = {lpe_channel("mine", "nothruput;overwrite;C.*")};
     CHECK(transport::render(scene, settings).ok());
 }

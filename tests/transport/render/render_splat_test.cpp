@@ -23,17 +23,17 @@ TEST_CASE("splatted images have the same bits for any number of threads and chan
           "[splat][render][law1][law2][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 20;
-    settings.splat = true;
-    settings.filter = filter_named("mitchell");
-    settings.threads = 3;
+    settings.samples.per_pixel = 20;
+    settings.film.splat = true;
+    settings.film.filter = filter_named("mitchell");
+    settings.machine.threads = 3;
     const auto alone = render_of(scene, settings);
-    CHECK(alone.splat);
+    CHECK(alone.used.splat);
     CHECK(alone.statistics.camera_samples == (24 + 4) * (24 + 4) * 20);  // the kernel reaches 2 pixels around the image
-    settings.channels = {split("direct", "C<RD>[<L.>O]"), split("rest", "")};
-    settings.channels[1].rest_of = {0};
+    settings.channels.list = {split("direct", "C<RD>[<L.>O]"), split("rest", "")};
+    settings.channels.list[1].rest_of = {0};
     const auto three = render_of(scene, settings);
-    settings.threads = 1;
+    settings.machine.threads = 1;
     const auto one = render_of(scene, settings);
     for (display::ChannelId id = 0; id < 3; ++id) CHECK(one.frame_buffer.resolve(id) == three.frame_buffer.resolve(id));
     CHECK(one.frame_buffer.resolve(0) == alone.frame_buffer.resolve(0));
@@ -73,9 +73,9 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 -0.71 0 0.37
         for (const std::size_t mode : {0u, 1u})
             for (std::uint64_t seed = 0; seed < seeds; ++seed) {
                 transport::RenderSettings settings;
-                settings.seed = 1 + 2 * seed + mode;
-                settings.splat = mode == 1;
-                settings.filter = filter_named(name);
+                settings.samples.seed = 1 + 2 * seed + mode;
+                settings.film.splat = mode == 1;
+                settings.film.filter = filter_named(name);
                 const auto output = render_of(scene, settings);
                 const std::vector<double> image = output.frame_buffer.resolve(output.beauty);
                 sum[mode].resize(image.size());
@@ -120,25 +120,25 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 -0.71 0 0.37
 TEST_CASE("what splat mode cannot do is refused by name", "[splat][render][law7]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.splat = true;
+    settings.film.splat = true;
     const auto error = [&] {
         const auto output = transport::render(scene, settings);
         return output.ok() ? std::string() : output.error().to_string();
     };
-    settings.statistics = {*display::parse_statistic_request("beauty", "mse", {"job.toml", 3, 1})};
+    settings.channels.statistics = {*display::parse_statistic_request("beauty", "mse", {"job.toml", 3, 1})};
     CHECK(error().find("job.toml:3:1") != std::string::npos);
     CHECK(error().find("filter mode splat") != std::string::npos);
-    settings.statistics.clear();
-    settings.channels = {lpe_channel("a", "CDL")};
+    settings.channels.statistics.clear();
+    settings.channels.list = {lpe_channel("a", "CDL")};
     CHECK(error().find("'a' keeps statistics") != std::string::npos);
-    settings.channels.clear();
-    settings.cryptomatte = {raylex::geoaovs::MatteKind::object};
+    settings.channels.list.clear();
+    settings.mattes.kinds = {raylex::geoaovs::MatteKind::object};
     CHECK(error().find("cryptomatte") != std::string::npos);
-    settings.cryptomatte.clear();
-    settings.filter = filter_named("box");
+    settings.mattes.kinds.clear();
+    settings.film.filter = filter_named("box");
     Parameter radius;
     radius.name = "xradius";
     radius.numbers = {17};
-    settings.filter->parameters.parameters = {radius};
+    settings.film.filter->parameters.parameters = {radius};
     CHECK(error().find("reaches farther than 16 pixels") != std::string::npos);
 }

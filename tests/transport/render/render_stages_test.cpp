@@ -51,35 +51,35 @@ std::vector<std::array<std::uint64_t, 2>> phases_of(transport::Schedule& schedul
 TEST_CASE("a budget becomes the schedule that it asks for", "[render][schedule]") {
     using Phases = std::vector<std::array<std::uint64_t, 2>>;
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 40;  // three blocks
+    settings.samples.per_pixel = 40;  // three blocks
     with_schedule(settings, [](transport::Schedule& plain) {
         CHECK(phases_of(plain) == Phases{{0, 12}});
         CHECK(plain.can_save_amid_phase());
     });
-    settings.first_sample = 16;
+    settings.samples.first = 16;
     with_schedule(settings, [](transport::Schedule& shard) { CHECK(phases_of(shard) == Phases{{4, 12}}); });
-    settings.first_sample = 0;
-    settings.integrator = transport::SceneEntity{};
-    settings.integrator->type = "pssmlt";
+    settings.samples.first = 0;
+    settings.paths.integrator = transport::SceneEntity{};
+    settings.paths.integrator->type = "pssmlt";
     with_schedule(settings, [](transport::Schedule& synchronous) {
         CHECK(dynamic_cast<transport::SynchronousSchedule*>(&synchronous) != nullptr);
         CHECK(phases_of(synchronous) == Phases{{0, 4}, {4, 8}, {8, 12}});
         CHECK_FALSE(synchronous.can_save_amid_phase());
     });
-    settings.integrator.reset();
-    settings.limit = transport::SampleLimit{.error = 0.1};
+    settings.paths.integrator.reset();
+    settings.stop.limit = transport::SampleLimit{.error = 0.1};
     with_schedule(settings, [](transport::Schedule& limited) {
         CHECK(dynamic_cast<transport::LimitedSchedule*>(&limited) != nullptr);
         CHECK(limited.error() != nullptr);
     });
-    settings.limit.reset();
-    settings.adaptive = display::AdaptiveSettings{};
+    settings.stop.limit.reset();
+    settings.stop.adaptive = display::AdaptiveSettings{};
     with_schedule(settings, [](transport::Schedule& adaptive) {
         CHECK(adaptive.section() == "adaptive");
         transport::RenderPosition position = adaptive.beginning();
         CHECK(adaptive.begin_phase(position) == 4);  // every tile has open pixels
     });
-    settings.only = transport::SampleChoice{3, 4, 5};
+    settings.samples.only = transport::SampleChoice{.x = 3, .y = 4, .sample = 5};
     with_schedule(settings, [](transport::Schedule& replay) {
         CHECK(dynamic_cast<transport::ReplaySchedule*>(&replay) != nullptr);
         CHECK(phases_of(replay) == Phases{{0, 1}});
@@ -98,8 +98,8 @@ TEST_CASE("thousands of labels and as many materials are no table of all pairs",
     }
     const auto scene = scene_of(text);
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 1;
-    settings.channels = {lpe_channel("direct", "CDL")};
+    settings.samples.per_pixel = 1;
+    settings.channels.list = {lpe_channel("direct", "CDL")};
     const auto begin = std::chrono::steady_clock::now();
     render_of(scene, settings);
     // 1 s; all pairs took 20 s and 1.6 GB.

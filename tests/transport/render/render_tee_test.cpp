@@ -34,8 +34,8 @@ TEST_CASE("a tee writes what it passes on, at first hits, and changes nothing el
     const std::string through = plane(teed, "Material \"diffuse\" \"texture reflectance\" \"paint\"");
     transport::RenderSettings settings;
     const auto plain = render_of(scene_of(direct), settings), unasked = render_of(scene_of(through), settings);
-    settings.channels = {aov("paint"), aov("albedo"), lpe_channel("diffuse", "C<RD>.*")};
-    settings.threads = 2;
+    settings.channels.list = {aov("paint"), aov("albedo"), lpe_channel("diffuse", "C<RD>.*")};
+    settings.machine.threads = 2;
     const auto output = render_of(scene_of(through), settings);
     const std::vector<double> beauty = plain.frame_buffer.resolve(0);
     CHECK(unasked.frame_buffer.resolve(0) == beauty);  // Law 2, and a tee is its input
@@ -47,8 +47,8 @@ TEST_CASE("a tee writes what it passes on, at first hits, and changes nothing el
     for (const double value : output.frame_buffer.resolve(1)) sum += value;
     CHECK(sum > 0.2 * 3 * 64);
     CHECK(output.statistics.refused_services_calls == 0);
-    settings.channels = {aov("paint")};
-    settings.beauty = false;
+    settings.channels.list = {aov("paint")};
+    settings.channels.beauty = false;
     const auto alone = render_of(scene_of(through), settings);
     CHECK(alone.frame_buffer.resolve(0) == output.frame_buffer.resolve(1));
     CHECK(alone.statistics.shadow_rays + alone.statistics.scattering_rays == 0);  // Law 4
@@ -56,7 +56,7 @@ TEST_CASE("a tee writes what it passes on, at first hits, and changes nothing el
 
 TEST_CASE("tees are written where the look-up comes by: branches, floats, mixes, several in a row", "[render][tee]") {
     transport::RenderSettings settings;
-    settings.channels = {aov("left"), aov("right"), aov("whole"), aov("rough"), aov("never")};
+    settings.channels.list = {aov("left"), aov("right"), aov("whole"), aov("rough"), aov("never")};
     const auto output =
         render_of(scene_of(plane(R"(
 Texture "l" "spectrum" "tee" "rgb input" [.25 .25 .25] "string channel" "left"
@@ -111,7 +111,7 @@ TEST_CASE("tees that cannot be are refused where they are written", "[render][te
         CHECK(output.error().line == slip.line);
     }
     transport::RenderSettings settings;
-    settings.channels = {aov("pant")};
+    settings.channels.list = {aov("pant")};
     auto output = transport::render(scene_of(plane(teed, "Material \"diffuse\"")), settings);
     REQUIRE_FALSE(output.ok());
     CHECK(output.error().hint.find("'paint'") != std::string::npos);

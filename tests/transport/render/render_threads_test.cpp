@@ -9,14 +9,14 @@ TEST_CASE("an image of one tile is the same bits when several threads hold its b
     auto built = transport::BuiltScene::build(scene);
     REQUIRE(built.ok());
     transport::RenderSettings settings;
-    settings.resolution = {{4, 4}};
-    settings.samples_per_pixel = 16384;
-    settings.max_depth = 1;
-    settings.channels = {lpe_channel("direct", "C<RD>.*")};
-    settings.threads = 1;
+    settings.film.resolution = {{4, 4}};
+    settings.samples.per_pixel = 16384;
+    settings.paths.max_depth = 1;
+    settings.channels.list = {lpe_channel("direct", "C<RD>.*")};
+    settings.machine.threads = 1;
     auto one = transport::render(**built, settings);
     REQUIRE(one.ok());
-    settings.threads = 4;
+    settings.machine.threads = 4;
     auto four = transport::render(**built, settings);
     REQUIRE(four.ok());
     for (display::ChannelId id = 0; id < 2; ++id)

@@ -5,12 +5,12 @@ using namespace render_test;
 TEST_CASE("The record names the instruction set that was used, and asking for it gives the same bits", "[law3]") {
     const transport::SceneDescription scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.samples_per_pixel = 4;
+    settings.samples.per_pixel = 4;
     const transport::RenderOutput chosen = render_of(scene, settings);
-    CHECK((chosen.isa == "sse2" || chosen.isa == "sse4.2" || chosen.isa == "avx" || chosen.isa == "avx2" ||
-           chosen.isa == "avx512"));
-    settings.isa = chosen.isa;
+    CHECK((chosen.used.isa == "sse2" || chosen.used.isa == "sse4.2" || chosen.used.isa == "avx" ||
+           chosen.used.isa == "avx2" || chosen.used.isa == "avx512"));
+    settings.machine.isa = chosen.used.isa;
     const transport::RenderOutput forced = render_of(scene, settings);
-    CHECK(forced.isa == chosen.isa);
+    CHECK(forced.used.isa == chosen.used.isa);
     CHECK(forced.frame_buffer.resolve(forced.beauty) == chosen.frame_buffer.resolve(chosen.beauty));
 }

@@ -79,14 +79,14 @@ TEST_CASE("The weights of bidirectional strategies do not depend on the unit of 
         };
         const std::string intensity = number(3 * unit * unit), scale = number(unit);
         transport::RenderSettings settings;
-        settings.samples_per_pixel = 16;
+        settings.samples.per_pixel = 16;
         transport::SceneEntity bdpt;
         bdpt.type = "bdpt";
-        settings.integrator = bdpt;
-        settings.max_depth = 3;
-        settings.beauty = false;
-        settings.channels = {lpe_channel("c", channel)};
-        settings.channels[0].statistics = false;
+        settings.paths.integrator = bdpt;
+        settings.paths.max_depth = 3;
+        settings.channels.beauty = false;
+        settings.channels.list = {lpe_channel("c", channel)};
+        settings.channels.list[0].statistics = false;
         const std::string text = film + "LookAt " + point(0, 1, 4) + point(0, 0.5, 0) + R"( 0 1 0
 Camera "perspective" "float fov" 40
 WorldBegin

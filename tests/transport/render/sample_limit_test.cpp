@@ -14,18 +14,18 @@ std::string record_of(const transport::RenderOutput& output) {
 
 transport::RenderSettings settings_with(std::uint64_t samples) {
     transport::RenderSettings settings;
-    settings.samples_per_pixel = samples;
-    settings.threads = 2;
-    settings.channels = {lpe_channel("direct", "CDL")};
+    settings.samples.per_pixel = samples;
+    settings.machine.threads = 2;
+    settings.channels.list = {lpe_channel("direct", "CDL")};
     return settings;
 }
 
 /// What a render that ended by itself must be: the one with as many samples, on another number of threads.
 void check_replay(const transport::SceneDescription& scene, const transport::RenderOutput& output) {
-    CHECK(output.complete);
-    CHECK(output.statistics.camera_samples == output.samples_per_pixel * 24 * 24);
-    transport::RenderSettings again = settings_with(output.samples_per_pixel);
-    again.threads = 1;
+    CHECK(output.samples.complete);
+    CHECK(output.statistics.camera_samples == output.samples.per_pixel * 24 * 24);
+    transport::RenderSettings again = settings_with(output.samples.per_pixel);
+    again.machine.threads = 1;
     CHECK((record_of(render_of(scene, again)) == record_of(output)));
 }
 
@@ -35,29 +35,29 @@ TEST_CASE("a render that ends by the clock is the render with the samples it rea
     const auto scene = scene_of(room);
     for (const double seconds : {1e-9, 0.15}) {
         transport::RenderSettings settings = settings_with(1);
-        settings.samples_per_pixel.reset();
-        settings.limit = transport::SampleLimit{.seconds = seconds};
+        settings.samples.per_pixel.reset();
+        settings.stop.limit = transport::SampleLimit{.seconds = seconds};
         const auto output = render_of(scene, settings);
-        if (seconds < 1e-6) CHECK(output.samples_per_pixel == 1);
+        if (seconds < 1e-6) CHECK(output.samples.per_pixel == 1);
         check_replay(scene, output);
     }
     // A pass that is expected to take longer than there is time for is cut to what fits before it is begun.
     transport::RenderSettings settings = settings_with(1 << 20);
-    settings.limit = transport::SampleLimit{.seconds = 1000, .seconds_per_sample = 300};
-    CHECK(render_of(scene, settings).samples_per_pixel == 3);
+    settings.stop.limit = transport::SampleLimit{.seconds = 1000, .seconds_per_sample = 300};
+    CHECK(render_of(scene, settings).samples.per_pixel == 3);
 }
 
 TEST_CASE("any sample that a limited render may come to can be replayed, in no time and with no checkpoint") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = settings_with(1);
-    settings.samples_per_pixel.reset();
-    settings.limit = transport::SampleLimit{.seconds = 1e-9};
+    settings.samples.per_pixel.reset();
+    settings.stop.limit = transport::SampleLimit{.seconds = 1e-9};
     settings.checkpoint.emplace();
     settings.checkpoint->file = "no folder/of this name";
     settings.checkpoint->resume = true;
-    settings.only = transport::SampleChoice{5, 7, 1'000'000};
+    settings.samples.only = transport::SampleChoice{.x = 5, .y = 7, .sample = 1'000'000};
     const auto output = render_of(scene, settings);
-    CHECK(output.complete);
+    CHECK(output.samples.complete);
     CHECK(output.statistics.camera_samples == 1);
     CHECK(output.statistics.checkpoints == 0);
     CHECK(output.frame_buffer.sample_count(5, 7) == 1);
@@ -66,17 +66,17 @@ TEST_CASE("any sample that a limited render may come to can be replayed, in no t
 TEST_CASE("a render that ends by its error has it, and not for one pass less") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = settings_with(100'000);
-    settings.limit = transport::SampleLimit{.error = 0.08};
+    settings.stop.limit = transport::SampleLimit{.error = 0.08};
     const auto output = render_of(scene, settings);
-    REQUIRE(output.adaptive);
-    CHECK(output.adaptive->error <= 0.08);
-    CHECK(output.samples_per_pixel > 64);
+    REQUIRE(output.samples.adaptive);
+    CHECK(output.samples.adaptive->error <= 0.08);
+    CHECK(output.samples.per_pixel > 64);
     check_replay(scene, output);
     // Errors fall with the root of the samples and passes grow by an eighth: what is done too much is less than a
     // quarter.
-    CHECK(output.adaptive->error > 0.08 / 1.25);
+    CHECK(output.samples.adaptive->error > 0.08 / 1.25);
 
-    settings.splat = true;
+    settings.film.splat = true;
     CHECK_FALSE(transport::render(scene, settings).ok());
 }
 
@@ -86,7 +86,7 @@ TEST_CASE("aligned shards merge to the bits of the whole, in any order", "[law3]
     std::vector<transport::RenderOutput> shards;
     for (const auto& [first, end] : {std::pair(80, 100), std::pair(0, 32), std::pair(32, 80)}) {
         transport::RenderSettings settings = settings_with(static_cast<std::uint64_t>(end));
-        settings.first_sample = static_cast<std::uint64_t>(first);
+        settings.samples.first = static_cast<std::uint64_t>(first);
         shards.push_back(render_of(scene, settings));
     }
     REQUIRE(shards[0].frame_buffer.merge(shards[1].frame_buffer).ok());
@@ -94,7 +94,7 @@ TEST_CASE("aligned shards merge to the bits of the whole, in any order", "[law3]
     CHECK((record_of(shards[2]) == record_of(whole)));
 
     transport::RenderSettings settings = settings_with(100);
-    settings.first_sample = 8;
+    settings.samples.first = 8;
     auto refused = transport::render(scene, settings);
     REQUIRE_FALSE(refused.ok());
     CHECK(refused.error().message.find("expected a multiple of 16 below 100") != std::string::npos);

@@ -79,7 +79,7 @@ Ended render_endless(transport::RenderSettings settings, bool with_stop) {
         from = Clock::now();
         stop.store(true);
     });
-    settings.threads = 2;
+    settings.machine.threads = 2;
     auto output = transport::render(scene_of(endless), settings, {}, &stop);
     const Clock::time_point end = Clock::now();
     stopper.join();
@@ -104,19 +104,19 @@ TEST_CASE("Paths without end are left within a second of a stop", "[stopping]") 
     const std::string integrator = GENERATE("path", "lighttracer", "pssmlt");
     INFO(integrator);
     transport::RenderSettings settings;
-    settings.integrator = without_roulette(integrator);
+    settings.paths.integrator = without_roulette(integrator);
     const Ended ended = render_endless(settings, true);
-    CHECK_FALSE(ended.output.complete);
+    CHECK_FALSE(ended.output.samples.complete);
     CHECK(ended.output.statistics.camera_samples == 0);
     CHECK(ended.seconds < 1 + busy);
 }
 
 TEST_CASE("Paths without end are left within a second of the time", "[stopping]") {
     transport::RenderSettings settings;
-    settings.integrator = without_roulette("path");
-    settings.limit = transport::SampleLimit{.seconds = 0.1};
+    settings.paths.integrator = without_roulette("path");
+    settings.stop.limit = transport::SampleLimit{.seconds = 0.1};
     const Ended ended = render_endless(settings, false);
-    CHECK_FALSE(ended.output.complete);
+    CHECK_FALSE(ended.output.samples.complete);
     CHECK(ended.output.statistics.camera_samples == 0);
     CHECK(ended.seconds < 0.1 + 1 + busy);
 }
@@ -124,15 +124,15 @@ TEST_CASE("Paths without end are left within a second of the time", "[stopping]"
 TEST_CASE("A render that had to leave a batch goes on to the same bits", "[law3][stopping][checkpoint]") {
     const transport::SceneDescription scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.threads = 2;
-    settings.samples_per_pixel = 96;
-    settings.integrator = stalling(37);
+    settings.machine.threads = 2;
+    settings.samples.per_pixel = 96;
+    settings.paths.integrator = stalling(37);
     const bool adaptive = GENERATE(false, true);
     INFO("adaptive " << adaptive);
     if (adaptive) {
-        settings.adaptive = display::AdaptiveSettings();
-        settings.adaptive->error = 0.05;
-        settings.adaptive->max_samples = 96;
+        settings.stop.adaptive = display::AdaptiveSettings();
+        settings.stop.adaptive->error = 0.05;
+        settings.stop.adaptive->max_samples = 96;
     }
     Stalling::stalls = false;
     const transport::RenderOutput whole = render_of(scene, settings);
@@ -147,14 +147,14 @@ TEST_CASE("A render that had to leave a batch goes on to the same bits", "[law3]
     auto first = transport::render(scene, settings, {}, &stop);
     Stalling::stop = nullptr;
     REQUIRE(first.ok());
-    CHECK_FALSE(first->complete);
+    CHECK_FALSE(first->samples.complete);
     CHECK_FALSE(Stalling::stalls.load());
     REQUIRE(file.exists());
 
     settings.checkpoint->resume = true;
     const transport::RenderOutput resumed = render_of(scene, settings);
-    CHECK(resumed.complete);
-    CHECK(resumed.resumed_samples == first->statistics.camera_samples);
+    CHECK(resumed.samples.complete);
+    CHECK(resumed.samples.resumed == first->statistics.camera_samples);
     CHECK(resumed.frame_buffer.resolve(resumed.beauty) == whole.frame_buffer.resolve(whole.beauty));
     CHECK(resumed.statistics.camera_samples == whole.statistics.camera_samples);
     CHECK(resumed.statistics.camera_rays == whole.statistics.camera_rays);
@@ -165,18 +165,18 @@ TEST_CASE("A render that had to leave a batch goes on to the same bits", "[law3]
 TEST_CASE("A pass that the clock ends is taken back, so that the samples told give the same bits", "[law3][stopping]") {
     const transport::SceneDescription scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.threads = 2;
-    settings.integrator = stalling(37);
-    settings.limit = transport::SampleLimit{.seconds = 1.5};
+    settings.machine.threads = 2;
+    settings.paths.integrator = stalling(37);
+    settings.stop.limit = transport::SampleLimit{.seconds = 1.5};
     Stalling::stalls = true;
     const transport::RenderOutput limited = render_of(scene, settings);
-    CHECK(limited.complete);
+    CHECK(limited.samples.complete);
     // Passes of 16 and 16 samples, and what the third is of is gone.
-    REQUIRE(limited.samples_per_pixel == 32);
+    REQUIRE(limited.samples.per_pixel == 32);
     CHECK(limited.statistics.camera_samples == 24 * 24 * 32);
     Stalling::stalls = false;
-    settings.limit.reset();
-    settings.samples_per_pixel = 32;
+    settings.stop.limit.reset();
+    settings.samples.per_pixel = 32;
     const transport::RenderOutput asked = render_of(scene, settings);
     CHECK(limited.frame_buffer.resolve(limited.beauty) == asked.frame_buffer.resolve(asked.beauty));
     CHECK(limited.statistics.scattering_rays == asked.statistics.scattering_rays);
@@ -185,16 +185,16 @@ TEST_CASE("A pass that the clock ends is taken back, so that the samples told gi
 TEST_CASE("A first pass that is too long is begun again with fewer samples", "[law3][stopping]") {
     const transport::SceneDescription scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.threads = 2;
-    settings.integrator = stalling(7);  // once: the second time all goes well
-    settings.limit = transport::SampleLimit{.seconds = 1};
+    settings.machine.threads = 2;
+    settings.paths.integrator = stalling(7);  // once: the second time all goes well
+    settings.stop.limit = transport::SampleLimit{.seconds = 1};
     Stalling::stalls = true;
     const transport::RenderOutput limited = render_of(scene, settings);
-    CHECK(limited.complete);
-    CHECK(limited.samples_per_pixel >= 1);
-    CHECK(limited.samples_per_pixel < 16);
-    settings.samples_per_pixel = limited.samples_per_pixel;
-    settings.limit.reset();
+    CHECK(limited.samples.complete);
+    CHECK(limited.samples.per_pixel >= 1);
+    CHECK(limited.samples.per_pixel < 16);
+    settings.samples.per_pixel = limited.samples.per_pixel;
+    settings.stop.limit.reset();
     const transport::RenderOutput asked = render_of(scene, settings);
     CHECK(limited.frame_buffer.resolve(limited.beauty) == asked.frame_buffer.resolve(asked.beauty));
 }

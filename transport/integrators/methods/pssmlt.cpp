@@ -19,7 +19,7 @@ enum Choice : std::uint32_t { accept_choice, large_choice };
 }  // namespace
 
 std::uint64_t Pssmlt::stream(std::uint64_t purpose, std::uint64_t number) const {
-    return mix_bits(mix_bits(context_.seed + purpose * 0x9e3779b97f4a7c15ull) ^ number);
+    return mix_bits(mix_bits(context_.services.seed + purpose * 0x9e3779b97f4a7c15ull) ^ number);
 }
 
 std::size_t Pssmlt::bootstrap_paths_of_tile() const {
@@ -40,9 +40,9 @@ void Pssmlt::begin_path(PssmltThread& thread, std::size_t row, PrimarySamples& n
     camera.sample = (number << 32) + numbers.mutations();
     const Real time = sample_time(context_.scene, sampler);
     camera.shutter_time = to_float(time);
-    thread.rays[row] =
-        context_.camera->generate({camera.screen_x, camera.screen_y,
-                                   context_.camera->has_lens() ? sampler.get_2d(lens_dimension) : Vec2{0, 0}, time});
+    thread.rays[row] = context_.view.camera->generate(
+        {camera.screen_x, camera.screen_y,
+         context_.view.camera->has_lens() ? sampler.get_2d(lens_dimension) : Vec2{0, 0}, time});
     if (context_.scene.materials->filters_images())  // a chain stands for many samples
         thread.rays[row].cone = cone_of_sample(thread.rays[row].cone, ~std::uint64_t{0});
 }

@@ -79,9 +79,9 @@ IntegratorTraits Pssmlt::traits() const {
 Status Pssmlt::prepare(const IntegratorContext& context) {
     context_ = context;
     splatted_.clear();
-    for (std::size_t i = 0; i < context.channels.size(); ++i)
-        if (context.channels[i].style == display::ChannelStyle::expression &&
-            display::takes_samples(context.channels[i]))
+    for (std::size_t i = 0; i < context.services.channels.size(); ++i)
+        if (context.services.channels[i].style == display::ChannelStyle::expression &&
+            display::takes_samples(context.services.channels[i]))
             splatted_.push_back(static_cast<display::ChannelId>(i));
     target_ = splatted_;
     if (context.beauty) target_.resize(1);  // beauty stands first
@@ -90,7 +90,7 @@ Status Pssmlt::prepare(const IntegratorContext& context) {
         std::string names;
         std::vector<std::string> known;
         for (const display::ChannelId id : splatted_) {
-            known.push_back(context.channels[static_cast<std::size_t>(id)].name);
+            known.push_back(context.services.channels[static_cast<std::size_t>(id)].name);
             names += (names.empty() ? "" : ", ") + known.back();
         }
         for (const std::string& name : parameters_.target) {
@@ -103,22 +103,22 @@ Status Pssmlt::prepare(const IntegratorContext& context) {
             target_.push_back(splatted_[static_cast<std::size_t>(found - known.begin())]);
         }
     }
-    const Vec2 reach{std::max(context.filter_radius.x - Real(0.5), Real(0)),
-                     std::max(context.filter_radius.y - Real(0.5), Real(0))};
+    const Vec2 reach{std::max(context.view.filter_radius.x - Real(0.5), Real(0)),
+                     std::max(context.view.filter_radius.y - Real(0.5), Real(0))};
     left_ = -reach.x;
     top_ = -reach.y;
-    across_ = static_cast<Real>(context.width) + 2 * reach.x;
-    down_ = static_cast<Real>(context.height) + 2 * reach.y;
+    across_ = static_cast<Real>(context.view.width) + 2 * reach.x;
+    down_ = static_cast<Real>(context.view.height) + 2 * reach.y;
     area_share_ = static_cast<double>(across_) * static_cast<double>(down_) /
-                  (static_cast<double>(context.width) * static_cast<double>(context.height));
+                  (static_cast<double>(context.view.width) * static_cast<double>(context.view.height));
     chains_ = parameters_.max_depth > 0 && context.takes_scattered_light();
     groups_ = std::vector<ChainGroup>(context.tiles);
     const std::size_t each = std::max<std::size_t>(1, (parameters_.chains + context.tiles / 2) / context.tiles);
     for (ChainGroup& group : groups_) group.chains.resize(each);
     if (Status camera = camera_->prepare(context); !camera) return camera;
     IntegratorContext of_paths = context;  // chains bring light and nothing else
-    of_paths.aovs = &no_aovs_;
-    of_paths.pattern_channels = false;
+    of_paths.first_hits.aovs = &no_aovs_;
+    of_paths.first_hits.pattern_channels = false;
     return path_->prepare(of_paths);
 }
 

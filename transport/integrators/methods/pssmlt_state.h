@@ -71,11 +71,12 @@ struct ChainGroup {
 struct PssmltThread final : IntegratorThread {
     PssmltThread(const IntegratorContext& context, const Integrator& camera_part, const Integrator& path_part,
                  std::span<const display::ChannelId> channels, std::span<const display::ChannelId> target)
-        : table(context.channels, context.batch_capacity),
+        : table(context.services.channels, context.batch_capacity),
           display(table),
-          lpe(*context.lpe, table, context.seed, context.attribution),
+          lpe(context.services.on(table)),
           proposal_splats(channels, target),
-          raster(*context.lpe, context.channels, context.seed, context.attribution, proposal_splats, table),
+          raster(*context.services.lpe, context.services.channels, context.services.seed, context.services.attribution,
+                 proposal_splats, table),
           camera(camera_part.make_thread_state()),
           path(path_part.make_thread_state()),
           rows(static_cast<std::size_t>(context.batch_capacity)),

@@ -10,7 +10,7 @@ void CameraConnections::add(const LightSubpathVertex& vertex, const SurfacePoint
                             const Rgb& throughput, const DepthLimit& limit, const PixelSampler& sampler,
                             IntegratorCounters& counters) {
     if (!vertex.ahead.seen) return counters.count(Pruned::joins);
-    const CameraView view = context_.view();
+    const CameraView view = context_.view;
     const SubpathDimensions& dimensions = subpath_dimensions<TransportMode::importance>;
     const Vec2 lens =
         view.camera->has_lens() ? sampler.get_2d(dimensions.of(vertex.depth, camera_lens_dimension)) : Vec2{0, 0};

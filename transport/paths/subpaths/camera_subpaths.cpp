@@ -82,7 +82,7 @@ void CameraSubpaths::report_surfaces() {
             const Vec3 n = face_forward(point.shading_normal, point.wo);
             Rgb value;
             for (int i = 0; i < 3; ++i) {
-                const Real* m = context_.world_to_camera[i];
+                const Real* m = context_.first_hits.world_to_camera[i];
                 value[i] = m[0] * n.x + m[1] * n.y + m[2] * n.z;
             }
             return value;

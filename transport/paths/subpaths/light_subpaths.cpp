@@ -9,12 +9,12 @@ namespace raylex::transport {
 
 LightEmitters::LightEmitters(const PathContext& context, std::uint32_t max_depth) {
     const EventTable& events = *context.events;
-    if (events.any()) language_ = std::make_shared<const LightLanguage>(*context.lpe, events);
+    if (events.any()) language_ = std::make_shared<const LightLanguage>(*context.services.lpe, events);
     chooser_ = choose_live_lights(context.scene, events, language(), LightChoice::light_sampling,
                                   &display::LightForesight::Ahead::goes_on);
     any_ = max_depth > 0 && !chooser_.empty() && (context.beauty || events.any());
     none_is_live_ = !any_ && max_depth > 0 && !context.scene.lights->lights().empty();
-    const Vec3 middle_of_lens = context.camera->generate({0, 0, {0.5f, 0.5f}}).origin;
+    const Vec3 middle_of_lens = context.view.camera->generate({0, 0, {0.5f, 0.5f}}).origin;
     if (any_) media_ = media_of_lights(context.scene, middle_of_lens);
 }
 

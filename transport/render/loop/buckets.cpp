@@ -60,14 +60,14 @@ std::string text_of(std::uint64_t bytes) {
 
 Status check_buckets(const ResolvedJob& job) {
     const std::string what = "a render in buckets", without = "--memory and --bucket-rows";
-    if (Status s = check_pixels_apart(job.settings, job.sampling.splat, job.chosen, what, without); !s) return s;
-    if (job.settings.limit)
+    if (Status s = check_pixels_apart(job.settings.stop, job.sampling.splat, job.chosen, what, without); !s) return s;
+    if (job.settings.stop.limit)
         return error_at({},
                         what +
                             " with an end by time: all pixels are to have as many samples, and how many that will be "
                             "is not known when the first bucket is finished",
                         "expected a number of samples; a time is possible without " + without);
-    if (!job.settings.cryptomatte.empty())
+    if (!job.settings.mattes.kinds.empty())
         return error_at({}, what + " with cryptomattes, whose names and ranks are kept for the whole image",
                         "leave out the cryptomattes, or render them by themselves without " + without +
                             ": a render without a beauty and few samples does");
@@ -270,16 +270,16 @@ Result<RenderOutput> render_buckets(PreparedJob& prepared, const BucketPlan& pla
         const bool was_finished = (*loop)->finished();
         auto finished = (*loop)->run(report, stop);
         if (!finished) return finished.error();
-        if (finished->complete && !was_finished)
+        if (finished->samples.complete && !was_finished)
             if (Status s = (*loop)->keep(); !s) return s.error();
-        if (job.checkpoint->resume) resumed = finished->resumed_samples;
+        if (job.checkpoint->resume) resumed = finished->samples.resumed;
         if (fs::exists(job.checkpoint->file, failed)) there.push_back(rows);
         checkpoints += finished->statistics.checkpoints;
         stall += finished->statistics.checkpoint_stall_seconds;
         rejected += target->frame_buffer.rejected_count();
         magnitude = std::max(magnitude, target->frame_buffer.light_magnitude());
         output.emplace(output_of(job, *std::move(target), *std::move(finished)));
-        if (!output->complete) break;
+        if (!output->samples.complete) break;
     }
     job.bucket.reset();
     job.grid.region = region;
@@ -287,11 +287,10 @@ Result<RenderOutput> render_buckets(PreparedJob& prepared, const BucketPlan& pla
     display::FrameBufferLayout row = layout_of(job);
     row.height = 1;
     output->frame_buffer = display::FrameBuffer(row, job.channels.list);
-    output->bands = image_of(job, plan, there);
-    output->buckets = there;
-    output->rejected_block_sums = rejected;
-    output->light_magnitude = magnitude;
-    output->resumed_samples = resumed;
+    output->buckets.image = image_of(job, plan, there);
+    output->buckets.rows = there;
+    output->sums = {.rejected = rejected, .light_magnitude = magnitude};
+    output->samples.resumed = resumed;
     output->statistics.checkpoints = checkpoints;
     output->statistics.checkpoint_stall_seconds = stall;
     return *std::move(output);

@@ -112,11 +112,12 @@ Result<FinishedLoop> RenderLoop::run(const std::function<void(const RenderProgre
 FinishedLoop RenderLoop::finish() {
     const ResolvedJob& job = state_.prepared.job;
     FinishedLoop finished;
-    finished.complete = schedule_->finished(state_.position);
-    finished.samples_per_pixel = schedule_->samples_per_pixel();
-    if (schedule_->error() != nullptr) finished.error = *schedule_->error();
-    finished.unconverged_pixels = schedule_->unconverged();
-    finished.resumed_samples = resumed_samples_;
+    finished.samples = {.complete = schedule_->finished(state_.position),
+                        .per_pixel = schedule_->samples_per_pixel(),
+                        .resumed = resumed_samples_,
+                        .adaptive = std::nullopt,
+                        .unconverged_pixels = schedule_->unconverged()};
+    if (schedule_->error() != nullptr) finished.samples.adaptive = *schedule_->error();
     RenderStatistics& statistics = finished.statistics;
     std::vector<Error>& warnings = finished.warnings;
     saver_->finish(statistics, warnings);

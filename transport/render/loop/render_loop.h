@@ -18,10 +18,7 @@ namespace raylex::transport {
 class FinishedLoop {
   public:
     RenderStatistics statistics;
-    bool complete = true;
-    std::uint64_t samples_per_pixel = 0;
-    std::optional<display::AdaptiveProgress> error;
-    std::uint64_t unconverged_pixels = 0, resumed_samples = 0;
+    SamplesTaken samples;
     std::vector<Error> warnings;
 
   private:

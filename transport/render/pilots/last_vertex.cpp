@@ -60,8 +60,8 @@ class Pilot {
           scene_(context.scene),
           lights_(lights),
           record_(*context.events, 1),
-          table_(context.channels, 1, 0),
-          lpe_(*context.lpe, table_, context.seed, context.attribution) {}
+          table_(context.services.channels, 1, 0),
+          lpe_(context.services.on(table_)) {}
 
     /// False where the shares of last vertices do not apply to what the camera sees first.
     bool run() {
@@ -156,16 +156,16 @@ bool Pilot::travel(Journey& journey, FlightNumbers numbers, Pass pass) {
 }
 
 bool Pilot::trace(std::uint32_t x, std::uint32_t y, std::uint32_t s) {
-    const PixelSampler numbers(SamplerKind::sobol, context_.seed, static_cast<std::int32_t>(x),
+    const PixelSampler numbers(SamplerKind::sobol, context_.services.seed, static_cast<std::int32_t>(x),
                                static_cast<std::int32_t>(y), s);
     const Vec2 at = numbers.get_2d(filter_dimension);
     record_.begin(lpe_, 1);
     first_ = {};
     first_.medium = scene_.media->camera();
-    first_.ray =
-        context_.camera->generate({(static_cast<Real>(x) + at.x) * static_cast<Real>(context_.width) / pilot_grid,
-                                   (static_cast<Real>(y) + at.y) * static_cast<Real>(context_.height) / pilot_grid,
-                                   numbers.get_2d(lens_dimension), sample_time(scene_, numbers)});
+    first_.ray = context_.view.camera->generate(
+        {(static_cast<Real>(x) + at.x) * static_cast<Real>(context_.view.width) / pilot_grid,
+         (static_cast<Real>(y) + at.y) * static_cast<Real>(context_.view.height) / pilot_grid,
+         numbers.get_2d(lens_dimension), sample_time(scene_, numbers)});
     PilotPath& path = paths_.emplace_back();
     if (!travel(first_, FlightNumbers(numbers.key(5), 1), [&] { record_.pass_straight(0, first_.source.label); }))
         return true;

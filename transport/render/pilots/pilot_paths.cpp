@@ -30,18 +30,18 @@ double pilot_cost(const IntegratorCounters& counters) {
 
 PilotPaths::PilotPaths(const IntegratorContext& context)
     : context_(context),
-      table_(context.channels, context.batch_capacity),
+      table_(context.services.channels, context.batch_capacity),
       display_(table_),
-      lpe_(*context.lpe, table_, context.seed, context.attribution) {
-    for (std::size_t i = 0; i < context.channels.size(); ++i)
-        if (context.channels[i].style == display::ChannelStyle::expression &&
-            display::takes_samples(context.channels[i]))
+      lpe_(context.services.on(table_)) {
+    for (std::size_t i = 0; i < context.services.channels.size(); ++i)
+        if (context.services.channels[i].style == display::ChannelStyle::expression &&
+            display::takes_samples(context.services.channels[i]))
             channels_.push_back(static_cast<display::ChannelId>(i));
 }
 
 std::uint32_t PilotPaths::most_rounds(std::uint32_t most) const {
     constexpr std::uint64_t samples_of_image = 16;  // of each pixel
-    const std::uint64_t pixels = std::uint64_t(context_.width) * static_cast<std::uint64_t>(context_.height);
+    const std::uint64_t pixels = std::uint64_t(context_.view.width) * static_cast<std::uint64_t>(context_.view.height);
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(most, samples_of_image * pixels / (grid * grid)));
 }
 
@@ -52,12 +52,12 @@ void PilotPaths::begin(std::uint32_t round) {
     for (std::uint32_t y = 0; y < grid; ++y)
         for (std::uint32_t x = 0; x < grid; ++x) {
             // Not the image's own numbers: what is chosen must not depend on them.
-            const PixelSampler numbers(SamplerKind::sobol, ~context_.seed, static_cast<std::int32_t>(x),
+            const PixelSampler numbers(SamplerKind::sobol, ~context_.services.seed, static_cast<std::int32_t>(x),
                                        static_cast<std::int32_t>(y), round);
             const Vec2 at = numbers.get_2d(filter_dimension);
             display::CameraRow& row = rows_.emplace_back();
-            row.screen_x = to_float((static_cast<Real>(x) + at.x) * static_cast<Real>(context_.width) / grid);
-            row.screen_y = to_float((static_cast<Real>(y) + at.y) * static_cast<Real>(context_.height) / grid);
+            row.screen_x = to_float((static_cast<Real>(x) + at.x) * static_cast<Real>(context_.view.width) / grid);
+            row.screen_y = to_float((static_cast<Real>(y) + at.y) * static_cast<Real>(context_.view.height) / grid);
             row.pixel_x = static_cast<std::int32_t>(row.screen_x);
             row.pixel_y = static_cast<std::int32_t>(row.screen_y);
             row.sample = round;
@@ -67,11 +67,11 @@ void PilotPaths::begin(std::uint32_t round) {
             samplers_.push_back(numbers);
         }
     rays_.resize(rows_.size());
-    if (context_.camera->weighs_rays()) {
+    if (context_.view.camera->weighs_rays()) {
         weights_.resize(rows_.size());
-        context_.camera->generate_weighed(camera_samples_, rays_, weights_);
+        context_.view.camera->generate_weighed(camera_samples_, rays_, weights_);
     } else {
-        context_.camera->generate_in_time(camera_samples_, rays_);
+        context_.view.camera->generate_in_time(camera_samples_, rays_);
     }
 }
 

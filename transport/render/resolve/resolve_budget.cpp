@@ -16,11 +16,11 @@ display::AdaptiveSettings with_metric(display::AdaptiveSettings adaptive, const 
 }
 
 /// The metric's channels keep statistics.
-Status resolve_adaptive(const RenderSettings& settings, const ChosenIntegrator& chosen, JobChannels& channels,
+Status resolve_adaptive(const StopSettings& stop, bool splat, const ChosenIntegrator& chosen, JobChannels& channels,
                         Budget& budget, std::vector<Error>& warnings) {
-    if (!settings.adaptive) return success();
-    const display::AdaptiveSettings adaptive = with_metric(*settings.adaptive, channels);
-    if (settings.splat)
+    if (!stop.adaptive) return success();
+    const display::AdaptiveSettings adaptive = with_metric(*stop.adaptive, channels);
+    if (splat)
         return error_at(adaptive.location,
                         "adaptive sampling in filter mode splat: samples are shared by neighbouring pixels, whose "
                         "errors they cannot tell",
@@ -53,15 +53,15 @@ Status resolve_adaptive(const RenderSettings& settings, const ChosenIntegrator& 
 }
 
 /// Which samples of a pixel, when the number is not known before or not all are asked for.
-Status resolve_limit(const RenderSettings& settings, const ChosenIntegrator& chosen, const JobChannels& channels,
-                     Budget& budget) {
-    budget.first_sample = settings.first_sample;
-    if (settings.first_sample % TileGrid::block_size != 0 || settings.first_sample >= budget.samples_per_pixel)
-        return error_at({}, "a shard that begins with sample " + std::to_string(settings.first_sample) +
+Status resolve_limit(const SampleSettings& samples, const StopSettings& stop, const ChosenIntegrator& chosen,
+                     const JobChannels& channels, Budget& budget) {
+    budget.first_sample = samples.first;
+    if (samples.first % TileGrid::block_size != 0 || samples.first >= budget.samples_per_pixel)
+        return error_at({}, "a shard that begins with sample " + std::to_string(samples.first) +
                                 "; expected a multiple of " + std::to_string(TileGrid::block_size) + " below " +
                                 std::to_string(budget.samples_per_pixel));
-    if ((settings.limit || settings.first_sample > 0) && settings.adaptive)
-        return error_at(settings.adaptive->location,
+    if ((stop.limit || samples.first > 0) && stop.adaptive)
+        return error_at(stop.adaptive->location,
                         "adaptive sampling in a render that ends by itself or is a shard: pixels "
                         "do not have the same number of samples",
                         "leave out [adaptive]");
@@ -71,29 +71,29 @@ Status resolve_limit(const RenderSettings& settings, const ChosenIntegrator& cho
             "a shard of a render by Markov chains: those of every shard would begin alike, so shards are no parts "
             "of one render",
             "render with other seeds instead, or choose another integrator, such as path");
-    if (!settings.limit) return success();
+    if (!stop.limit) return success();
     const bool tells_error =
         channels.beauty >= 0 && channels.list[static_cast<std::size_t>(channels.beauty)].statistics;
-    if (settings.limit->error > 0 && !tells_error)
+    if (stop.limit->error > 0 && !tells_error)
         return error_at(
             {},
             "an end by error of a render that cannot tell it: there is no beauty, or neighbouring pixels share "
             "samples, as in filter mode splat and with integrators whose light paths land anywhere",
             "expected an end by samples or time");
-    budget.limit = settings.limit;
-    if (!settings.samples_per_pixel) budget.samples_per_pixel = most_limited_samples;
+    budget.limit = stop.limit;
+    if (!samples.per_pixel) budget.samples_per_pixel = most_limited_samples;
     return success();
 }
 
 /// One sample alone; it may be any that the budget has.
-Status resolve_only(const RenderSettings& settings, const CameraSampling& sampling, const ChosenIntegrator& chosen,
+Status resolve_only(const SampleSettings& samples, const CameraSampling& sampling, const ChosenIntegrator& chosen,
                     Budget& budget) {
-    if (!settings.only) return success();
+    if (!samples.only) return success();
     if (chosen.integrator->starts_up())
         return error_at(
             {}, "integrator '" + chosen.name + "' cannot render one sample alone: its paths follow from one another",
             "leave out --replay, or choose another integrator, such as path");
-    const SampleChoice& only = *settings.only;
+    const SampleChoice& only = *samples.only;
     if (only.x < -sampling.padding_x || only.y < -sampling.padding_y ||
         only.x >= sampling.film.width + sampling.padding_x || only.y >= sampling.film.height + sampling.padding_y)
         return error_at({}, "pixel (" + std::to_string(only.x) + ", " + std::to_string(only.y) +
@@ -108,19 +108,19 @@ Status resolve_only(const RenderSettings& settings, const CameraSampling& sampli
 
 }  // namespace
 
-Result<Budget> resolve_budget(const RenderSettings& settings, const CameraSampling& sampling,
+Result<Budget> resolve_budget(const SampleSettings& samples, const StopSettings& stop, const CameraSampling& sampling,
                               const ChosenIntegrator& chosen, JobChannels& channels, std::vector<Error>& warnings) {
     Budget budget;
     budget.samples_per_pixel = sampling.samples_per_pixel;
-    if (Status s = resolve_adaptive(settings, chosen, channels, budget, warnings); !s) return s.error();
-    if (Status s = resolve_limit(settings, chosen, channels, budget); !s) return s.error();
-    if (Status s = resolve_only(settings, sampling, chosen, budget); !s) return s.error();
+    if (Status s = resolve_adaptive(stop, sampling.splat, chosen, channels, budget, warnings); !s) return s.error();
+    if (Status s = resolve_limit(samples, stop, chosen, channels, budget); !s) return s.error();
+    if (Status s = resolve_only(samples, sampling, chosen, budget); !s) return s.error();
     return budget;
 }
 
 /// What looks at other pixels than its own.
-Status check_pixels_apart(const RenderSettings& settings, bool splat, const ChosenIntegrator& chosen,
-                          const std::string& what, const std::string& without) {
+Status check_pixels_apart(const StopSettings& stop, bool splat, const ChosenIntegrator& chosen, const std::string& what,
+                          const std::string& without) {
     const std::string hint = "leave out " + without + ", or choose another integrator, such as path";
     if (splat)
         return error_at({},
@@ -130,8 +130,8 @@ Status check_pixels_apart(const RenderSettings& settings, bool splat, const Chos
                         hint);
     if (chosen.integrator->synchronous())
         return error_at({}, what + " by integrator '" + chosen.name + "', which learns from all pixels", hint);
-    if (settings.adaptive || (settings.limit && settings.limit->error > 0))
-        return error_at(settings.adaptive ? settings.adaptive->location : SourceLocation{},
+    if (stop.adaptive || (stop.limit && stop.limit->error > 0))
+        return error_at(stop.adaptive ? stop.adaptive->location : SourceLocation{},
                         what + " that goes on until an error: which samples a pixel gets depends on the whole image",
                         "expected a number of samples, or a time");
     return success();
@@ -139,7 +139,7 @@ Status check_pixels_apart(const RenderSettings& settings, bool splat, const Chos
 
 /// Which pixels get samples. What looks at other pixels than its own is refused with a crop, by name: the bits would
 /// differ from those of the whole image.
-Result<TileGrid> resolve_grid(const RenderSettings& settings, const CameraSampling& sampling,
+Result<TileGrid> resolve_grid(const StopSettings& stop, const CameraSampling& sampling,
                               const ChosenIntegrator& chosen) {
     const int width = sampling.film.width, height = sampling.film.height;
     const int px = sampling.padding_x, py = sampling.padding_y;
@@ -151,7 +151,7 @@ Result<TileGrid> resolve_grid(const RenderSettings& settings, const CameraSampli
                                 std::to_string(crop.x1) + "," + std::to_string(crop.y1) +
                                 " is no part of an image of " + std::to_string(width) + " x " + std::to_string(height) +
                                 " pixels; expected X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1 inside it");
-    if (Status s = check_pixels_apart(settings, sampling.splat, chosen, "a crop of a render", "the crop"); !s)
+    if (Status s = check_pixels_apart(stop, sampling.splat, chosen, "a crop of a render", "the crop"); !s)
         return s.error();
     grid.region = crop;
     return grid;

@@ -24,7 +24,7 @@ Status resolve_plain(display::ChannelDefinition& channel, std::span<const displa
 }
 
 /// Beauty first when it is wanted, then the settings' channels, then statistics; names are unique and AOVs known.
-Status list_channels(const RenderSettings& settings, std::span<const display::ChannelDefinition> patterns,
+Status list_channels(const ChannelSettings& settings, std::span<const display::ChannelDefinition> patterns, bool splat,
                      bool splat_anywhere, JobChannels& channels) {
     std::set<std::string> names;
     if (settings.beauty) {
@@ -33,13 +33,13 @@ Status list_channels(const RenderSettings& settings, std::span<const display::Ch
         beauty.style = display::ChannelStyle::expression;
         beauty.expression = "C.*";
         beauty.space = "rendering colour space";
-        beauty.statistics = !settings.splat && !splat_anywhere;
+        beauty.statistics = !splat && !splat_anywhere;
         channels.beauty = 0;
         channels.list.push_back(beauty);
         names.insert(beauty.name);
     }
     const std::size_t shift = channels.list.size();
-    for (display::ChannelDefinition channel : settings.channels) {
+    for (display::ChannelDefinition channel : settings.list) {
         if (!names.insert(channel.name).second)
             return error_at({}, "the channel name '" + channel.name + "' is used twice; expected every name once");
         if (channel.style == display::ChannelStyle::name) {
@@ -56,7 +56,7 @@ Status list_channels(const RenderSettings& settings, std::span<const display::Ch
 }
 
 /// Filters may add channels that they fill.
-Status make_sample_filters(const RenderSettings& settings, JobChannels& channels) {
+Status make_sample_filters(const ChannelSettings& settings, JobChannels& channels) {
     for (const SceneEntity& entity : settings.sample_filters) {
         ParameterSet parameters = entity.parameters;
         if (parameters.location.file.empty()) parameters.location = entity.location;
@@ -99,13 +99,13 @@ Result<display::ChannelDefinition> named_channel(const std::string& name,
     return error;
 }
 
-Result<JobChannels> resolve_channels(const RenderSettings& settings,
+Result<JobChannels> resolve_channels(const ChannelSettings& settings, const LabelSettings& labels,
                                      std::span<const display::ChannelDefinition> patterns,
-                                     const ChosenIntegrator& chosen) {
+                                     const ChosenIntegrator& chosen, bool splat) {
     JobChannels channels;
-    channels.keeps_words = settings.words.has_value();
-    if (settings.picked_lobes) channels.attribution = display::LpeServices::Attribution::picked;
-    if (Status s = list_channels(settings, patterns, ResolvedJob::splats_anywhere(chosen), channels); !s)
+    channels.keeps_words = labels.words.has_value();
+    if (labels.picked_lobes) channels.attribution = display::LpeServices::Attribution::picked;
+    if (Status s = list_channels(settings, patterns, splat, ResolvedJob::splats_anywhere(chosen), channels); !s)
         return s.error();
     if (Status s = make_sample_filters(settings, channels); !s) return s.error();
     if (Status s = display::add_layers(settings.layers, channels.list); !s) return s.error();

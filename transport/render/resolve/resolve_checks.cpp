@@ -45,7 +45,7 @@ Status check_camera(const ChosenIntegrator& chosen, const SceneEntity& entity, c
 }
 
 /// What needs samples that belong to a pixel is refused for light that lands anywhere.
-Status check_raster(const RenderSettings& settings, const ChosenIntegrator& chosen, const CameraSampling& sampling,
+Status check_raster(const ChannelSettings& settings, const ChosenIntegrator& chosen, const CameraSampling& sampling,
                     const JobChannels& channels, std::vector<Error>& warnings) {
     if (!ResolvedJob::splats_anywhere(chosen)) return success();
     const std::string who = "integrator '" + chosen.name + "', whose light paths land anywhere on the image, ";

@@ -10,8 +10,7 @@ namespace raylex::transport {
 namespace {
 
 /// What splat mode cannot do is named before anything is rendered.
-Status resolve_splat(const RenderSettings& settings, CameraSampling& sampling) {
-    if (!settings.splat) return success();
+Status resolve_splat(const ChannelSettings& channels, const MatteSettings& mattes, CameraSampling& sampling) {
     sampling.splat = true;
     sampling.padding_x = display::splat_reach(sampling.filter->radius_x());
     sampling.padding_y = display::splat_reach(sampling.filter->radius_y());
@@ -20,31 +19,31 @@ Status resolve_splat(const RenderSettings& settings, CameraSampling& sampling) {
         return error_at(sampling.filter_location, "pixel filter '" + sampling.filter->name() +
                                                       "' reaches farther than " + std::to_string(TileGrid::tile_size) +
                                                       " pixels, too far for filter mode splat; " + hint);
-    if (!settings.statistics.empty())
+    if (!channels.statistics.empty())
         return error_at(
-            settings.statistics.front().location,
-            "statistics of '" + settings.statistics.front().channel +
+            channels.statistics.front().location,
+            "statistics of '" + channels.statistics.front().channel +
                 "' in filter mode splat: samples are shared by neighbouring pixels, whose errors they cannot tell; " +
                 hint);
-    for (const display::ChannelDefinition& channel : settings.channels)
+    for (const display::ChannelDefinition& channel : channels.list)
         if (channel.statistics)
             return error_at(
                 display::location_of(channel),
                 "channel '" + channel.name + "' keeps statistics, which filter mode splat has none of; " + hint);
-    if (!settings.cryptomatte.empty())
+    if (!mattes.kinds.empty())
         return error_at({},
                         "cryptomatte in filter mode splat: coverage is of samples that belong to one pixel; " + hint);
     return success();
 }
 
-Status check_cryptomatte(const RenderSettings& settings, const CameraSampling& sampling) {
-    if (settings.cryptomatte.empty()) return success();
+Status check_cryptomatte(const MatteSettings& mattes, const CameraSampling& sampling) {
+    if (mattes.kinds.empty()) return success();
     if (sampling.filter->has_negative_lobes())
         return error_at(sampling.filter_location,
                         "pixel filter '" + sampling.filter->name() +
                             "' has negative lobes, and coverage in a cryptomatte cannot be negative; expected "
                             "box, triangle, gaussian or blackman-harris");
-    const int ranks = settings.cryptomatte_ranks;
+    const int ranks = mattes.ranks;
     if (ranks < 2 || ranks > geoaovs::Cryptomatte::most_ranks || ranks % 2 != 0)
         return error_at({}, std::to_string(ranks) + " cryptomatte ranks; expected an even number from 2 to " +
                                 std::to_string(geoaovs::Cryptomatte::most_ranks));
@@ -65,7 +64,7 @@ Status resolve_filter(const SceneEntity& entity, CameraSampling& sampling, std::
     return success();
 }
 
-Status resolve_sampler(const SceneEntity& entity, const RenderSettings& settings, CameraSampling& sampling,
+Status resolve_sampler(const SceneEntity& entity, const SampleSettings& settings, CameraSampling& sampling,
                        std::vector<Error>& warnings) {
     auto choice = choose_sampler(entity);
     if (!choice) return choice.error();
@@ -75,7 +74,7 @@ Status resolve_sampler(const SceneEntity& entity, const RenderSettings& settings
     sampling.sampler = choice->kind;
     sampling.arrangement_bits = choice->arrangement_bits;
     sampling.seed = settings.seed + choice->seed;
-    sampling.samples_per_pixel = settings.samples_per_pixel.value_or(choice->samples_per_pixel);
+    sampling.samples_per_pixel = settings.per_pixel.value_or(choice->samples_per_pixel);
     if (sampling.samples_per_pixel == 0) return error_at({}, "0 samples per pixel; expected at least 1");
     sampling.sampler_name = choice->name;
     return success();
@@ -84,10 +83,10 @@ Status resolve_sampler(const SceneEntity& entity, const RenderSettings& settings
 Result<CameraSampling> resolve_sampling(const BuiltScene& scene, const RenderSettings& settings,
                                         std::vector<Error>& warnings) {
     CameraSampling sampling;
-    auto film = read_film(scene.film, settings.resolution, warnings);
+    auto film = read_film(scene.film, settings.film.resolution, warnings);
     if (!film) return film.error();
     sampling.film = *film;
-    if (settings.crop) sampling.film.crop = settings.crop;
+    if (settings.film.crop) sampling.film.crop = settings.film.crop;
     const bool lens_code = scene.view().general_code.contains(Effect::depth_of_field);
     auto camera = make_camera(scene.camera,
                               {scene.space().placed(scene.camera_to_world), film->width, film->height, lens_code,
@@ -97,12 +96,13 @@ Result<CameraSampling> resolve_sampling(const BuiltScene& scene, const RenderSet
     sampling.camera = *std::move(camera);
     sampling.times = scene.view().asks_for_times();
     sampling.cones = scene.view().materials->filters_images();
-    const SceneEntity& filter = settings.filter ? *settings.filter : scene.filter;
+    const SceneEntity& filter = settings.film.filter ? *settings.film.filter : scene.filter;
     if (Status s = resolve_filter(filter, sampling, warnings); !s) return s.error();
-    if (Status s = resolve_splat(settings, sampling); !s) return s.error();
-    if (Status s = check_cryptomatte(settings, sampling); !s) return s.error();
-    const SceneEntity& sampler = settings.sampler ? *settings.sampler : scene.sampler;
-    if (Status s = resolve_sampler(sampler, settings, sampling, warnings); !s) return s.error();
+    if (settings.film.splat)
+        if (Status s = resolve_splat(settings.channels, settings.mattes, sampling); !s) return s.error();
+    if (Status s = check_cryptomatte(settings.mattes, sampling); !s) return s.error();
+    const SceneEntity& sampler = settings.samples.sampler ? *settings.samples.sampler : scene.sampler;
+    if (Status s = resolve_sampler(sampler, settings.samples, sampling, warnings); !s) return s.error();
     return sampling;
 }
 
@@ -128,19 +128,21 @@ Result<ResolvedJob> ResolvedJob::resolve(const BuiltScene& scene, const RenderSe
     ResolvedJob job(scene, settings);
     auto sampling = resolve_sampling(scene, settings, job.warnings);
     if (!sampling) return sampling.error();
-    auto chosen = choose_integrator(integrator_for(settings.integrator, scene.integrator), settings.max_depth);
+    auto chosen =
+        choose_integrator(integrator_for(settings.paths.integrator, scene.integrator), settings.paths.max_depth);
     if (!chosen) return chosen.error();
-    if (chosen->samples_per_pixel && !settings.samples_per_pixel)
+    if (chosen->samples_per_pixel && !settings.samples.per_pixel)
         sampling->samples_per_pixel = *chosen->samples_per_pixel;
     job.warnings.insert(job.warnings.end(), chosen->warnings.begin(), chosen->warnings.end());
-    auto channels = resolve_channels(settings, scene.pattern_channels(), *chosen);
+    auto channels =
+        resolve_channels(settings.channels, settings.labels, scene.pattern_channels(), *chosen, sampling->splat);
     if (!channels) return channels.error();
     set_scales(scene, channels->list);
     if (asks_for_light(*channels) && !scene.dark_lights.empty()) job.warnings.push_back(darkness(scene.dark_lights));
-    if (Status s = check_raster(settings, *chosen, *sampling, *channels, job.warnings); !s) return s.error();
-    auto budget = resolve_budget(settings, *sampling, *chosen, *channels, job.warnings);
+    if (Status s = check_raster(settings.channels, *chosen, *sampling, *channels, job.warnings); !s) return s.error();
+    auto budget = resolve_budget(settings.samples, settings.stop, *sampling, *chosen, *channels, job.warnings);
     if (!budget) return budget.error();
-    auto grid = resolve_grid(settings, *sampling, *chosen);
+    auto grid = resolve_grid(settings.stop, *sampling, *chosen);
     if (!grid) return grid.error();
     auto lpe = display::LpeSetup::build(channels->list, channels->beauty);
     if (!lpe) return lpe.error();
@@ -153,8 +155,8 @@ Result<ResolvedJob> ResolvedJob::resolve(const BuiltScene& scene, const RenderSe
     job.channels = *std::move(channels);
     job.budget = *std::move(budget);
     job.grid = *grid;
-    job.threads =
-        settings.threads > 0 ? settings.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    job.threads = settings.machine.threads > 0 ? settings.machine.threads
+                                               : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     job.has_extra_rows = scene.view().media->any();
     return job;
 }

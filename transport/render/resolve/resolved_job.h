@@ -27,7 +27,7 @@ struct CameraSampling {
     bool cones = false;  ///< somebody filters by them: each as wide as its sample's pixel_share()
     std::unique_ptr<display::PixelFilter> filter;
     SourceLocation filter_location;    ///< for errors
-    bool splat = false;                ///< RenderSettings::splat
+    bool splat = false;                ///< FilmOverrides::splat
     int padding_x = 0, padding_y = 0;  ///< pixels around the image whose samples reach into it
     SamplerKind sampler = SamplerKind::sobol;
     std::uint32_t arrangement_bits = 4;  ///< SamplerChoice has it
@@ -42,7 +42,7 @@ struct JobChannels {
     display::ChannelId beauty = display::invalid_channel;
     display::SampleFilterChain filters;
     std::unique_ptr<display::LpeSetup> lpe;
-    bool keeps_words = false;  ///< RenderSettings::words
+    bool keeps_words = false;  ///< LabelSettings::words is set
     bool written_by_plugins =
         false;  ///< some plain channel is no geometric AOV: patterns, materials and integrators write it
     display::LpeServices::Attribution attribution = display::LpeServices::Attribution::exact;

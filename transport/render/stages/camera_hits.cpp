@@ -25,14 +25,14 @@ void copy_row(const display::SampleTable& from, int row, display::SampleTable& t
 }  // namespace
 
 CameraHits::CameraHits(const PreparedJob& prepared)
-    : events_(no_channels_, prepared.job.scene.view(), prepared.job.settings.lobe_slots),
+    : events_(no_channels_, prepared.job.scene.view(), prepared.job.settings.labels.lobe_slots),
       path_(path_of_camera_rays()),
       seen_(prepared.job.channels.list, prepared.context().batch_capacity),
       display_(seen_),
       lpe_(no_channels_, seen_, prepared.job.sampling.seed) {
     IntegratorContext context = prepared.context();
     context.events = &events_;
-    context.lpe = &no_channels_;
+    context.services.lpe = &no_channels_;
     context.beauty = false;
     context.plan = nullptr;
     if (const Status status = path_->prepare(context); !status) throw std::runtime_error(status.error().message);

@@ -131,23 +131,23 @@ RecordIdentity render_identity(const ResolvedJob& job) {
     add("samples per pixel", std::to_string(job.budget.samples_per_pixel));
     add("sampler", sampling.sampler_name);
     add("pixel filter",
-        sampling.filter->name() + (settings.filter ? " " + entity_text(*settings.filter) : std::string()));
+        sampling.filter->name() + (settings.film.filter ? " " + entity_text(*settings.film.filter) : std::string()));
     add("filter mode", sampling.splat ? "splat" : "importance");
-    if (settings.integrator) add("integrator", entity_text(*settings.integrator));
-    if (!settings.prune) add("prune", "off");
-    if (settings.max_depth) add("max depth", std::to_string(*settings.max_depth));
-    for (std::size_t i = 0; i < settings.sample_filters.size(); ++i)
-        add("sample filter " + std::to_string(i + 1), entity_text(settings.sample_filters[i]));
-    add("beauty", settings.beauty ? "true" : "false");
-    add("lobes", settings.picked_lobes ? "picked" : "exact");
+    if (settings.paths.integrator) add("integrator", entity_text(*settings.paths.integrator));
+    if (!settings.paths.prune) add("prune", "off");
+    if (settings.paths.max_depth) add("max depth", std::to_string(*settings.paths.max_depth));
+    for (std::size_t i = 0; i < settings.channels.sample_filters.size(); ++i)
+        add("sample filter " + std::to_string(i + 1), entity_text(settings.channels.sample_filters[i]));
+    add("beauty", settings.channels.beauty ? "true" : "false");
+    add("lobes", settings.labels.picked_lobes ? "picked" : "exact");
     for (const display::ChannelDefinition& channel : job.channels.list)
         add("channel " + channel.name, channel_text(channel));
-    for (const geoaovs::MatteKind kind : settings.cryptomatte)
-        add("cryptomatte " + geoaovs::matte_layer(kind), std::to_string(settings.cryptomatte_ranks) + " ranks");
-    if (settings.adaptive) add("adaptive", describe(*settings.adaptive));
-    if (settings.limit)
-        add("end", number_text(settings.limit->seconds) + " s, error " + number_text(settings.limit->error));
-    if (settings.first_sample > 0) add("first sample", std::to_string(settings.first_sample));
+    for (const geoaovs::MatteKind kind : settings.mattes.kinds)
+        add("cryptomatte " + geoaovs::matte_layer(kind), std::to_string(settings.mattes.ranks) + " ranks");
+    if (settings.stop.adaptive) add("adaptive", describe(*settings.stop.adaptive));
+    if (settings.stop.limit)
+        add("end", number_text(settings.stop.limit->seconds) + " s, error " + number_text(settings.stop.limit->error));
+    if (settings.samples.first > 0) add("first sample", std::to_string(settings.samples.first));
     add("instruction set", job.scene.isa());
     return identity;
 }

@@ -33,21 +33,21 @@ IntegratorContext PreparedJob::context() const {
     IntegratorContext context;
     context.scene = job.scene.view();
     context.events = events.get();
-    context.aovs = aovs.get();
-    context.channels = job.channels.list;
-    context.pattern_channels = job.channels.written_by_plugins;
-    context.camera = job.sampling.camera.get();
-    context.camera->rigid_world_to_camera(context.world_to_camera);
-    context.pixel_size = context.camera->pixel_size();
+    context.first_hits.aovs = aovs.get();
+    context.first_hits.pattern_channels = job.channels.written_by_plugins;
+    context.view = {.camera = job.sampling.camera.get(),
+                    .width = job.grid.width,
+                    .height = job.grid.height,
+                    .filter_radius = {job.sampling.filter->radius_x(), job.sampling.filter->radius_y()}};
+    context.view.camera->rigid_world_to_camera(context.first_hits.world_to_camera);
+    context.first_hits.pixel_size = context.view.camera->pixel_size();
+    context.services = {.channels = job.channels.list,
+                        .lpe = job.channels.lpe.get(),
+                        .seed = job.sampling.seed,
+                        .attribution = job.channels.attribution};
     context.beauty = job.channels.beauty >= 0;
     context.batch_capacity = RenderWorker::batch_capacity;
-    context.width = job.grid.width;
-    context.height = job.grid.height;
-    context.filter_radius = {job.sampling.filter->radius_x(), job.sampling.filter->radius_y()};
     context.tiles = static_cast<std::uint32_t>(job.grid.count());
-    context.seed = job.sampling.seed;
-    context.lpe = job.channels.lpe.get();
-    context.attribution = job.channels.attribution;
     context.plan = paths ? &paths->plan : nullptr;
     return context;
 }
@@ -57,16 +57,17 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
     PreparedJob prepared(std::move(resolved));
     ResolvedJob& job = prepared.job;
     const bool regularizes = job.integrator().traits().regularizes;
-    if (job.settings.words) {
+    if (job.settings.labels.words) {
         auto alphabet = display::WordAlphabet::build(
-            scene_events(job.scene.view(), job.settings.lobe_slots, regularizes), *job.settings.words);
+            scene_events(job.scene.view(), job.settings.labels.lobe_slots, regularizes), *job.settings.labels.words);
         if (!alphabet) return alphabet.error();
         if (Status s = job.channels.lpe->keep_words(*std::move(alphabet)); !s) return s.error();
     }
     const auto counts = counts_paths(job.channels.list);
     if (!counts) return counts.error();
-    prepared.events = std::make_unique<const EventTable>(*job.channels.lpe, job.scene.view(), job.settings.lobe_slots,
-                                                         job.settings.prune && !*counts, regularizes);
+    prepared.events =
+        std::make_unique<const EventTable>(*job.channels.lpe, job.scene.view(), job.settings.labels.lobe_slots,
+                                           job.settings.paths.prune && !*counts, regularizes);
     prepared.aovs = std::make_unique<const geoaovs::GeometricAovs>(job.channels.list);
     prepared.paths =
         std::make_unique<const PlannedPaths>(make_path_plan(prepared.context(), job.integrator().plan_request()));

@@ -36,20 +36,21 @@ RenderPlan plan_of(const ResolvedJob& job) {
                     .memory = display::frame_buffer_memory(layout, job.channels.list, job.raster()),
                     .identity = render_identity(job),
                     .warnings = job.warnings};
-    for (const geoaovs::MatteKind kind : settings.cryptomatte)
+    for (const geoaovs::MatteKind kind : settings.mattes.kinds)
         plan.memory.push_back({geoaovs::matte_layer(kind), display::RankedCoverage::expected_bytes(width, height)});
-    if (settings.adaptive)  // an error and a decision a pixel
+    if (settings.stop.adaptive)  // an error and a decision a pixel
         plan.memory.push_back({"adaptive", 9 * static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height)});
     const std::uint64_t image_bytes = display::total_bytes(plan.memory);
     if (job.checkpoint && std::isfinite(job.checkpoint->seconds)) plan.memory.push_back({"checkpoint", image_bytes});
-    if (settings.limit && settings.limit->seconds > 0) plan.memory.push_back({"image before the pass", image_bytes});
+    if (settings.stop.limit && settings.stop.limit->seconds > 0)
+        plan.memory.push_back({"image before the pass", image_bytes});
     return plan;
 }
 
 Status RenderTarget::make_mattes(const ResolvedJob& job) {
     try {
-        for (const geoaovs::MatteKind kind : job.settings.cryptomatte)
-            mattes.emplace_back(kind, job.settings.cryptomatte_ranks, job.grid.width, job.grid.height,
+        for (const geoaovs::MatteKind kind : job.settings.mattes.kinds)
+            mattes.emplace_back(kind, job.settings.mattes.ranks, job.grid.width, job.grid.height,
                                 job.scene.surface_names().of(kind));
     } catch (const std::bad_alloc&) {
         return error_at({}, "not enough memory for cryptomatte; expected about 64 bytes a pixel and set of mattes");

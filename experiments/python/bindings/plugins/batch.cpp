@@ -137,13 +137,13 @@ std::shared_ptr<Points> Batch::trace(std::vector<Ray> rays, std::vector<std::uin
         display().write_opacity(row, 1.0f);
         display().write_surface(row, scene().geometry->surface_number(made->hits[i]));
     }
-    if (context_.aovs->inputs() == 0 || made->rows.empty()) return made;
+    if (context_.first_hits.aovs->inputs() == 0 || made->rows.empty()) return made;
     std::vector<std::uint32_t> all(made->count());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint32_t>(i);
     geoaovs::ShadingBatch shading;
     transport::describe_first_hits(
         context_, {all, made->rows, made->rays, made->hits, made->points, made->sources, made->bsdfs}, shading);
-    context_.aovs->write(shading, display());
+    context_.first_hits.aovs->write(shading, display());
     return made;
 }
 

@@ -80,9 +80,9 @@ Result<std::vector<PartitionVerdict>> write_render_files(const std::string& dire
 display::RecordIdentity record_identity(const Rendered& rendered) {
     const transport::RenderOutput& output = rendered.output;
     return {{"scene", rendered.job.scene_file},
-            {"seed", std::to_string(output.seed)},
-            {"samples per pixel", std::to_string(output.samples_per_pixel)},
-            {"instruction set", output.isa}};
+            {"seed", std::to_string(output.used.seed)},
+            {"samples per pixel", std::to_string(output.samples.per_pixel)},
+            {"instruction set", output.used.isa}};
 }
 
 Result<std::vector<PartitionVerdict>> write_buffer_files(const std::string& directory,

@@ -23,7 +23,7 @@ std::string reason_of_plan(const ExperimentConfig& config, const PlannedCell& pl
     if (planned.cell.budget_kind != BudgetKind::samples)
         return "the number of samples for a budget of " + budget_kind_name(planned.cell.budget_kind) +
                " is not known in advance";
-    if (!config.base.settings.cryptomatte.empty()) return "cryptomattes need whole renders";
+    if (!config.base.settings.mattes.kinds.empty()) return "cryptomattes need whole renders";
     return {};
 }
 
@@ -43,7 +43,8 @@ std::string reason_of_scene(const ExperimentConfig& config, std::size_t scene_in
     if (!scene) return {};  // the cells report this error
     const transport::RenderSettings& render = config.variants[variant].render;
     auto chosen = transport::choose_integrator(
-        render.integrator ? *render.integrator : (*scene)->loaded->scene.integrator, render.max_depth);
+        render.paths.integrator ? *render.paths.integrator : (*scene)->loaded->scene.integrator,
+        render.paths.max_depth);
     if (chosen && chosen->integrator->starts_up())
         return "the Markov chains of integrator '" + chosen->name + "' would start in the same state in every part";
     return {};

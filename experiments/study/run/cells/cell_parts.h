@@ -1,6 +1,6 @@
 // Splits a cell's samples over several runs: the parts of a cell, the files of a part, and the merge of parts.
 //
-// A part is a shard of the render (transport::RenderSettings::first_sample). It consists of whole blocks of the frame
+// A part is a shard of the render (transport::SampleSettings::first). It consists of whole blocks of the frame
 // buffer's canonical summation, so the sums over parts are bit-identical to the whole (Law 3). Its files are
 // cells/ID.pKofN with cell.json and record.bin.
 #pragma once

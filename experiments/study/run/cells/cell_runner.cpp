@@ -95,10 +95,10 @@ void apply_budget(const Cell& cell, double seconds_per_sample, RenderOrder& orde
             order.first_sample = cell.first_sample;
             break;
         case BudgetKind::seconds:
-            order.limit = transport::SampleLimit{cell.budget, seconds_per_sample, 0};
+            order.limit = transport::SampleLimit{.seconds = cell.budget, .seconds_per_sample = seconds_per_sample};
             break;
         case BudgetKind::error:
-            order.limit = transport::SampleLimit{0, seconds_per_sample, cell.budget};
+            order.limit = transport::SampleLimit{.seconds_per_sample = seconds_per_sample, .error = cell.budget};
             break;
     }
 }
@@ -107,7 +107,7 @@ void apply_budget(const Cell& cell, double seconds_per_sample, RenderOrder& orde
 /// the whole cell.
 Result<Rendered> render_saved(const WorkContext& context, RenderOrder order, const std::string& partial) {
     const transport::RenderSettings& settings = context.config.variants[order.variant].render;
-    order.checkpoint = checkpoints(context.config, partial, !settings.splat);
+    order.checkpoint = checkpoints(context.config, partial, !settings.film.splat);
     auto rendered = context.scenes.render(order, forward(context), context.stop);
     if (rendered || !order.checkpoint || order.checkpoint->resume) return rendered;
     if (rendered.error().message.find("checkpoint") == std::string::npos) return rendered;
@@ -129,15 +129,15 @@ std::map<std::string, std::string> attributes_of(const WorkContext& context, con
 void take_results(const Rendered& rendered, Cell& cell) {
     const transport::RenderOutput& output = rendered.output;
     const transport::RenderStatistics& statistics = output.statistics;
-    cell.samples_per_pixel = output.samples_per_pixel - cell.first_sample;
+    cell.samples_per_pixel = output.samples.per_pixel - cell.first_sample;
     cell.phases = rendered.phases;
     cell.wall_seconds = rendered.seconds;
     cell.cpu_seconds = rendered.cpu_seconds;
     cell.rays = statistics.camera_rays + statistics.scattering_rays + statistics.shadow_rays;
     cell.invalid_samples = statistics.invalid_samples;
     cell.peak_memory_bytes = rendered.peak_memory_bytes;
-    cell.isa = output.isa;
-    cell.threads = static_cast<unsigned>(output.threads);
+    cell.isa = output.used.isa;
+    cell.threads = static_cast<unsigned>(output.used.threads);
     cell.warnings = rendered.warnings;
     cell.omits = rendered.omits;
     if (cell.invalid_samples > 0)
@@ -163,7 +163,7 @@ Result<CellOutcome> close_cell(const WorkContext& context, CellOutcome outcome, 
 /// Returns the values of the placeholders in the command of a cell.
 NamedValues places_of(const WorkContext& context, const PlannedCell& planned, const Cell& cell, const StudyScene& scene,
                       const std::string& image) {
-    const int threads = context.config.base.settings.threads;
+    const int threads = context.config.base.settings.machine.threads;
     NamedValues places{
         {"scene", fs::absolute(context.config.scenes[planned.scene].job.scene_file).string()},
         {"scene_name", cell.scene},
@@ -275,7 +275,7 @@ Result<CellOutcome> run_cell(const WorkContext& context, const PlannedCell& plan
         if (rendered.error().file == checkpoint_file(partial)) return rendered.error();
         return fail_cell(context, std::move(outcome), rendered.error());
     }
-    if (!rendered->output.complete) {
+    if (!rendered->output.samples.complete) {
         if (context.stop == nullptr || !context.stop->load())
             return fail_cell(context, std::move(outcome),
                              error_at({},

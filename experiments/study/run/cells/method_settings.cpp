@@ -22,18 +22,18 @@ void add_entity(NamedValues& values, const std::string& name, const transport::S
 
 NamedValues settings_text(const transport::RenderSettings& settings, const transport::EffectChoices& effects) {
     NamedValues values;
-    if (settings.integrator) add_entity(values, "integrator", *settings.integrator);
-    if (settings.sampler) add_entity(values, "sampler", *settings.sampler);
-    if (settings.filter) add_entity(values, "filter", *settings.filter);
-    if (!settings.beauty) values.emplace_back("beauty", "off");
-    if (!settings.prune) values.emplace_back("prune", "off");
+    if (settings.paths.integrator) add_entity(values, "integrator", *settings.paths.integrator);
+    if (settings.samples.sampler) add_entity(values, "sampler", *settings.samples.sampler);
+    if (settings.film.filter) add_entity(values, "filter", *settings.film.filter);
+    if (!settings.channels.beauty) values.emplace_back("beauty", "off");
+    if (!settings.paths.prune) values.emplace_back("prune", "off");
     for (const transport::EffectInfo& each : transport::effect_catalogue())
         if (const std::optional<bool>& forced = effects[each.effect])
             values.emplace_back("effects." + std::string(each.name), *forced ? "on" : "off");
-    if (settings.max_depth) values.emplace_back("max_depth", std::to_string(*settings.max_depth));
-    values.emplace_back("filter_mode", settings.splat ? "splat" : "importance");
-    values.emplace_back("lobes", settings.picked_lobes ? "picked" : "exact");
-    const auto& filters = settings.sample_filters;
+    if (settings.paths.max_depth) values.emplace_back("max_depth", std::to_string(*settings.paths.max_depth));
+    values.emplace_back("filter_mode", settings.film.splat ? "splat" : "importance");
+    values.emplace_back("lobes", settings.labels.picked_lobes ? "picked" : "exact");
+    const auto& filters = settings.channels.sample_filters;
     for (std::size_t i = 0; i < filters.size(); ++i)
         add_entity(values, filters.size() == 1 ? "sample_filter" : "sample_filter." + std::to_string(i + 1),
                    filters[i]);

@@ -137,7 +137,7 @@ Json reference_json(const ExperimentConfig& config, const Rendered& rendered, st
     for (const auto& [key, value] : settings_text(variant.render, variant.effects)) settings[key] = value;
     return {{"method", config.reference.method},
             {"settings", settings},
-            {"samples_per_pixel", rendered.output.samples_per_pixel},
+            {"samples_per_pixel", rendered.output.samples.per_pixel},
             {"seed", seed},
             {"relative_error", relative_error(rendered.output)},
             {"wall_seconds", rendered.seconds},
@@ -179,11 +179,11 @@ Result<bool> provide_reference(const WorkContext& context, std::size_t index, Sc
     const std::string partial = directory + ".partial";
     if (Status s = make_directory(partial); !s) return s.error();
     RenderOrder order{.scene = index, .variant = variant, .samples = config.reference.samples, .seed = seed};
-    if (config.reference.error > 0) order.limit = transport::SampleLimit{0, 0, config.reference.error};
+    if (config.reference.error > 0) order.limit = transport::SampleLimit{.error = config.reference.error};
     const std::string checkpoint = checkpoint_file(partial);
     if (config.checkpoint_seconds > 0)
-        order.checkpoint =
-            transport::CheckpointSettings{checkpoint, config.checkpoint_seconds, fs::exists(checkpoint), {}};
+        order.checkpoint = transport::CheckpointSettings{
+            .file = checkpoint, .seconds = config.checkpoint_seconds, .resume = fs::exists(checkpoint)};
     auto rendered = context.scenes.render(
         order,
         [&](const transport::RenderProgress& now) {
@@ -197,7 +197,7 @@ Result<bool> provide_reference(const WorkContext& context, std::size_t index, Sc
     if (!rendered && rendered.error().file == checkpoint) return rendered.error();
     if (!rendered) return fails(rendered.error());
     seconds += watch.wall();
-    if (!rendered->output.complete) return false;
+    if (!rendered->output.samples.complete) return false;
     auto splits = write_render_files(partial, *rendered, *(*scene)->loaded,
                                      {{"raylex/reference", identity}, {"raylex/revision", raylex_revision()}});
     if (!splits) return splits.error();

@@ -73,12 +73,12 @@ Result<const StudyScene*> SceneStore::scene(std::size_t index, const transport::
     made.hash =
         hash_text(hash64(job.rendering_space + "\n" + std::to_string(transport::scene_hash(made.loaded->scene))));
     const transport::Stopwatch building;
-    auto built = transport::BuiltScene::build(made.loaded->scene, {job.settings.isa, job.settings.threads});
+    auto built = transport::BuiltScene::build(made.loaded->scene, job.settings.machine);
     if (!built) return built.error();
     made.built = std::move(*built);
     made.build = phase_of("build", building);
     std::vector<Error> ignored;
-    auto film = transport::read_film(made.built->film, from.settings.resolution, ignored);
+    auto film = transport::read_film(made.built->film, from.settings.film.resolution, ignored);
     if (!film) return film.error();
     made.width = film->width;
     made.height = film->height;
@@ -100,17 +100,17 @@ Result<const ChannelPlan*> SceneStore::channels(std::size_t scene_index, std::si
     if (!plan) return plan.error();
     omissions_[key] = omissions(*job, **made, *words);
     std::set<std::string> ruled;
-    for (const display::RuleRequest& each : job->settings.rules) ruled.insert(each.channel);
+    for (const display::RuleRequest& each : job->settings.channels.rules) ruled.insert(each.channel);
     for (display::ChannelDefinition& channel : plan->channels)
         if (channel.style == display::ChannelStyle::expression && !ruled.contains(channel.name))
-            channel.statistics = !job->settings.splat;
+            channel.statistics = !job->settings.film.splat;
     return &channels_.emplace(key, std::pair(std::move(*plan), phase_of("plan", planning))).first->second.first;
 }
 
 std::vector<OmittedPathsInfo> SceneStore::omissions(const Job& job, const StudyScene& scene, const SceneWords& words) {
     const transport::SceneEntity& entity =
-        job.settings.integrator ? *job.settings.integrator : scene.loaded->scene.integrator;
-    auto chosen = transport::choose_integrator(entity, job.settings.max_depth);
+        job.settings.paths.integrator ? *job.settings.paths.integrator : scene.loaded->scene.integrator;
+    auto chosen = transport::choose_integrator(entity, job.settings.paths.max_depth);
     std::vector<OmittedPathsInfo> found;
     if (!chosen) return found;
     for (const transport::OmittedPaths& each : transport::omitted_paths(chosen->name)) {
@@ -132,11 +132,11 @@ Result<std::uint64_t> SceneStore::frame_buffer_bytes(std::size_t scene_index, st
     auto plan = channels(scene_index, variant);
     if (!plan) return plan.error();
     std::vector<display::ChannelDefinition> all = (*plan)->channels;
-    if (const transport::RenderSettings& render = config_.variants[variant].render; render.beauty) {
+    if (const transport::RenderSettings& render = config_.variants[variant].render; render.channels.beauty) {
         display::ChannelDefinition beauty;
         beauty.name = "beauty";
         beauty.style = display::ChannelStyle::expression;
-        beauty.statistics = !render.splat;
+        beauty.statistics = !render.film.splat;
         all.push_back(beauty);
     }
     display::FrameBufferLayout layout;
@@ -155,11 +155,11 @@ Result<Rendered> SceneStore::render(const RenderOrder& order,
     auto assembled = job_of(order.scene, order.variant);
     if (!assembled) return assembled.error();
     Job& job = *assembled;
-    job.settings.channels = (*plan)->channels;
-    if (order.samples > 0) job.settings.samples_per_pixel = order.samples;
-    job.settings.seed = order.seed;
-    job.settings.limit = order.limit;
-    job.settings.first_sample = order.first_sample;
+    job.settings.channels.list = (*plan)->channels;
+    if (order.samples > 0) job.settings.samples.per_pixel = order.samples;
+    job.settings.samples.seed = order.seed;
+    job.settings.stop.limit = order.limit;
+    job.settings.samples.first = order.first_sample;
     if (order.checkpoint) {
         job.settings.checkpoint = order.checkpoint;
         job.settings.checkpoint->identity = checkpoint_identity(job, (*made)->loaded->color);

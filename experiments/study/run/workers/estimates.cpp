@@ -22,19 +22,20 @@ Result<Calibration> calibration_of(const ExperimentConfig& config, SceneStore& s
     RenderOrder order{.scene = scene, .variant = variant, .samples = calibration_samples};
     order.seed = seed_for(config.seed, "calibration", config.scenes[scene].name);
     for (const double seconds : calibration_seconds) {
-        order.limit = transport::SampleLimit{seconds, 0, 0};
+        order.limit = transport::SampleLimit{.seconds = seconds};
         auto rendered = scenes.render(order, {}, stop);
         if (!rendered) return rendered.error();
         if (stop != nullptr && stop->load()) return error_at({}, "interrupted");
         const transport::RenderOutput& output = rendered->output;
-        const bool whole = output.complete && output.samples_per_pixel >= 2;
+        const bool whole = output.samples.complete && output.samples.per_pixel >= 2;
         // A pass that the time limit ended is as good for the speed as a whole one.
-        const double samples = static_cast<double>(output.statistics.camera_samples) / output.width / output.height;
+        const double samples =
+            static_cast<double>(output.statistics.camera_samples) / output.view.width / output.view.height;
         if (!(samples > 0)) continue;
         const double setup = std::max(0.0, rendered->seconds - output.statistics.render_seconds);
         return Calibration{setup,
                            output.statistics.render_seconds,
-                           output.complete ? static_cast<double>(output.samples_per_pixel) : samples,
+                           output.samples.complete ? static_cast<double>(output.samples.per_pixel) : samples,
                            whole ? relative_error(output) : -1,
                            rendered->warnings,
                            rendered->peak_memory_bytes};
