@@ -41,13 +41,17 @@ for section in start.read_text().split("\n## ")[1:]:
     menu.append({section.split(":")[0].split("\n")[0]: [str(page.relative_to(pages)) for page in found]})
 rest = sorted(page for page in pages.rglob("*.md") if page not in taken)
 menu.append({"More": [str(page.relative_to(pages)) for page in rest]})
+for page in pages.rglob("*.md"):  # a bar in code in a table: GitHub wants a backslash before it, mkdocs none
+    lines = page.read_text().split("\n")
+    unescape = lambda line: re.sub(r"`[^`]*`", lambda code: code[0].replace("\\|", "|"), line)
+    page.write_text("\n".join(unescape(line) if line.startswith("|") else line for line in lines))
 config = {
     "site_name": "raylex", "docs_dir": "pages", "site_dir": "site", "use_directory_urls": False, "nav": menu,
     "theme": {"name": "material", "font": False, "features": ["navigation.tabs", "navigation.top", "search.highlight"]},
     "plugins": ["search"], "extra_css": ["wide.css"],
     "markdown_extensions": ["tables", "fenced_code", "sane_lists", {"toc": {"permalink": True}}],
 }
-(pages / "wide.css").write_text(".md-grid { max-width: 90rem; }\n")  # wide tables
+(pages / "wide.css").write_text(".md-grid { max-width: 90rem; }\n.md-typeset table:not([class]) th { min-width: 0; }\n")
 (out / "mkdocs.yml").write_text(json.dumps(config, indent=1))  # every JSON text is YAML
 PYTHON
 mkdocs build --quiet --strict -f "$out/mkdocs.yml" || exit 2
