@@ -3,8 +3,8 @@
 #
 #   bash experiments/manual.sh [OUT]     OUT defaults to build/manual in the clone
 #
-# The site is OUT/site. Its menu follows the start page, experiments/docs/index.md: one entry for each of its sections, then
-# the pages of the folders. Exit codes: 0 built, 2 something is missing or a link is broken.
+# The site is OUT/site. Its menu follows the start page, experiments/docs/index.md: one entry for each of its sections,
+# then all other pages. Exit codes: 0 built, 2 something is missing or a link is broken.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 root=$(dirname "$here")
@@ -16,6 +16,12 @@ bash "$here/install_packages.sh" mkdocs mkdocs-material python3 || exit 2
 out=${1:-$root/build/manual}
 mkdir -p "$out"
 out=$(cd "$out" && pwd)
+for folder in pages site; do
+    if [ -e "$out/$folder" ] && [ ! -f "$out/mkdocs.yml" ]; then
+        echo "manual.sh: $out/$folder is there and was not made by this script; name another folder" >&2
+        exit 2
+    fi
+done
 rm -rf "$out/pages" "$out/site"
 
 # mkdocs reads one folder: the pages and their pictures, at the paths that they have in the clone.
@@ -64,7 +70,8 @@ site = pathlib.Path(sys.argv[1])
 worker = next((site / "assets/javascripts/workers").glob("search.*.js")).read_text()
 index = (site / "search/search_index.json").read_text()
 (site / "search/offline.js").write_text(
-    f"var __search = {{index: Promise.resolve({index}), worker: URL.createObjectURL(new Blob([{json.dumps(worker)}]))}};\n")
+    f"var __search = {{index: Promise.resolve({index}),\n"
+    f"worker: URL.createObjectURL(new Blob([{json.dumps(worker)}]))}};\n")
 bundle = re.compile(r'<script src="([^"]*)assets/javascripts/bundle')
 for page in site.rglob("*.html"):
     text = page.read_text()

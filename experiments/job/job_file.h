@@ -1,5 +1,5 @@
 // Reads a TOML job: all that the flags of `raylex render` can say, and labels and light groups for an unmodified scene.
-// experiments/README.md lists every key.
+// experiments/docs/rendering/jobs.md lists every key.
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
 // What an experiment leaves on disk, as values: the contract between the runner, which writes it, and everything that
-// reads it (merging, replaying, analysis, reports, and programs outside: experiments/README.md describes the files).
+// reads it (merging, replaying, analysis, reports, and programs outside: experiments/docs/studies/results.md describes
+// the files).
 //
 // Arrays are .npy files, float64 and uint64 in C order, so numpy.load opens them. All light is scene-linear, in the
 // rendering space of the scene.

@@ -17,7 +17,7 @@
 // v they do not, and the pixels keep the E of the smaller pools.
 //
 // Between two sizes of pools errors go by a power of the samples; beyond the largest, E stays. tests/experiments/study/
-// prediction_test.cpp says how far off that is, and README.md there repeats it.
+// prediction_test.cpp measures how far off that is; experiments/docs/stopping.md has the figures.
 #pragma once
 
 #include <array>

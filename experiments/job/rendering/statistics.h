@@ -42,7 +42,7 @@ struct RunRecord {
     transport::EffectFindings effects{};            ///< what the scene calls for
 };
 
-/// experiments/README.md lists the keys.
+/// experiments/docs/rendering/stats.md lists the keys.
 std::string statistics_json(const RunRecord& record);
 
 }  // namespace raylex::experiments

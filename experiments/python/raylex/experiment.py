@@ -181,7 +181,7 @@ def run(config, directory, *, overrides=(), resume=False, retry=False, verbose=F
     In this process, so that methods written in Python take part: a scene that ends the process ends Python with it;
     ``raylex experiment run`` outlives that.
 
-    :param config: a TOML file; experiments/README.md lists its keys
+    :param config: a TOML file; experiments/docs/studies/config.md lists its keys
     :param directory: of the results; what is there already is an error unless `resume`
     :param overrides: KEY=VALUE, as --set has them
     :param verbose: prints what the program prints

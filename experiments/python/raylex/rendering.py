@@ -103,7 +103,8 @@ def render(scene, *, progress=None, **arguments):
     :param output: an OpenEXR file to write as well
     :param atlas: a file for the path atlas (:class:`raylex.Atlas`), or {"file": ..., "by": "label,lobe,group", "length": 12,
         "budget": "2GiB"}
-    :param job: further tables of a job, {"exr": {"light": "half zip"}, ...}; experiments/README.md lists every key
+    :param job: further tables of a job, {"exr": {"light": "half zip"}, ...}; experiments/docs/rendering/jobs.md
+        lists every key
     :param progress: called a few times a second with a :class:`Progress`; returning False ends the render
     :raises RaylexError: input that cannot be used, with file and line; ``render()`` is the text of :func:`job_text`
     :raises Exception: whatever a callback raised, or KeyboardInterrupt; its attribute ``image`` is what was rendered

@@ -1,4 +1,4 @@
-// An experiment's config as values. experiments/README.md lists every key.
+// An experiment's config as values. experiments/docs/studies/config.md lists every key.
 #pragma once
 
 #include <array>
