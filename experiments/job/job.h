@@ -87,8 +87,7 @@ struct Job {
     std::vector<PartitionRequest> partitions;
     bool measure_refuted = false;  ///< reports and measures partitions that do not hold, instead of refusing them
     lpe::MacroTable macros;        ///< names that the job's expressions may use
-    std::vector<lpe::LobeOption> lobe_options;
-  ///< as in the file; settings.labels.lobe_slots has the resulting slots
+    std::vector<lpe::LobeOption> lobe_options;  ///< as in the file; settings.labels.lobe_slots has the resulting slots
     std::vector<transport::LabelRule> label_rules;
 };
 

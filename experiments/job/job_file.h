@@ -1,5 +1,5 @@
 // Reads a TOML job: all settings of the flags of `raylex render`, and labels and light groups for an unmodified scene.
-// experiments/README.md lists every key.
+// experiments/docs/rendering/jobs.md lists every key.
 #pragma once
 
 #include <string>

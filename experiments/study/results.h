@@ -1,5 +1,5 @@
 // The files of an experiment as values: the contract between the runner, which writes them, and all readers (merge,
-// replay, analysis, reports, and other programs; experiments/README.md describes the files).
+// replay, analysis, reports, and other programs; experiments/docs/studies/results.md describes the files).
 //
 // Arrays are .npy files with float64 or uint64 in C order, for numpy.load. All light is scene-linear, in the rendering
 // space of the scene.

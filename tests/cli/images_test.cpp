@@ -239,7 +239,7 @@ TEST_CASE("displays and views that the documentation names are in the shipped co
     namespace fs = std::filesystem;
     check(source_dir() + "/README.md");
     check(source_dir() + "/experiments/README.md");
-    for (const fs::directory_entry& each : fs::directory_iterator(source_dir() + "/experiments/docs"))
+    for (const fs::directory_entry& each : fs::recursive_directory_iterator(source_dir() + "/experiments/docs"))
         if (each.path().extension() == ".md") check(each.path().string());
     CHECK(found >= 3);  // experiments/docs/images.md names some
 }

@@ -1,5 +1,5 @@
 // The number that light transport computes in, and what is made of it. Float, unless RAYLEX_TRANSPORT_DOUBLE is defined
-// (transport/README.md).
+// (transport/docs/arithmetic.md).
 //
 // What comes from outside or goes there is float in both: image and mesh files, Embree, display/ and geoaovs/. It is
 // taken in as it is, every float being a double, and leaves by to_float(), which does nothing in the float build.

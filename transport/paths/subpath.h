@@ -12,7 +12,7 @@ namespace raylex::transport {
 
 /// Below which throughput paths end at random unless asked otherwise. pbrt-v4's 1 ends a path in a white room nearly as
 /// soon as it may: a quarter costs 1.3 times the time and leaves less than half the squared error (experiments/docs/
-/// measured.md), and from 0.1 to 0.5 the product of both changes little.
+/// measured/methods.md), and from 0.1 to 0.5 the product of both changes little.
 inline constexpr Real default_roulette_below = Real(0.25);
 
 /// Sampler dimensions that the engine uses itself: pixel filter, lens, shutter time, wavelength.

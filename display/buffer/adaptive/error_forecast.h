@@ -18,7 +18,7 @@
 // dominates both. If the first exceeds `most_between` times v, the pixels keep the E of the smaller pools.
 //
 // Between two sizes of pools the error follows a power of the number of samples; beyond the largest, E is constant.
-// tests/experiments/study/prediction_test.cpp measures the accuracy; README.md there states it.
+// tests/experiments/study/prediction_test.cpp measures the accuracy; experiments/docs/stopping.md states it.
 #pragma once
 
 #include <array>

@@ -42,7 +42,7 @@ struct RunRecord {
     transport::EffectFindings effects{};            ///< effects that the scene needs
 };
 
-/// Returns the statistics as JSON. experiments/README.md lists the keys.
+/// Returns the statistics as JSON. experiments/docs/rendering/stats.md lists the keys.
 std::string statistics_json(const RunRecord& record);
 
 }  // namespace raylex::experiments

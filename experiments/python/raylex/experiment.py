@@ -185,7 +185,7 @@ def run(config, directory, *, overrides=(), resume=False, retry=False, verbose=F
     Runs in this process, so that methods in Python can be used. A scene that crashes the process also ends Python;
     ``raylex experiment run`` survives that.
 
-    :param config: a TOML file; experiments/README.md lists its keys
+    :param config: a TOML file; experiments/docs/studies/config.md lists its keys
     :param directory: directory for the results; existing results are an error unless `resume`
     :param overrides: KEY=VALUE, as for --set
     :param verbose: prints the output of the program

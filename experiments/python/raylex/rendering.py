@@ -104,7 +104,8 @@ def render(scene, *, progress=None, **arguments):
     :param output: an OpenEXR file that is written as well
     :param atlas: a file for the path atlas (:class:`raylex.Atlas`), or {"file": ..., "by": "label,lobe,group", "length": 12,
         "budget": "2GiB"}
-    :param job: further tables of a job, {"exr": {"light": "half zip"}, ...}; experiments/README.md lists every key
+    :param job: further tables of a job, {"exr": {"light": "half zip"}, ...}; experiments/docs/rendering/jobs.md
+        lists every key
     :param progress: called a few times a second with a :class:`Progress`; returning False ends the render
     :raises RaylexError: invalid input, with file and line; ``render()`` stands for the text of :func:`job_text`
     :raises Exception: an exception of a callback, or KeyboardInterrupt; its attribute ``image`` is the image rendered

@@ -1,4 +1,4 @@
-// The config of an experiment. experiments/README.md lists every key.
+// The config of an experiment. experiments/docs/studies/config.md lists every key.
 #pragma once
 
 #include <array>

@@ -83,7 +83,7 @@ TEST_CASE("statistics survive an offset of 1e6", "[frame_buffer][statistical]") 
         table.touch(0);
     });
     const std::vector<double> variance = buffer.resolve_variance_of_mean(0);
-    // stability.md row 41: the sample variance of n normal deviates is 1 within 3 standard errors sqrt(2 / n).
+    // hard-cases.md row 41: the sample variance of n normal deviates is 1 within 3 standard errors sqrt(2 / n).
     CHECK(variance[0] * n == Approx(1).margin(3 * std::sqrt(2.0 / n)));
     long double mean = 0, squares = 0;
     for (const double v : values) mean += static_cast<long double>(v) / n;
