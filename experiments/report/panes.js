@@ -1,11 +1,11 @@
-// Pictures of one size, side by side and as large as they fit. They are moved and magnified together, and share the cursor
-// and the insets. `root` is an element with a height of its own.
+// Pictures of one size, side by side and as large as they fit. They are moved and magnified together, and share the
+// cursor and the insets. `root` is an element with a height of its own.
 //
 //   const panes = raylexPanes(root, { width, height, cursor: (x, y) => ..., wheel: 'always' or 'focused' });
 //   panes.show([{ label, key, paint: async level => canvas, over: { key, paint }, frame }]);
 //
-// paint(level) makes a picture of means over level x level pixels; it is called again when `key` changes. The picture of
-// `over` covers the first picture right of the divider, which follows the pointer.
+// paint(level) makes a picture of means over level x level pixels; it is called again when `key` changes. The picture
+// of `over` covers the first picture right of the divider, which follows the pointer.
 const raylexPanes = (root, { width, height, cursor, wheel = 'always' }) => {
   const insetColors = ['#e4572e', '#2e86de', '#2fa84f', '#b455c8'], gap = 6;
   let panes = [], view = null, point = null, divide = 0.5, insets = [], drag = null, asked = false;

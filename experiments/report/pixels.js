@@ -1,5 +1,5 @@
-// The pixels of a page: unpacking (pixel_data.h describes the format), means over blocks, and conversion from linear light
-// to the colours of a screen.
+// The pixels of a page: unpacking (pixel_data.h describes the format), means over blocks, and conversion from linear
+// light to the colours of a screen.
 const raylexPixels = (() => {
   const halfValue = new Float32Array(65536);
   for (let h = 0; h < 65536; ++h) {
@@ -70,7 +70,7 @@ const raylexPixels = (() => {
     data[q + 2] = b > 0 ? curve[Math.min(4096, Math.round(b * 4096))] : 0;
   };
 
-  // A view of the colour config: linear interpolation between the nodes of its table, which are logarithmically spaced.
+  // A view of the colour config: linear interpolation in a table whose nodes are logarithmically spaced.
   const view = id => once(id, async () => {
     const table = await unpacked(id), n = Math.round(Math.cbrt(table.length / 3)), least = 2 ** -10;
     const place = v => Math.min(n - 1, v > 0 ? 2 * (Math.log2(v + least) + 10) : 0);

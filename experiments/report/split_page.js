@@ -1,5 +1,5 @@
-// The page of a render's layers: one large picture or all of them, and beside it a row for every layer. This script fills
-// the rows with the layer's value and its share of the light at the pointer.
+// The page of a render's layers: one large picture or all of them, and beside it a row for every layer. This script
+// fills the rows with the layer's value and its share of the light at the pointer.
 (() => {
   const part = (root, selector) => root.querySelector(selector);
   const { digits } = raylexPixels;

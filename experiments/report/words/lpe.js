@@ -30,6 +30,7 @@ const raylexLpe = (() => {
 
   class Algebra {
     constructor() {
+      this.tests = [];  // of single events
       this.nodes = new Map();  // by what a node consists of, so that equal expressions are one node
       this.none = this.node('none', [], false);  // matches nothing
       this.empty = this.node('empty', [], true);  // matches the empty path alone
@@ -47,6 +48,7 @@ const raylexLpe = (() => {
       return node;
     }
     event(test) {
+      this.tests.push(test);
       return this.added(test, { kind: 'event', parts: [], nullable: false, test });
     }
     sequence(a, b) {
@@ -131,8 +133,7 @@ const raylexLpe = (() => {
       return true;
     }
     endsBefore(closers) {
-      const next = this.peek();
-      return next === undefined || closers.includes(next);
+      return !this.peek() || closers.includes(this.peek());
     }
     several(closers, read) {
       const list = [read()];
@@ -160,8 +161,7 @@ const raylexLpe = (() => {
       if (!found || Number(found[3]) === 0)
         failAt(offset, `found the prefix '${word}'; expected a technique such as s2t3 or beyond7: others change `
           + 'light, and an atlas keeps it unchanged');
-      const [beyond, s, t] = found.slice(1).map(Number);
-      return found[1] === undefined ? { s, t } : { beyond };
+      return { beyond: Number(found[1]), s: Number(found[2]), t: Number(found[3]) };
     }
     language() {
       this.peek();
@@ -183,15 +183,14 @@ const raylexLpe = (() => {
       return null;
     }
     named(name, offset) {
-      const known = this.resolve(name);
-      if (!known)
-        failAt(offset, `unknown name '${name}'; expected events or one of ${[...this.names.keys()].join(', ')}`);
+      const known = this.resolve(name)
+        || failAt(offset, `unknown name '${name}'; expected events or one of ${[...this.names.keys()].join(', ')}`);
       if (known.text.includes(';')) failAt(offset, `'${name}' has a prefix; expected an expression without one`);
       return new Parser(known.text, this.names, this.algebra, known.group || this.lightGroup).language();
     }
     nameInside() {
-      const found = this.read(/(\{?)([A-Za-z_][A-Za-z_0-9]*)/y);
-      if (!found) failAt(this.position, 'expected a name after \'$\', as in $diffuse or ${diffuse}');
+      const found = this.read(/(\{?)([A-Za-z_][A-Za-z_0-9]*)/y)
+        || failAt(this.position, 'expected a name after \'$\', as in $diffuse or ${diffuse}');
       const offset = this.position - found[2].length;
       if (found[1] && !this.read(/\}/y)) failAt(this.position, `expected '}' after the name '${found[2]}'`);
       return this.named(found[2], offset);
@@ -298,8 +297,8 @@ const raylexLpe = (() => {
     labels() { return this.take('.') ? () => true : this.slot(() => this.label()); }
     label() {
       if (!this.take('\'')) this.unexpected('a quoted label such as \'floor\', \'.\' or [...] of labels');
-      const opening = this.position - 1, found = this.read(/((?:\\[^]|[^'\\])*)'/uy);
-      if (!found) failAt(opening, 'the quote is not closed; expected a second \'');
+      const found = this.read(/((?:\\[^]|[^'\\])*)'/uy)
+        || failAt(this.position - 1, 'the quote is not closed; expected a second \'');
       const pattern = found[1].replace(/\*|\?|\\?([^])/gu, (piece, character) => character
         ? `\\u{${character.codePointAt(0).toString(16)}}` : piece === '*' ? '[^]*' : '[^]');
       const glob = new RegExp(`^${pattern}$`, 'u');
@@ -307,7 +306,7 @@ const raylexLpe = (() => {
     }
   }
 
-  // `names`: from a name to its expression. The result's `technique` is null, { s, t } or { beyond }.
+  // `names`: from a name to its expression. The result's `technique` is null or { beyond, s, t }, each a number or NaN.
   const parse = (text, names) => bounded(() => {
     const algebra = new Algebra();
     return { algebra, ...new Parser(text, new Map(Object.entries(names)), algebra).channel() };
@@ -318,23 +317,26 @@ const raylexLpe = (() => {
   // For each path string 2 if all its light belongs to the expression, 1 if some of it may, 0 if none does. The events
   // of one letter were not told apart; the letter -1 stands for one scattering or more.
   const answers = ({ algebra, root }, { events, letters, words }) => bounded(() => {
-    const scatterings = events.filter(event => 'RTV'.includes(event.type)), sets = new Map();
+    const kinds = new Map(), ofLetter = new Map(), sets = new Map();
+    events.forEach((event, i) => {  // one event stands for all events that no test distinguishes
+      const kind = [event.type, event.scatter === 's', ...algebra.tests.map(test => test(event))].join();
+      if (!kinds.has(kind)) kinds.set(kind, event);
+      ofLetter.set(letters[i], [...new Set(ofLetter.get(letters[i])).add(kinds.get(kind))]);
+    });
+    const scatterings = [...kinds.values()].filter(event => 'RTV'.includes(event.type));
     const setOf = nodes => {
       const list = [...new Set(nodes)].sort((a, b) => a.id - b.id), key = list.map(node => node.id).join();
       if (!sets.has(key)) sets.set(key, { nodes: list, after: new Map() });
       return sets.get(key);
     };
     const moved = (set, through) => setOf(set.nodes.flatMap(node => through.map(event => algebra.move(node, event))));
-    const movedOften = set => {
-      for (let now = moved(set, scatterings);;) {
-        const wider = setOf([...now.nodes, ...moved(now, scatterings).nodes]);
-        if (wider === now) return now;
-        now = wider;
-      }
+    const grown = set => {
+      const wider = setOf([...set.nodes, ...moved(set, scatterings).nodes]);
+      return wider === set ? set : grown(wider);
     };
-    const eventsOf = letter => events.filter((_, i) => letters[i] === letter);
     const after = (set, letter) => {
-      if (!set.after.has(letter)) set.after.set(letter, letter < 0 ? movedOften(set) : moved(set, eventsOf(letter)));
+      if (!set.after.has(letter))
+        set.after.set(letter, letter < 0 ? grown(moved(set, scatterings)) : moved(set, ofLetter.get(letter)));
       return set.after.get(letter);
     };
     const first = moved(setOf([root]), [{ type: 'C', scatter: 'x', number: 0, labels: [] }]);

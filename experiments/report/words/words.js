@@ -1,5 +1,5 @@
-// The path strings of an atlas in the page of a render: which of them contribute to the pixel under the pointer, and the
-// layer of any expression that is typed. `page`: { width, height, block, addLayer } of split_page.js.
+// The path strings of an atlas in the page of a render: which of them contribute to the pixel under the pointer, and
+// the layer of any expression that is typed. `page`: { width, height, block, addLayer } of split_page.js.
 const raylexWords = (section, page) => {
   const info = JSON.parse(section.querySelector('script.words').textContent);
   const { digits } = raylexPixels, pixels = info.width * info.height, shown = 10;
@@ -106,7 +106,7 @@ const raylexWords = (section, page) => {
     if (!technique) return answers;
     const most = info.mostVertices, { s, t, beyond } = technique;
     const ofCount = (wanted, count) => count < most ? (count === wanted ? 2 : 0) : wanted < most ? 0 : 1;
-    const ofTechnique = ([u, v]) => beyond === undefined ? Math.min(ofCount(s, u), ofCount(t, v))
+    const ofTechnique = ([u, v]) => Number.isNaN(beyond) ? Math.min(ofCount(s, u), ofCount(t, v))
       : u + v > beyond ? 2 : Math.max(u, v) < most ? 0 : 1;
     return answers.map((each, i) => Math.min(each, ofTechnique(found[i])));
   };
@@ -160,7 +160,7 @@ const raylexWords = (section, page) => {
     const { sure, more, all, share, moreShare } = sumsOf(atlas, answers), name = `asked ${asked + 1}`;
     const example = open > 0 ? `'${atlas.textOf(answers.indexOf(1))}'` : '';
     if (open > 0 && info.signed)
-      refuse(`the atlas keeps the paths of ${example} together, and light can be negative here, so there are no bounds`);
+      refuse(`the atlas merged the paths of ${example}, and light can be negative here, so there are no bounds`);
     taken = answers;
     if (open > 0) add(`${name}, at most`, text, sure.map((value, i) => value + more[i]), all, share + moreShare);
     add(open > 0 ? `${name}, at least` : name, text, sure, all, share);
