@@ -122,13 +122,17 @@ std::string compiled_answer(const std::string& text, const std::vector<oracle::P
 
 /// A text of pieces of the language, well-formed or not.
 std::string random_text(oracle::Random& random) {
-    static const char* const pieces[] = {
-        "C",    "L", "D",   "S8",   "G",     "<RD>",     "<T",   ">",          "[",
-        "]",    "^", "(",   ")",    "|",     "*",        "+",    "?",          "{2}",
-        "{0,",  "}", "&",   "-",    "!",     ".",        "'a'",  "'a*'",       "'\\*'",
-        "x",    "s", " ",   "lpe:", "s1t3;", "$diffuse", "B",    "O",          "V",
-        "U2",   "1", "'é'", "#\n",  "<L.>",  "diffuse",  "_key", "<.[DS]'b'>", "<R[^D]['a''b']>",
-        "[^DS]"};
+    static const char* const pieces[] = {"C",    "L",          "D",        "S8",
+                                         "G",    "<RD>",       "<T",       ">",
+                                         "[",    "]",          "^",        "(",
+                                         ")",    "|",          "*",        "+",
+                                         "?",    "{2}",        "{0,",      "}",
+                                         "&",    "-",          "!",        ".",
+                                         "'a'",  "'a*'",       "'\\*'",    "x",
+                                         "s",    " ",          "1",        "lpe:",
+                                         "B",    "s1t3;",      "$diffuse", "O",
+                                         "V",    "U2",         "<L.>",     "diffuse",
+                                         "_key", "<.[DS]'b'>", "[^DS]",    "<R[^D]['a''b']>"};
     std::string text = random.below(2) == 0 ? "C" : "";
     for (std::size_t count = 1 + random.below(7); count > 0; --count) text += pieces[random.below(std::size(pieces))];
     return text;
@@ -137,10 +141,13 @@ std::string random_text(oracle::Random& random) {
 /// Asks the browser and the compiler about expressions and paths, and compares the answers.
 class Comparison {
   public:
-    void add(const std::string& text, const std::vector<oracle::Path>& paths) {
+    void add(const std::string& text, const std::vector<oracle::Path>& paths, const std::string& expected) {
         questions_.add_paths(text, paths);
         texts_.push_back(text);
-        expected_.push_back(compiled_answer(text, paths));
+        expected_.push_back(expected);
+    }
+    void add(const std::string& text, const std::vector<oracle::Path>& paths) {
+        add(text, paths, compiled_answer(text, paths));
     }
     void run() const {
         const Folder folder;
@@ -181,7 +188,10 @@ TEST_CASE("a page answers as the compiler does on the conformance vectors and on
         const std::size_t first = row.find('\t'), second = row.find('\t', first + 1);
         const auto events = lpe::parse_events(row.substr(first + 1, second - first - 1));
         REQUIRE(events);
-        comparison.add(row.substr(0, first), {*events});
+        const std::string text = row.substr(0, first);
+        // Prefixes of these vectors change light, which the compiler leaves to the renderer.
+        if (contains(text, ";")) comparison.add(text, {*events}, "ERR 1");
+        else comparison.add(text, {*events});
     }
     REQUIRE(comparison.size() == 1616);
     oracle::Random random(31);
@@ -190,6 +200,10 @@ TEST_CASE("a page answers as the compiler does on the conformance vectors and on
         comparison.add(oracle::text_of(sequence, lpe::Dialect::renderman), random_paths(random));
         comparison.add(random_text(random), random_paths(random));
     }
+    const auto accented = lpe::parse_events("C,- R,D,\xC3\xA9 L,-");
+    REQUIRE(accented);
+    for (const char* text : {"C # the camera\n <RD'?'> L", "C<RD'*?'>L", "C<RD'\xC3\xA9'>L"})
+        comparison.add(text, {*accented});
     CHECK(comparison.refused() > 300);
     comparison.run();
 }
