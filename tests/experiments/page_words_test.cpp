@@ -16,7 +16,6 @@
 #include "lpe/match.h"
 #include "lpe/oracle.h"
 #include "lpe/program.h"
-#include "lpe/vectors.h"
 #include "tests/support/paths.h"
 #include "tests/support/skip.h"
 
