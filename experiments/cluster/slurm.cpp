@@ -1,11 +1,7 @@
 #include "experiments/cluster/slurm.h"
 
-#include <sys/wait.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <sstream>
 
@@ -13,6 +9,7 @@
 #include "display/services/parameters.h"
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/job/text/json.h"
+#include "experiments/program/run_program.h"
 
 namespace raylex::experiments {
 namespace {
@@ -24,17 +21,11 @@ struct Answer {
     std::string text;  ///< standard output, followed by standard error
 };
 
-/// Runs a program of Slurm until it ends.
+/// Runs a program of Slurm to its end.
 Answer ask(const std::vector<std::string>& arguments) {
-    Answer answer;
-    FILE* pipe = popen((shell_command(arguments) + " 2>&1").c_str(), "r");
-    if (pipe == nullptr) return answer;
-    std::array<char, 4096> part{};
-    for (std::size_t size = 0; (size = std::fread(part.data(), 1, part.size(), pipe)) > 0;)
-        answer.text.append(part.data(), size);
-    const int status = pclose(pipe);
-    answer.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    return answer;
+    const auto outcome = run_program(arguments);
+    if (!outcome) return {-1, outcome.error().message};
+    return {outcome->exit_code, outcome->output + outcome->errors};
 }
 
 std::string slurm_folder(const std::string& directory) {

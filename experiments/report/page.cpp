@@ -32,8 +32,7 @@ std::string number(double value) {
     return text.data();
 }
 
-// The end of an opening tag's class and the words: a split of a lossy file holds only within what its compression is
-// allowed.
+// The end of an opening tag, from its class on, and the result of the check.
 const char* answer_markup(const SplitVerdict& verdict) {
     if (verdict.answer == display::SplitAnswer::cannot_tell) return "fails\">cannot tell: every pixel is clamped";
     if (!verdict.holds) return "fails\">does not hold";
@@ -49,7 +48,7 @@ class Page {
           layers_(color, options, page_bytes / std::max<std::size_t>(images, 1)),
           bytes_of_words_(words_bytes / std::max<std::size_t>(atlases, 1)) {}
 
-    /// `atlas`: null, or the words of the image. An atlas alone is `path` itself.
+    /// `atlas`: the atlas of the image, or null. If the image comes from an atlas, `path` is that file.
     Status add(const std::string& path, const ExrImage& image, display::AtlasFile* atlas) {
         auto verdicts = display::check_declared_splits(image);
         if (!verdicts) return verdicts.error();
@@ -80,7 +79,7 @@ class Page {
 
     [[nodiscard]] std::string finish() const {
         std::string verdict;
-        if (judged_ == 0) verdict = "No partition is declared, so there is nothing to judge.";
+        if (judged_ == 0) verdict = "The file declares no partition, so there is nothing to check.";
         else if (failed_ + open_ == 0)
             verdict = "<span class=\"holds\">Every split holds:</span> in " +
                       (judged_ == 1 ? std::string("the one partition")
@@ -88,11 +87,11 @@ class Page {
                       " the layers sum to their whole at " +
                       (undecided_ == 0 ? "every pixel"
                                        : std::to_string(pixels_ - undecided_) + " of " + std::to_string(pixels_) +
-                                             " pixels, all that are not clamped") +
+                                             " pixels; the others are clamped") +
                       ", up to the rounding and compression of the file.";
         else if (failed_ == 0)
-            verdict = "<span class=\"fails\">Cannot tell of " + std::to_string(open_) + " of " +
-                      std::to_string(judged_) + " partitions:</span> every pixel is clamped to what the file can hold.";
+            verdict = "<span class=\"fails\">Cannot tell for " + std::to_string(open_) + " of " +
+                      std::to_string(judged_) + " partitions:</span> every pixel is clamped to the range of the file.";
         else
             verdict = "<span class=\"fails\">" + std::to_string(failed_) + " of " + std::to_string(judged_) +
                       " partitions do not hold.</span>";
@@ -109,7 +108,7 @@ class Page {
 
   private:
     [[nodiscard]] static std::string words_scripts() {
-        return "<script>" + std::string(matcher_scripts()) +
+        return "<script>" + std::string(lpe_script()) +
                "</script>\n<script>const raylexNames = " + script_json(expression_names()) + ";\n" +
                std::string(words_script()) + "</script>\n";
     }
@@ -138,9 +137,9 @@ class Page {
     void add_verdicts(const std::vector<SplitVerdict>& verdicts) {
         if (verdicts.empty()) return;
         body_ +=
-            "<details><summary>The verdicts in numbers</summary>\n<div "
-            "class=\"wide\"><table>\n<tr><th>Partition</th><th>Verdict</th><th>Layers</th><th>Largest relative "
-            "error</th><th>at pixel</th><th>Bound</th><th>Pixels judged</th>"
+            "<details><summary>Split checks in numbers</summary>\n<div "
+            "class=\"wide\"><table>\n<tr><th>Partition</th><th>Result</th><th>Layers</th><th>Largest relative "
+            "error</th><th>at pixel</th><th>Bound</th><th>Pixels checked</th>"
             "<th>Largest absolute error</th><th>at pixel</th></tr>\n";
         for (const SplitVerdict& v : verdicts) {
             const auto pixel = [](int x, int y) { return "(" + std::to_string(x) + ", " + std::to_string(y) + ")"; };
@@ -159,13 +158,14 @@ class Page {
         const Result<std::string> text = read_record(file.string(), "a statistics file");
         const std::string table = text ? statistics_table(*text) : std::string();
         if (table.empty()) return;
-        body_ += "<details><summary>What it cost</summary>\n" + table + "</details>\n";
+        body_ += "<details><summary>Cost</summary>\n" + table + "</details>\n";
     }
 
     void add_header(const ExrImage& image) {
-        body_ += "<details><summary>Where it came from: the image header</summary>\n<div class=\"wide\"><table>\n";
+        body_ += "<details><summary>Origin: the image header</summary>\n<div class=\"wide\"><table>\n";
         for (const auto& [name, value] : image.attributes) {
-            if (name == "atlas/words" || name == "atlas/letters" || name == "atlas/scene") continue;  // for programs
+            if (name == "atlas/words" || name == "atlas/letters" || name == "atlas/scene")
+                continue;  // long tables for programs
             const bool long_text = value.find('\n') != std::string::npos;
             body_ += "<tr><td><code>" + escape_html(name) + "</code></td><td>" +
                      (long_text ? "<pre>" + escape_html(value) + "</pre>" : "<code>" + escape_html(value) + "</code>") +
@@ -175,9 +175,9 @@ class Page {
     }
 
     static constexpr std::string_view precision_note =
-        "Values are half floats: 11 significant bits, steps of at least 2^-24 (times a power of two where a layer goes "
-        "beyond 65504); ids are exact up to 2^24. Where the exposure is changed, a view is looked up in a table of 35 "
-        "nodes a component, half a stop apart.";
+        "Values are half floats: 11 significant bits, and steps of at least 2^-24. Layers with values beyond 65504 are "
+        "scaled by a power of two. Ids are exact up to 2^24. Views come from a table with 35 nodes for each component, "
+        "half a stop apart.";
 
     const display::ColorManager& color_;
     const PageOptions& options_;
@@ -205,7 +205,8 @@ Result<std::string> make_page(const std::vector<std::string>& images, const disp
             auto opened = display::AtlasFile::open(images[alone ? i : i + 1]);
             if (!opened) return opened.error();
             atlas = *std::move(opened);
-            if (follows && !is_atlas_of(*atlas, *image)) atlas.reset();  // it gets a section of its own
+            if (follows && !is_atlas_of(*atlas, *image))
+                atlas.reset();  // of another render: it gets a section of its own
         }
         if (Status added = page.add(images[i], *image, atlas.get()); !added) return added.error();
         if (follows && atlas) ++i;

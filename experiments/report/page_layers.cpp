@@ -34,10 +34,10 @@ bool is_black(const ImageLayer& layer) {
     return true;
 }
 
-/// The layers of one heading: a partition, loose channels, or geometry.
+/// The layers below one heading: a partition, channels in no partition, or geometry.
 struct Group {
     std::string title, note;
-    const ImageLayer* whole = nullptr;  ///< what shares are of
+    const ImageLayer* whole = nullptr;  ///< the layer of which the others show their share
     std::vector<const ImageLayer*> layers;
 };
 
@@ -68,8 +68,8 @@ std::vector<Group> grouped(const ExrImage& image) {
     return groups;
 }
 
-/// The planes one after the other, at one value per block: the mean of light, the middle pixel of anything else, since
-/// a mean would invent ids, normals and depths. So picture_of does it.
+/// The planes one after the other, with one value per block: the mean if `mean`, else the pixel in the middle. A mean
+/// would invent ids, normals and depths. picture_of() reduces in the same way.
 std::vector<float> reduced_planes(const ExrImage& image, const std::vector<const display::ImagePlane*>& planes,
                                   int block, bool mean) {
     std::vector<float> values;
@@ -98,7 +98,7 @@ std::vector<float> reduced_planes(const ExrImage& image, const std::vector<const
     return values;
 }
 
-/// The power of two that brings all finite values into the range of half floats.
+/// The smallest power of two, at least 1, that brings all finite values into the range of half floats.
 float half_scale(const std::vector<float>& values) {
     float most = 0, scale = 1;
     for (const float value : values)
@@ -117,7 +117,7 @@ double sum_of(const ImageLayer& layer) {
 
 }  // namespace
 
-/// What a layer becomes: the data for the script, and the row's HTML.
+/// A layer in the page: the data for the script, and the HTML of its row.
 struct PageLayers::Row {
     Json json;
     std::string html, script;
@@ -132,7 +132,7 @@ int PageLayers::block_of(const ExrImage& image) const {
     for (const ImageLayer& layer : image.layers)
         if (layer.triple()[0] != nullptr && !(is_light(layer) && is_black(layer)))
             planes += static_cast<double>(std::min<std::size_t>(layer.planes.size(), 3));
-    // A half takes about 1.3 bytes of the 2 when packed, times 4 / 3 in base64; noise does not pack better.
+    // Compression shrinks the 2 bytes of a noisy half to about 1.3, and base64 multiplies them by 4 / 3.
     const double bytes = planes * image.width * image.height * 1.75;
     return std::max(1, static_cast<int>(std::ceil(std::sqrt(bytes / static_cast<double>(image_bytes_)))));
 }
@@ -148,7 +148,7 @@ Result<std::vector<PageLayers::View>> PageLayers::views_of(const ExrImage& image
     for (const std::string& name : names) {
         auto table = pack_view(color_, image.chromaticities.value_or(display::Chromaticities{}), display, name);
         if (!table && name == chosen) return table.error();
-        if (!table) continue;  // a view of the config that does not work is none to choose
+        if (!table) continue;  // the config has a view that does not work
         const auto known = std::find(tables_.begin(), tables_.end(), *table);
         views.push_back({name, static_cast<std::size_t>(known - tables_.begin())});
         if (known == tables_.end()) tables_.push_back(std::move(*table));
@@ -164,8 +164,9 @@ Result<PageLayers::Row> PageLayers::row_of(const ExrImage& image, const ImageLay
     const std::string under = !expression.empty() ? expression : describe(look);
     Row row;
     row.empty = may_fold && is_light(layer) && is_black(layer);
-    const bool plain = layer.triple()[0] != nullptr;          // not luminance and chroma, nor planes of unknown names
-    const bool painted = look != LayerLook::light || !plain;  // by us, at the size of the data
+    const bool plain =
+        layer.triple()[0] != nullptr;  // false for luminance with chroma, and for planes of unknown names
+    const bool painted = look != LayerLook::light || !plain;  // here, at the size of the data; the page paints light
     const int side = std::max(image.width, image.height), size = painted ? (side + block - 1) / block : 96;
     auto picture = picture_of(image, layer, color_, {size, 0, options_.display, options_.view});
     if (!picture) return picture.error();
@@ -208,7 +209,7 @@ Result<PageLayers::Row> PageLayers::row_of(const ExrImage& image, const ImageLay
 
 namespace {
 
-/// What stands around the picture: one or all, exposure, view, zoom.
+/// The controls around the picture: one layer or all, exposure, view, zoom.
 std::string tools(const std::vector<std::string>& views) {
     std::string options;
     for (std::size_t i = 0; i < views.size(); ++i)
@@ -227,7 +228,7 @@ std::string tools(const std::vector<std::string>& views) {
            "layers, a all, b beauty, e/E exposure\"></p></div>\n";
 }
 
-/// The first heading over shares says of which point of the image.
+/// A heading. The first one above shares also names the pixel that the shares belong to.
 std::string heading_of(const Group& group, bool first) {
     return "<h3>" + escape_html(group.title) +
            (group.note.empty() ? "" : " <span class=\"faint\">" + escape_html(group.note) + "</span>") +
@@ -235,7 +236,7 @@ std::string heading_of(const Group& group, bool first) {
            "</h3>\n";
 }
 
-/// What the page's script knows of the image; views and layers are still to come.
+/// The data of the image for the page's script; the caller adds views and layers.
 Json image_json(const ExrImage& image, int block) {
     return {{"width", (image.width + block - 1) / block},
             {"height", (image.height + block - 1) / block},
@@ -244,7 +245,7 @@ Json image_json(const ExrImage& image, int block) {
             {"layers", Json::array()}};
 }
 
-/// A layer, and what it is a share of.
+/// A layer, and the layer of which it shows its share.
 using LayerOfWhole = std::pair<const ImageLayer*, const ImageLayer*>;
 
 void link_wholes(const std::vector<LayerOfWhole>& layers, Json& rows) {
@@ -269,14 +270,14 @@ Result<std::string> PageLayers::html(const ExrImage& image) {
     std::vector<LayerOfWhole> wholes;
     std::string list, folded, scripts;
     std::size_t empty = 0;
-    // The script's order is that of the rows in the page: layers without light stand last, folded away.
+    // The script expects the order of the rows in the page. Layers without light come last and are folded away.
     Json dark = Json::array();
     for (const Group& group : groups) {
         std::string rows;
         for (const ImageLayer* layer : group.layers) {
             if (layer->triple()[0] == nullptr) {
-                rows +=
-                    "<p class=\"faint\">" + escape_html(shown_name(*layer)) + " has no form that can be shown.</p>\n";
+                rows += "<p class=\"faint\">" + escape_html(shown_name(*layer)) +
+                        " cannot be shown: its planes are of an unknown kind.</p>\n";
                 continue;
             }
             auto row = row_of(image, *layer, block, layer != group.whole);
@@ -302,7 +303,8 @@ Result<std::string> PageLayers::html(const ExrImage& image) {
         list += heading_of(group, list.empty()) + rows;
     }
     if (data["layers"].empty())
-        return std::string("<p class=\"faint\">No layer of it can be shown, or all are black.</p>\n");
+        return std::string(
+            "<p class=\"faint\">No layer of this file can be shown: all are black or of an unknown kind.</p>\n");
     link_wholes(wholes, data["layers"]);
     for (Json& each : dark) data["layers"].push_back(std::move(each));
     if (list.find("class=\"where\"") == std::string::npos) list = "<span class=\"where\" hidden></span>" + list;

@@ -1,4 +1,4 @@
-// The layers of an image inside a page: their pixels, a row for each, and what split_page.js needs to show them.
+// The layers of an image inside a page: their pixels, a row for each layer, and the data for split_page.js.
 #pragma once
 
 #include <cstddef>
@@ -14,14 +14,14 @@ namespace raylex::experiments {
 
 class PageLayers {
   public:
-    /// The pixels of one image take about `image_bytes` at most, unless the options ask for a size.
+    /// `image_bytes`: approximate limit for the pixels of one image, unless the options set a size.
     PageLayers(const display::ColorManager& color, const PageOptions& options, std::size_t image_bytes)
         : color_(color), options_(options), image_bytes_(image_bytes) {}
 
-    /// Viewer, rows and data of one image. A file without any layer that can be shown says so.
+    /// Viewer, rows and data of one image. If no layer can be shown, the section says so instead.
     Result<std::string> html(const display::ExrImage& image);
 
-    /// The tables of the views that the images use, once for the page.
+    /// The tables of all views that the images use. A page contains them once.
     [[nodiscard]] std::string view_scripts() const;
 
   private:

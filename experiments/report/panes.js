@@ -1,11 +1,11 @@
-// Pictures of one size under one zoom: side by side as large as they fit, moved and magnified together, with one cursor and
-// the same insets in each. `root` is an element of a height of its own.
+// Pictures of one size, side by side and as large as they fit. They are moved and magnified together, and share the
+// cursor and the insets. `root` is an element with a height of its own.
 //
 //   const panes = raylexPanes(root, { width, height, cursor: (x, y) => ..., wheel: 'always' or 'focused' });
 //   panes.show([{ label, key, paint: async level => canvas, over: { key, paint }, frame }]);
 //
-// paint(level) makes a picture of means over level x level pixels; it is asked again when `key` changes. What `over` paints
-// covers the picture right of the divider, which follows the pointer.
+// paint(level) makes a picture of means over level x level pixels; it is called again when `key` changes. The picture
+// of `over` covers the first picture right of the divider, which follows the pointer.
 const raylexPanes = (root, { width, height, cursor, wheel = 'always' }) => {
   const insetColors = ['#e4572e', '#2e86de', '#2fa84f', '#b455c8'], gap = 6;
   let panes = [], view = null, point = null, divide = 0.5, insets = [], drag = null, asked = false;
@@ -34,7 +34,7 @@ const raylexPanes = (root, { width, height, cursor, wheel = 'always' }) => {
     redraw();
   };
 
-  // Where the image stands in a canvas: its corner and how many CSS pixels one of its pixels takes.
+  // The place of the image in a canvas: its corner, and the size of one of its pixels in CSS pixels.
   const place = canvas => {
     const w = canvas.clientWidth, whole = canvas.clientHeight, h = whole - stripOf(whole);
     const fit = Math.min(w / width, h / height), scale = view ? view.scale : fit;
@@ -48,7 +48,7 @@ const raylexPanes = (root, { width, height, cursor, wheel = 'always' }) => {
       pane[slot] = next;
       spec.paint(level).then(canvas => {
         if (pane[slot] !== next) return;
-        Object.assign(next, { canvas, level: canvas.width === width ? 1 : level });  // some come at full size only
+        Object.assign(next, { canvas, level: canvas.width === width ? 1 : level });  // some exist at full size only
         redraw();
       });
     }

@@ -16,8 +16,7 @@ namespace raylex::experiments {
 std::string pack_bytes(std::span<const unsigned char> bytes) {
     uLongf size = compressBound(static_cast<uLong>(bytes.size()));
     std::vector<unsigned char> packed(size);
-    // Level 6 as everywhere; it cannot fail with a buffer of compressBound's size but for lack of memory, which throws
-    // nothing.
+    // With a buffer of compressBound's size only a lack of memory can make this fail.
     if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), 6) != Z_OK) return {};
     return base64(std::span(packed).first(size));
 }

@@ -1,5 +1,5 @@
-// Pixels that a page carries (pixel_data.h says how they are packed): unpacking, means over blocks, and from linear light
-// to what a screen shows. Knows nothing of layout.
+// The pixels of a page: unpacking (pixel_data.h describes the format), means over blocks, and conversion from linear
+// light to the colours of a screen.
 const raylexPixels = (() => {
   const halfValue = new Float32Array(65536);
   for (let h = 0; h < 65536; ++h) {
@@ -21,7 +21,7 @@ const raylexPixels = (() => {
     return new Uint8Array(await new Response(stream).arrayBuffer());
   };
 
-  // What an image's planes hold: `at(i)` is value i, plane after plane.
+  // The values of an image, plane after plane: `at(i)` is value i.
   const halves = (id, scale = 1) => once(id, async () => {
     const bytes = await unpacked(id), count = bytes.length / 2, words = new Uint16Array(count);
     for (let i = 0, high = 0; i < count; ++i) words[i] = (high = high + bytes[i] & 255) << 8 | bytes[count + i];
@@ -32,8 +32,8 @@ const raylexPixels = (() => {
     return { count, at: i => ((b[i] << 24 | b[count + i] << 16 | b[2 * count + i] << 8 | b[3 * count + i]) >>> 0) };
   });
 
-  // Means over level x level pixels of three planes; one value that is not finite makes its block so, and stays visible.
-  // The latest ones are kept, since a change of exposure needs them again.
+  // Means over level x level pixels of three planes. A value that is not finite makes the mean not finite, and so stays
+  // visible. The latest results are kept, because a change of exposure needs them again.
   const kept = new Map();
   const reduced = (key, planes, width, height, level) => {
     const name = `${key}@${level}`;
@@ -70,7 +70,7 @@ const raylexPixels = (() => {
     data[q + 2] = b > 0 ? curve[Math.min(4096, Math.round(b * 4096))] : 0;
   };
 
-  // A view of the colour config: linear between the nodes of its table, whose places are logarithmic.
+  // A view of the colour config: linear interpolation in a table whose nodes are logarithmically spaced.
   const view = id => once(id, async () => {
     const table = await unpacked(id), n = Math.round(Math.cbrt(table.length / 3)), least = 2 ** -10;
     const place = v => Math.min(n - 1, v > 0 ? 2 * (Math.log2(v + least) + 10) : 0);
@@ -89,7 +89,7 @@ const raylexPixels = (() => {
     };
   });
 
-  // A canvas of `image` (as `reduced` makes it); color(data, q, i) sets the three bytes at q from pixel i.
+  // A canvas of `image`, which `reduced` returned. color(data, q, i) sets the three bytes at q from pixel i.
   const painted = (image, color) => {
     const canvas = document.createElement('canvas');
     canvas.width = image.width;

@@ -27,15 +27,14 @@ class PngDriver : public display::DisplayDriver {
         if (Status writable = display::check_writable(file_); !writable) return writable;
         std::vector<std::string> names{"beauty"};
         for (const display::DriverLayer& each : image.layers) names.push_back(each.name);
-        // Cryptomattes are no channels: their layers are known in the end.
+        // The layers of cryptomattes are not known before the image is finished.
         if (layer_.empty() || layer_.starts_with("Crypto") ||
             std::find(names.begin(), names.end(), layer_) != names.end())
             return success();
         std::string list;
         for (const std::string& each : names)
             if (!each.empty()) list += (list.empty() ? "" : ", ") + each;
-        return error_at(where_, "there is no layer '" + layer_ + "' to show; expected one of: " + list,
-                        near_miss(layer_, names));
+        return error_at(where_, "unknown layer '" + layer_ + "'; expected one of: " + list, near_miss(layer_, names));
     }
 
     Status close(const display::FinishedImage& finished) override {
@@ -59,7 +58,7 @@ Result<std::unique_ptr<display::DisplayDriver>> make_png(const ParameterSet& set
     auto file = set.string_or("file", "");
     auto layer = set.string_or("layer", "");
     auto display = set.string_or("display", "");
-    // The job's view belongs to the job's display.
+    // The job's view is a view of the job's display, so another display takes its own default.
     auto view = set.string_or("view", display.ok() && !display->empty() ? std::string() : context.view);
     auto exposure = set.real_or("exposure", context.exposure);
     auto size = set.integer_or("size", 0);
@@ -73,8 +72,7 @@ Result<std::unique_ptr<display::DisplayDriver>> make_png(const ParameterSet& set
     if (*size < 0 || *size > 65536)
         return error_at(set.location, "'size' is " + std::to_string(*size) + " pixels; expected 1 to 65536, or 0");
     if (context.color == nullptr)
-        return error_at(set.location,
-                        "there is no colour config to make previews with; expected one in $OCIO or --ocio");
+        return error_at(set.location, "a preview needs a colour config; expected one in $OCIO or --ocio");
     PictureOptions options{static_cast<int>(*size), *exposure, display->empty() ? context.display : *display, *view};
     if (Status known = display::check_view(*context.color, options.display, options.view); !known)
         return error_at(set.location, known.error().message, known.error().hint);
@@ -85,7 +83,7 @@ Result<std::unique_ptr<display::DisplayDriver>> make_png(const ParameterSet& set
 }  // namespace
 
 void register_png_driver() {
-    if (display::display_driver_registry().find("png") != nullptr) return;  // a plugin's, perhaps
+    if (display::display_driver_registry().find("png") != nullptr) return;  // a plugin may have added it
     display::display_driver_registry().add(
         {"png",
          "one layer as a picture, through the colour config's display and view",

@@ -5,7 +5,7 @@
 
 namespace raylex::experiments {
 
-/// Makes "png" known to display_driver_registry(); more than once does no harm.
+/// Adds "png" to display_driver_registry(), unless the name is there already.
 void register_png_driver();
 
 }  // namespace raylex::experiments

@@ -14,10 +14,10 @@ namespace {
 
 using display::ImagePlane;
 
-// Stays finite as a float: what is not is shown black.
+// Below the largest float, because the colour library shows infinities black.
 constexpr double brightest = 1e30;
 
-/// Pixels of one source block per pixel of the picture.
+/// Side of the block of source pixels that one pixel of the picture stands for.
 int reduction(const display::ExrImage& image, int largest_side) {
     const int side = std::max(image.width, image.height);
     return largest_side > 0 && side > largest_side ? (side + largest_side - 1) / largest_side : 1;
@@ -28,12 +28,12 @@ unsigned char to_byte(double value) {
     return static_cast<unsigned char>(std::lround(std::min(value, 1.0) * 255));
 }
 
-/// Values of a plane that may be missing: 0 then.
+/// A value of a plane; 0 if there is no such plane.
 double value_at(const ImagePlane* plane, std::size_t i) {
     return plane != nullptr ? static_cast<double>(plane->values[i]) : 0.0;
 }
 
-/// Depths that stand for "nothing was hit": infinity, and the 1e10 that Blender writes.
+/// Larger depths mean that nothing was hit: renderers write infinity, and Blender writes 1e10.
 constexpr double farthest_depth = 1e9;
 
 bool is_depth(double value) {
@@ -57,7 +57,7 @@ struct Range {
     }
 };
 
-/// A steady, well-spread colour for an integer (the finaliser of MurmurHash3 mixes its bits).
+/// A fixed colour for each integer. The finaliser of MurmurHash3 mixes the bits, so close integers look different.
 std::array<unsigned char, 3> colour_of_id(std::uint32_t id) {
     if (id == 0) return {0, 0, 0};
     std::uint32_t h = id;
@@ -70,7 +70,7 @@ std::array<unsigned char, 3> colour_of_id(std::uint32_t id) {
     return {channel(0), channel(8), channel(16)};
 }
 
-/// Box average of scene-linear values; a block with a non-finite value averages the finite ones.
+/// Means of scene-linear values over blocks, without values that are not finite.
 std::vector<float> averaged(const display::ExrImage& image, const std::array<const ImagePlane*, 3>& planes, int block,
                             double scale, int width, int height) {
     std::vector<float> rgb(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
@@ -120,7 +120,7 @@ std::array<unsigned char, 3> geometry_pixel(LayerLook look, const std::array<dou
     return {grey, grey, grey};
 }
 
-/// Two ranks of a cryptomatte: the ids' colours, weighted by coverage, over blocks of pixels.
+/// Two ranks of a cryptomatte: means over blocks of the colours of ids, weighted by coverage.
 std::vector<unsigned char> matte_picture(const display::ExrImage& image, const display::ImageLayer& layer, int block,
                                          int width, int height) {
     const std::array<const ImagePlane*, 4> planes{layer.plane("R"), layer.plane("G"), layer.plane("B"),
@@ -150,7 +150,7 @@ bool has_chroma(const display::ImageLayer& layer) {
     return layer.plane("Y") != nullptr && layer.plane("RY") != nullptr && layer.plane("BY") != nullptr;
 }
 
-/// R, G and B of a layer of luminance and chroma: RY = (R - Y) / Y and BY = (B - Y) / Y, as OpenEXR defines them.
+/// R, G and B of a layer with luminance and chroma. OpenEXR defines RY = (R - Y) / Y and BY = (B - Y) / Y.
 std::array<ImagePlane, 3> from_chroma(const display::ImageLayer& layer, const display::Chromaticities& primaries) {
     const std::array<double, 3> weights = display::luminance_weights(primaries);
     const std::vector<float>&luminance = layer.plane("Y")->values, &ry = layer.plane("RY")->values,
@@ -165,7 +165,7 @@ std::array<ImagePlane, 3> from_chroma(const display::ImageLayer& layer, const di
     return planes;
 }
 
-/// What is shown as red, green and blue; the last ones are null where the layer has fewer planes.
+/// The planes that are shown as red, green and blue. The last ones are null if the layer has fewer planes.
 std::array<const ImagePlane*, 3> shown_planes(const display::ImageLayer& layer) {
     if (const auto triple = layer.triple(); triple[0] != nullptr) return triple;
     std::array<const ImagePlane*, 3> planes{};
@@ -184,7 +184,7 @@ std::vector<unsigned char> geometry_picture(const display::ExrImage& image, Laye
     rgb.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
-            // Averaging would invent ids, normals and depths: the middle of the block stands for it.
+            // A mean would invent ids, normals and depths, so the middle of the block is shown.
             const auto v = static_cast<std::size_t>(std::min(y * block + block / 2, image.height - 1));
             const auto u = static_cast<std::size_t>(std::min(x * block + block / 2, image.width - 1));
             const std::size_t i = v * static_cast<std::size_t>(image.width) + u;
@@ -198,7 +198,7 @@ std::vector<unsigned char> geometry_picture(const display::ExrImage& image, Laye
 }  // namespace
 
 LayerLook look_of(const display::ImageLayer& layer) {
-    // A layer's own name, without the groups a part name may put before it.
+    // The name without the groups that a part name can put before it.
     const std::string name =
         layer.name.substr(layer.name.find_last_of('.') == std::string::npos ? 0 : layer.name.find_last_of('.') + 1);
     if (layer.planes.size() == 1) {
@@ -258,7 +258,8 @@ Result<Picture> picture_of(const display::ExrImage& image, const display::ImageL
     picture.height = (image.height + block - 1) / block;
     std::array<const ImagePlane*, 3> planes = shown_planes(layer);
     if (planes[0] == nullptr)
-        return Error{"layer '" + layer.name + "' has nothing but alpha to show", image.path, 0, 0, {}, {}};
+        return Error{
+            "layer '" + layer.name + "' has only alpha; expected a plane that can be shown", image.path, 0, 0, {}, {}};
     const LayerLook look = look_of(layer);
     if (look == LayerLook::light) {
         const display::Chromaticities primaries = image.chromaticities.value_or(display::Chromaticities{});

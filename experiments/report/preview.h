@@ -1,4 +1,4 @@
-// Layers as 8-bit pictures: light through a display and view, geometry as a sensible false colour.
+// Layers as 8-bit pictures: light through a display and view, geometry in false colours.
 #pragma once
 
 #include <string>
@@ -18,16 +18,16 @@ enum class LayerLook {
     parameter,  ///< surface parameters, their fractional part
     depth,      ///< one real number, near bright, misses black
     identity,   ///< integers, a colour per value, 0 black
-    mattes,     ///< a cryptomatte's layer of two ranks: a colour per id, by coverage
+    mattes,     ///< two ranks of a cryptomatte: a colour per id, weighted by coverage
     value       ///< any other single real number, from its least to its largest finite value
 };
 
-/// From the layer's name and planes. "albedo" is light: it is a colour; so is luminance (a plane Y) without colours.
+/// The look that fits the layer's name and planes. Albedo and plain luminance (a plane Y alone) are shown as light.
 LayerLook look_of(const display::ImageLayer& layer);
-/// The layer that is asked for by any name that means it; without one the beauty, else what other renderers' habits
-/// suggest, else the first light.
+/// The layer of that name. If `name` is empty: the beauty, else the layer that other renderers use for it, else the
+/// first layer with light.
 Result<const display::ImageLayer*> shown_layer(const display::ExrImage& image, const std::string& name);
-/// One short line for a reader: "camera-space normal, -1..1 shown as 0..1".
+/// One short line for readers, such as "unit vectors: -1 to 1 shown as 0 to 1"; empty for light.
 const char* describe(LayerLook look);
 
 /// 8-bit RGB, row-major from the top.
@@ -37,13 +37,13 @@ struct Picture {
 };
 
 struct PictureOptions {
-    int largest_side = 0;       ///< reduced by averaging blocks (nearest for geometry) until it fits; 0 = as it is
+    int largest_side = 0;       ///< larger images are reduced: means over blocks (nearest for geometry); 0: full size
     double exposure = 0;        ///< stops, light only
     std::string display, view;  ///< empty: the config's defaults
 };
 
-/// Luminance with OpenEXR's chroma (Y RY BY) is shown in colour. Planes of other names than R G B or X Y Z are shown as
-/// red, green and blue in their order, alpha left out; of more than three the first three.
+/// Luminance with OpenEXR's chroma (Y RY BY) is shown in colour. If the planes are not named R G B or X Y Z, the first
+/// three other than alpha are shown as red, green and blue.
 Result<Picture> picture_of(const display::ExrImage& image, const display::ImageLayer& layer,
                            const display::ColorManager& color, const PictureOptions& options);
 

@@ -1,5 +1,5 @@
-// The page of a render's layers: one large picture or all of them, and beside it every layer with its value and its share of
-// the light where the pointer is. The rows are in the page already; this fills them.
+// The page of a render's layers: one large picture or all of them, and beside it a row for every layer. This script
+// fills the rows with the layer's value and its share of the light at the pointer.
 (() => {
   const part = (root, selector) => root.querySelector(selector);
   const { digits } = raylexPixels;
@@ -19,7 +19,7 @@
       : raylexPixels.halves(layer.data, layer.scale);
     const gain = () => 2 ** +exposure.value;
 
-    // A picture of geometry is painted already, and its row shows it small; light is painted through the view.
+    // The page contains painted pictures of geometry, which rows show small. Light is painted here, through the view.
     const fixed = new Map();
     const paintFixed = async index => {
       const element = part(rows[index], 'img');
@@ -51,7 +51,7 @@
       read();
     };
 
-    // Shares are of the whole that a layer's partition splits, by the sum of red, green and blue.
+    // A share is relative to the layer that the partition splits, by the sum of red, green and blue.
     const setShare = (row, share, known) => {
       part(row, '.share').textContent = known ? percent(share) || '\u2013' : '';
       part(row, '.bar').style.width = known && share > 0 ? Math.min(100, 100 * share) + '%' : '0';
@@ -99,7 +99,7 @@
       rows[next].scrollIntoView({ block: 'nearest' });
     };
     rows.forEach((row, i) => row.addEventListener('click', () => choose(i)));
-    // A layer that was not in the file: { name, expression, planes, light, share, data, planesOf, wholeAt }, and its row.
+    // Adds a layer that is not in the file: { name, expression, planes, light, share, data, planesOf, wholeAt }.
     const addLayer = (layer, row) => {
       const index = layers.push(layer) - 1;
       rows.push(row);

@@ -33,7 +33,7 @@ std::string row(const std::string& name, const std::string& value) {
     return "<tr><td>" + name + "</td><td class=\"number\">" + value + "</td></tr>\n";
 }
 
-/// What the scene calls for, and what was forced.
+/// Which effects were simulated, and why.
 std::string effects(const Json& json) {
     const auto found = json.find("effects");
     if (found == json.end() || !found->is_object()) return {};
@@ -60,7 +60,7 @@ std::string phases(const Json& json) {
     return table + "</table></div>\n";
 }
 
-/// Path lengths as shares with bars; one colour, so that length alone carries the number.
+/// The shares of path lengths, with bars.
 std::string path_lengths(const Json& json) {
     const auto found = json.find("path_length_histogram");
     if (found == json.end() || !found->is_array()) return {};
@@ -92,24 +92,24 @@ std::string statistics_table(const std::string& record) {
     text += row("Scattering rays", counted(number_at(json, "/rays/scattering")));
     text += row("Shadow rays", counted(number_at(json, "/rays/shadow")));
     if (const double count = number_at(json, "/branches"); count > 0)
-        text += row("Further rays of split paths", counted(count));
+        text += row("Rays of split paths", counted(count));
     if (const double count = number_at(json, "/rays/pilot"); count > 0)
-        text += row("Rays traced before, to choose how to sample", counted(count));
+        text += row("Rays traced before the render, to tune sampling", counted(count));
     const std::pair<const char*, const char*> pruned[] = {
-        {"Paths ended: no layer takes what they could become", "/pruned/paths"},
-        {"Light samples not drawn: no light counts there", "/pruned/light_samples"},
-        {"Shadow rays not traced: no layer takes their light", "/pruned/shadow_rays"},
-        {"Last rays left to light samples", "/pruned/rays_left_to_light_samples"},
-        {"Last light samples left to rays", "/pruned/light_samples_left_to_rays"},
-        {"Lobes not drawn: no layer takes that side of a surface", "/pruned/lobes"},
-        {"Light paths not begun or ended: no layer takes what they could come to", "/pruned/light_paths"},
-        {"Joins with light paths not made: no layer takes them", "/pruned/joins"},
-        {"Paths ended at random: layers are expected to receive little of them", "/pruned/weak_paths"},
-        {"Materials not evaluated: only the geometry of first hits is asked for", "/pruned/closures"}};
+        {"Paths ended: no layer uses what could follow", "/pruned/paths"},
+        {"Light samples not drawn: no layer uses them", "/pruned/light_samples"},
+        {"Shadow rays not traced: no layer uses their light", "/pruned/shadow_rays"},
+        {"Last rays replaced by light samples", "/pruned/rays_left_to_light_samples"},
+        {"Last light samples replaced by rays", "/pruned/light_samples_left_to_rays"},
+        {"Lobes not sampled: no layer uses that side of the surface", "/pruned/lobes"},
+        {"Light paths not started or ended early: no layer uses them", "/pruned/light_paths"},
+        {"Connections to light paths not made: no layer uses them", "/pruned/joins"},
+        {"Paths ended by roulette: layers receive little of them", "/pruned/weak_paths"},
+        {"Materials not evaluated: layers need only the geometry of first hits", "/pruned/closures"}};
     for (const auto& [label, place] : pruned)
         if (const double count = number_at(json, place); count > 0) text += row(label, counted(count));
     text += row("Merged attributions", counted(number_at(json, "/attribution_overflow")));
-    text += row("Contributions that were not finite", counted(number_at(json, "/invalid_samples/count")));
+    text += row("Contributions that are not finite", counted(number_at(json, "/invalid_samples/count")));
     text += row("Peak memory", text_of("%.0f MB", number_at(json, "/peak_memory_bytes") * 1e-6));
     text += "</table></div>\n" + path_lengths(json) + effects(json) + "</div>\n";
     const auto warnings = json.find("warnings");

@@ -5,7 +5,7 @@
 
 namespace raylex::experiments {
 
-/// From the text of a --stats file; empty when it is none.
+/// `record`: the text of a --stats file. Empty if the text is something else.
 std::string statistics_table(const std::string& record);
 
 }  // namespace raylex::experiments

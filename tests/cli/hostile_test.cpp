@@ -99,7 +99,7 @@ TEST_CASE("values that a file cannot hold are counted, and its splits are judged
     REQUIRE(run_raylex(folder, "report h.exr -o h.html").code == 0);
     const std::string page = folder.read("h.html");
     CHECK_FALSE(contains(page, "Every split holds"));
-    CHECK(contains(page, "Cannot tell of 1 of 1 partitions"));
+    CHECK(contains(page, "Cannot tell for 1 of 1 partitions"));
     CHECK(contains(page, "0 of 256</td>"));
     // Beauty leaves float where no layer of it does.
     folder.write("float.pbrt",

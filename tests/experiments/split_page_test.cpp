@@ -1,4 +1,4 @@
-// What a page keeps of an image's layers: values, shares, what is folded away, and how large it may become.
+// The layers of an image in a page: values, shares, folded layers, and the size of the page.
 #include <catch2/catch.hpp>
 
 #include <Imath/half.h>
@@ -70,7 +70,7 @@ display::ImageLayer layer(const std::string& name, const std::vector<std::string
 
 const std::vector<std::string> rgb{"R", "G", "B"};
 
-/// 8 x 4 pixels: a beauty of 4, of which `lit` is 1 and `more` 3; `dark` has no light; ids and depths.
+/// 8 x 4 pixels: a beauty of 4, split into `lit` of 1 and `more` of 3; `dark` without light; ids and depths.
 display::ExrImage image_of_layers() {
     display::ExrImage image;
     image.path = "made.exr";
@@ -96,7 +96,7 @@ std::string pixels_of(const std::string& html, const Json& layer) {
 
 }  // namespace
 
-TEST_CASE("packed values are what they were, to half precision", "[report]") {
+TEST_CASE("packed values unpack to half precision", "[report]") {
     const float infinity = std::numeric_limits<float>::infinity();
     const std::vector<float> values{0, 1, -2.5F, 0.1F, 65504, 1e6F, -infinity, infinity, std::nanf(""), 6e-8F};
     const std::vector<float> back = unpacked_halves(pack_halves(values), values.size());
@@ -117,7 +117,7 @@ TEST_CASE("packed values are what they were, to half precision", "[report]") {
     }
 }
 
-TEST_CASE("a view's table is the view at its nodes", "[report]") {
+TEST_CASE("the table of a view has the view's colours at its nodes", "[report]") {
     auto color = display::ColorManager::open();
     REQUIRE(color);
     const display::Chromaticities primaries{};
@@ -135,7 +135,7 @@ TEST_CASE("a view's table is the view at its nodes", "[report]") {
         CHECK(table[((blue * view_nodes + green) * view_nodes + red) * 3 + c] == (*shown)[c]);
 }
 
-TEST_CASE("a page has every layer's values and shares, and folds layers without light", "[report]") {
+TEST_CASE("a page has the values and shares of every layer, and folds layers without light", "[report]") {
     auto color = display::ColorManager::open();
     REQUIRE(color);
     const PageOptions options;
@@ -165,11 +165,10 @@ TEST_CASE("a page has every layer's values and shares, and folds layers without 
             CHECK(bytes[32] == 255);
             CHECK(bytes[96] == 255);
         }
-    // Every data element is some layer's, and the views are there once.
     CHECK(layers.view_scripts().find("id=\"view-0\"") != std::string::npos);
 }
 
-TEST_CASE("a page stays within its bytes, by means over blocks", "[report]") {
+TEST_CASE("a page that would be too large has means over blocks", "[report]") {
     auto color = display::ColorManager::open();
     REQUIRE(color);
     display::ExrImage image = image_of_layers();
@@ -185,7 +184,7 @@ TEST_CASE("a page stays within its bytes, by means over blocks", "[report]") {
     CHECK(unpacked_halves(pixels_of(*html, data["layers"][0]), 8 * 3)[0] == (12 + 3 * 4) / 4);
 }
 
-TEST_CASE("a file in which nothing can be shown gets a page that says so", "[report]") {
+TEST_CASE("the page of a file without a layer that can be shown says so", "[report]") {
     auto color = display::ColorManager::open();
     REQUIRE(color);
     display::ExrImage image;
@@ -196,5 +195,5 @@ TEST_CASE("a file in which nothing can be shown gets a page that says so", "[rep
     PageLayers layers(*color, options, 1'000'000);
     auto html = layers.html(image);
     REQUIRE(html);
-    CHECK(html->find("No layer of it can be shown") != std::string::npos);
+    CHECK(html->find("No layer of this file can be shown") != std::string::npos);
 }

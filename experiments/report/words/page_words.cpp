@@ -25,22 +25,22 @@ using display::WordAlphabet;
 using display::WordTable;
 using Parts = std::array<double, PathAtlas::parts>;
 
-/// One word of one block of pixels.
+/// A path string in a block of pixels.
 struct BlockWord {
     std::array<double, 3> rgb{};
     Parts luminance{};
 };
 
-/// What the page keeps, pixel after pixel.
+/// The path strings that the page keeps, pixel after pixel.
 struct PageWords {
     int block = 1, width = 0, height = 0;
-    std::vector<float> counts;  ///< [pixel] words of it
-    std::vector<float> words;   ///< their numbers, ascending within a pixel
+    std::vector<float> counts;  ///< [pixel] how many path strings it has
+    std::vector<float> words;   ///< numbers of path strings, ascending within a pixel
     std::array<std::vector<float>, 3> rgb;
     std::vector<float> errors;  ///< standard errors of their luminance
 };
 
-/// About what a word of a pixel takes in the page, packed: four halves of 1.75 (page_layers.cpp), and a number.
+/// About the packed size of a pixel's path string: four halves of 1.75 bytes (page_layers.cpp), and a number.
 constexpr std::size_t bytes_per_word = 8;
 
 class Reducer {
@@ -50,7 +50,7 @@ class Reducer {
         page_.width = (atlas.width() + block - 1) / block;
         page_.height = (atlas.height() + block - 1) / block;
     }
-    /// False where there are more than `most` words.
+    /// False if there are more than `most` path strings.
     Result<bool> run(std::size_t most) {
         const auto columns = static_cast<std::size_t>(page_.width);
         for (int y = 0; y < atlas_.height(); ++y) {
@@ -110,7 +110,7 @@ Result<PageWords> reduced(display::AtlasFile& atlas, std::size_t most) {
         Reducer reducer(atlas, block);
         const auto fits = reducer.run(most);
         if (!fits) return fits.error();
-        // One word a pixel of the page is as few as there can be.
+        // A page of one block cannot be reduced further.
         if (*fits || block >= std::max(atlas.width(), atlas.height())) return reducer.page();
     }
 }
@@ -136,11 +136,12 @@ Json table_json(const WordTable& table) {
     return json;
 }
 
-/// What a header says of the render that its pixels are of.
+/// The attributes of a header that identify the render.
 constexpr std::array names_of_a_render{"raylex/scene",          "raylex/seed",       "raylex/samples_per_pixel",
                                        "raylex/camera_samples", "raylex/integrator", "raylex/filter"};
 
-/// The power of two that brings values into the range of half floats from above, and small ones away from its steps.
+/// The power of two that scales the largest value to between 2^14 and 2^15, so that small values keep their precision
+/// as half floats.
 float scale_of(std::span<const float> values) {
     float most = 0;
     for (const float value : values)
@@ -169,7 +170,7 @@ Result<display::ExrImage> image_of_atlas(const std::string& path) {
     if (!image) return image.error();
     for (display::ImageLayer& layer : image->layers)
         std::erase_if(layer.planes, [](const display::ImagePlane& plane) {
-            return plane.name.size() > 1;  // n0 ... n7: how many samples
+            return plane.name.size() > 1;  // n0 ... n7 count samples
         });
     return image;
 }
@@ -192,7 +193,6 @@ Result<std::string> words_html(display::AtlasFile& atlas, std::size_t number, st
                     {"height", page->height},
                     {"scale", scale},
                     {"errorScale", error_scale},
-                    {"straightDropped", table.dropped_straight},
                     {"techniques", table.rules.techniques},
                     {"mostVertices", WordAlphabet::most_vertices},
                     {"signed", table.is_signed()}};

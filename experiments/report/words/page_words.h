@@ -1,4 +1,5 @@
-// The words of a path atlas inside a page: what each pixel's light is made of, and any expression of it, offline.
+// The path strings of an atlas inside a page. They show which paths contribute to a pixel, and they answer expressions
+// that a reader types, without raylex.
 #pragma once
 
 #include <cstddef>
@@ -10,22 +11,22 @@
 
 namespace raylex::experiments {
 
-/// Whether the atlas is of the very render that the image is of, as far as their headers say.
+/// Whether the headers of the atlas and the image describe the same render.
 bool is_atlas_of(const display::AtlasFile& atlas, const display::ExrImage& image);
 
-/// The atlas's own image: the beauty beside its words.
+/// The beauty image that the atlas file contains.
 Result<display::ExrImage> image_of_atlas(const std::string& path);
 
-/// What words.js reads, as elements of a section of the page; `number` tells the atlases of a page apart. Where words
-/// take more than about `bytes`, pixels are joined to blocks, whose words are means over the block: a word of the page
-/// then has the light of a word of the atlas all the same. Errors: a damaged file.
+/// The elements of a page's section that words.js reads. `number` is the number of the atlas in the page. If path
+/// strings take more than about `bytes`, the page keeps means over blocks of pixels instead of pixels; a path string
+/// keeps its mean light. Errors: a damaged file.
 Result<std::string> words_html(display::AtlasFile& atlas, std::size_t number, std::size_t bytes);
 
-/// The names that expressions of the page may use, as JSON: what lpe::builtin_names() says.
+/// lpe::builtin_names() as JSON: an object from names to expressions.
 std::string expression_names();
 
-// Scripts, compiled in from the files of these names.
-std::string_view matcher_scripts();  ///< lpe_events.js, lpe_renderman.js, lpe_osl.js, lpe_matcher.js
-std::string_view words_script();     ///< words.js
+// Scripts. The build compiles these files into the program.
+std::string_view lpe_script();    ///< lpe.js
+std::string_view words_script();  ///< words.js
 
 }  // namespace raylex::experiments

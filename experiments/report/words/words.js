@@ -1,23 +1,21 @@
-// The words of a path atlas in the page of a render: which of them make the pixel under the pointer, and the layer of any
-// expression that is typed. `page`: { width, height, block, addLayer } of split_page.js.
+// The path strings of an atlas in the page of a render: which of them contribute to the pixel under the pointer, and
+// the layer of any expression that is typed. `page`: { width, height, block, addLayer } of split_page.js.
 const raylexWords = (section, page) => {
   const info = JSON.parse(section.querySelector('script.words').textContent);
   const { digits } = raylexPixels, pixels = info.width * info.height, shown = 10;
   const make = (parent, tag, properties = {}) => parent.appendChild(Object.assign(document.createElement(tag), properties));
 
-  const bytesOf = event => ({ ...event, labels: event.labels.map(raylexLpe.bytes) });
   const load = async () => {
     const [text, counts, numbers, light, errors] = await Promise.all([raylexPixels.unpacked(info.id + '-table'),
       raylexPixels.integers(info.id + '-counts'), raylexPixels.integers(info.id + '-numbers'),
       raylexPixels.halves(info.id + '-light', info.scale), raylexPixels.halves(info.id + '-errors', info.errorScale)]);
     const table = JSON.parse(new TextDecoder().decode(text)), begin = new Uint32Array(pixels + 1);
     for (let i = 0; i < pixels; ++i) begin[i + 1] = begin[i] + counts.at(i);
-    const ofLetter = new Map([[-1, '...']]);  // events of one letter were not told apart
+    const ofLetter = new Map([[-1, '...']]);  // one letter can stand for several events
     table.events.forEach((event, i) => {
       const letter = table.letters[i];
       ofLetter.set(letter, ofLetter.has(letter) ? `${ofLetter.get(letter)}/${event.text}` : event.text);
     });
-    table.events = table.events.map(bytesOf);
     const found = number => table.techniques ? ` (s${table.techniques[number].join('t')})` : '';
     const textOf = number => ['C', ...table.words[number].map(letter => ofLetter.get(letter))].join(' ') + found(number);
     const count = begin[pixels], rgb = entry => [light.at(entry), light.at(count + entry), light.at(2 * count + entry)];
@@ -25,14 +23,14 @@ const raylexWords = (section, page) => {
   };
   const loaded = load();
 
-  // ---- the words of a pixel ----
+  // ---- the path strings of a pixel ----
 
   const panel = make(section.querySelector('.stage'), 'div', { className: 'words' });
   const title = make(panel, 'p', { className: 'faint' }), list = make(panel, 'table');
   const mean = rgb => (rgb[0] + rgb[1] + rgb[2]) / 3;
   let taken = null, reading = 0;
-  const hint = `The pointer on the picture shows which words make the pixel, from ${info.name}`
-    + (info.block > 1 ? `; this page keeps their means over ${info.block} x ${info.block} pixels.` : '.');
+  const hint = `Point at the picture to see the path strings of a pixel, from ${info.name}`
+    + (info.block > 1 ? `; this page keeps means over ${info.block} x ${info.block} pixels.` : '.');
   const rowOf = (atlas, entry, whole) => {
     const number = atlas.numbers.at(entry.at), error = atlas.errors.at(entry.at);
     const row = make(list, 'tr', { className: taken && taken[number] ? 'taken' : '' });
@@ -59,7 +57,7 @@ const raylexWords = (section, page) => {
     entries.sort((a, b) => Math.abs(b.luminance) - Math.abs(a.luminance));
     const where = info.block > 1
       ? `${info.block} x ${info.block} pixels from (${u * info.block}, ${v * info.block})` : `(${x}, ${y})`;
-    title.textContent = `${entries.length} ${entries.length === 1 ? 'word' : 'words'} at ${where}`
+    title.textContent = `${entries.length} path ${entries.length === 1 ? 'string' : 'strings'} at ${where}`
       + (entries.length > shown ? `, the brightest ${shown}` : '') + ': share, mean of R G B, its standard error, path';
     list.replaceChildren();
     entries.slice(0, shown).forEach(entry => rowOf(atlas, entry, whole));
@@ -81,53 +79,54 @@ const raylexWords = (section, page) => {
     answer.textContent = text;
     answer.classList.toggle('fails', !!fails);
   };
-  const refusal = failed => {
-    if (failed.refused === undefined) throw failed;
-    const before = raylexLpe.characters(raylexLpe.bytes(input.value).slice(0, failed.offset)).length;
-    input.setSelectionRange(before, before + 1);
-    return `${failed.refused} (column ${before + 1})` + (failed.hint ? `; ${failed.hint}` : '');
+  const refuse = message => { throw Object.assign(new Error(message), { offset: null }); };
+  // Errors without `offset` are errors of this script.
+  const explained = failed => {
+    if (failed.offset === undefined) throw failed;
+    return failed.offset === null ? failed.message : `column ${failed.offset + 1}: ${failed.message}`;
   };
-  const compiled = () => {
-    const program = raylexLpe.compile(raylexLpe.bytes(input.value), dialect.value, raylexNames);
-    const other = program.prefixes.find(each => !/^(s[0-9]+t|beyond)[0-9]+$/.test(each)) || program.prefixes[1];
-    if (other) throw { refused: `the prefix '${other}' changes light, and an atlas keeps it as it is`, offset: 0 };
-    if (program.prefixes.length && !info.techniques)
-      throw { refused: 'this atlas does not tell how light was found', offset: 0,
-        hint: 'render it with --atlas-by label,lobe,group,technique' };
-    if (dialect.value === 'osl' && info.straightDropped)
-      throw { refused: 'osl sees light pass straight through cutouts, which this atlas did not keep', offset: 0,
-        hint: 'render it with --atlas-by label,lobe,group,straight' };
-    return program;
+  const quoted = text => `'${text.replace(/'/g, '\'\\\'\'')}'`;
+  const command = () => `raylex ask ${quoted(info.name)}${dialect.value === 'osl' ? ' --dialect osl' : ''}`
+    + ` --lpe ${quoted(`asked=${input.value}`)} -o layers.exr`;
+  const isOsl = () => {
+    if (dialect.value === 'osl' && input.value)
+      say(`This page answers renderman expressions only. This command answers the osl expression: ${command()}`);
+    return dialect.value === 'osl';
   };
-
-  // What of the answers a technique found: as they were, or 0; 1 where the atlas counts no further.
-  const byTechnique = (answers, prefix, techniques) => {
-    if (!prefix) return answers;
-    const [, s, t, beyond] = /^(?:s([0-9]+)t([0-9]+)|beyond([0-9]+))$/.exec(prefix).map(Number), most = info.mostVertices;
-    const isCount = (wanted, is) => is < most ? (is === wanted ? 2 : 0) : wanted < most ? 0 : 1;
-    return answers.map((answer, i) => {
-      const [u, v] = techniques[i];
-      return Math.min(answer, prefix[0] === 's' ? Math.min(isCount(s, u), isCount(t, v)) : u + v > beyond ? 2
-        : Math.max(u, v) < most ? 0 : 1);
-    });
+  const parsed = () => {
+    const expression = raylexLpe.parse(input.value, raylexNames);
+    if (expression.technique && !info.techniques)
+      refuse('this atlas does not record how light was found; render it with --atlas-by label,lobe,group,technique');
+    return expression;
   };
 
-  // Planes of the page's pixels: what surely is the expression's, and what may be more of it.
+  // The answers, lowered to 0 where another technique found the light. An atlas counts vertices up to
+  // info.mostVertices, which stands for any larger number too: the answer is then at most 1.
+  const byTechnique = (answers, technique, found) => {
+    if (!technique) return answers;
+    const most = info.mostVertices, { s, t, beyond } = technique;
+    const ofCount = (wanted, count) => count < most ? (count === wanted ? 2 : 0) : wanted < most ? 0 : 1;
+    const ofTechnique = ([u, v]) => Number.isNaN(beyond) ? Math.min(ofCount(s, u), ofCount(t, v))
+      : u + v > beyond ? 2 : Math.max(u, v) < most ? 0 : 1;
+    return answers.map((each, i) => Math.min(each, ofTechnique(found[i])));
+  };
+
+  // Planes of the page's pixels: light that belongs to the expression (answer 2), and light that may (answer 1).
   const sumsOf = (atlas, answers) => {
     const sums = [new Float32Array(3 * pixels), new Float32Array(3 * pixels)], all = new Float32Array(pixels);
     const total = [0, 0, 0];
     for (let pixel = 0; pixel < pixels; ++pixel)
       for (let entry = atlas.begin[pixel]; entry < atlas.begin[pixel + 1]; ++entry) {
-        const kind = answers[atlas.numbers.at(entry)], rgb = atlas.rgb(entry);
-        total[2] += rgb[0] + rgb[1] + rgb[2];
-        all[pixel] += rgb[0] + rgb[1] + rgb[2];
+        const kind = answers[atlas.numbers.at(entry)], rgb = atlas.rgb(entry), sum = rgb[0] + rgb[1] + rgb[2];
+        total[2] += sum;
+        all[pixel] += sum;
         if (kind === 0) continue;
-        total[kind === 2 ? 0 : 1] += rgb[0] + rgb[1] + rgb[2];
-        for (let c = 0; c < 3; ++c) sums[kind === 2 ? 0 : 1][c * pixels + pixel] += rgb[c];
+        total[2 - kind] += sum;
+        for (let c = 0; c < 3; ++c) sums[2 - kind][c * pixels + pixel] += rgb[c];
       }
     return { sure: sums[0], more: sums[1], all, share: total[0] / total[2], moreShare: total[1] / total[2] };
   };
-  // The atlas's pixel that a pixel of the page is in.
+  // The pixel of the atlas that contains a pixel of the page.
   const placeOf = i => {
     if (page.block === info.block) return i;
     const x = (i % page.width) * page.block, y = Math.floor(i / page.width) * page.block;
@@ -155,43 +154,40 @@ const raylexWords = (section, page) => {
 
   const percent = share => `${digits(100 * share)} %`;
   const ask = async () => {
-    const program = compiled(), expression = input.value, atlas = await loaded;
-    const { table } = atlas;
-    const answers = byTechnique(raylexLpe.answers(program, table), program.prefixes[0], table.techniques);
-    const count = kind => answers.filter(each => each === kind).length;
-    const { sure, more, all, share, moreShare } = sumsOf(atlas, answers), open = count(1), name = `asked ${asked + 1}`;
+    const expression = parsed(), text = input.value, full = command(), atlas = await loaded, { table } = atlas;
+    const answers = byTechnique(raylexLpe.answers(expression, table), expression.technique, table.techniques);
+    const count = kind => answers.filter(each => each === kind).length, open = count(1);
+    const { sure, more, all, share, moreShare } = sumsOf(atlas, answers), name = `asked ${asked + 1}`;
+    const example = open > 0 ? `'${atlas.textOf(answers.indexOf(1))}'` : '';
     if (open > 0 && info.signed)
-      throw { refused: `'${atlas.textOf(answers.indexOf(1))}' is kept together, and light of words may be negative here`,
-        offset: 0 };
+      refuse(`the atlas merged the paths of ${example}, and light can be negative here, so there are no bounds`);
     taken = answers;
-    if (open > 0) add(`${name}, at most`, expression, sure.map((value, i) => value + more[i]), all,
-      share + moreShare);
-    add(open > 0 ? `${name}, at least` : name, expression, sure, all, share);
-    say(`${count(2)} of ${answers.length} words, ${percent(share)} of the light`
-      + (open > 0 ? `; ${open} more stand for paths that it tells apart, such as '${atlas.textOf(answers.indexOf(1))}': up to `
-        + `${percent(share + moreShare)}` : '')
-      + `. In full precision: raylex ask ${quoted(info.name)}${dialect.value === 'osl' ? ' --dialect osl' : ''}`
-      + ` --lpe ${quoted(`asked=${expression}`)} -o layers.exr`);
-    section.dataset.asked = expression;
+    if (open > 0) add(`${name}, at most`, text, sure.map((value, i) => value + more[i]), all, share + moreShare);
+    add(open > 0 ? `${name}, at least` : name, text, sure, all, share);
+    say(`${count(2)} of ${answers.length} path strings, ${percent(share)} of the light`
+      + (open > 0 ? `; ${open} more, such as ${example}, match in part: up to ${percent(share + moreShare)}` : '')
+      + `. In full precision: ${full}`);
+    section.dataset.asked = text;
   };
-  const quoted = text => `'${text.replace(/'/g, '\'\\\'\'')}'`;
   form.addEventListener('submit', event => {
     event.preventDefault();
-    const refused = failed => say(refusal(failed), true);
-    try {
-      ask().catch(refused);
-    } catch (failed) {
-      refused(failed);
-    }
+    if (isOsl()) return;
+    ask().catch(failed => {
+      say(explained(failed), true);
+      if (failed.offset !== null) input.setSelectionRange(failed.offset, failed.offset + 1);
+    });
   });
-  input.addEventListener('input', () => {  // what is wrong is told while it is typed; the layer comes when asked for
+  const check = () => {  // while the expression is typed; its layer comes with `ask`
+    say('');
+    if (!input.value || isOsl()) return;
     try {
-      if (input.value) compiled();
-      say('');
+      parsed();
     } catch (failed) {
-      say(failed.refused === undefined ? String(failed) : failed.refused, true);
+      say(explained(failed), true);
     }
-  });
+  };
+  input.addEventListener('input', check);
+  dialect.addEventListener('change', check);
   read(-1, -1);
   return { read };
 };

@@ -14,9 +14,10 @@ namespace raylex::lpe {
 
 namespace {
 
-constexpr std::size_t most_outputs = 32;  // one bit each in the outputs
+constexpr std::size_t most_outputs = 32;   // an output has one bit for each channel
+constexpr std::size_t label_columns = 28;  // lines of a label are broken behind so many characters
 
-/// One automaton whose outputs tell which channels accept, a bit each.
+/// One automaton for all channels: bit k of an output is set if channel k matches.
 Dfa together(const Languages& languages, std::size_t channels) {
     Dfa all = empty_dfa(languages.classes->count());
     for (std::size_t k = 0; k < channels; ++k) {
@@ -27,7 +28,7 @@ Dfa together(const Languages& languages, std::size_t channels) {
     return all;
 }
 
-/// The way to every state by which a breadth-first search meets it.
+/// A shortest path to every state, found breadth first.
 std::vector<std::vector<EventClass>> ways(const Dfa& dfa) {
     std::vector<std::vector<EventClass>> way(dfa.states());
     std::vector<bool> seen(dfa.states(), false);
@@ -78,18 +79,18 @@ std::vector<GraphEdge> edges_from(std::uint32_t state, const Dfa& dfa, const Eve
 
 Graph build(std::span<const ChannelSource> channels, const Words& words) {
     if (channels.size() > most_outputs) {
-        fail("a drawing of " + std::to_string(channels.size()) + " channels cannot be read; expected at most " +
+        fail("found " + std::to_string(channels.size()) + " channels to draw; expected at most " +
              std::to_string(most_outputs));
     }
     Words cut = words_for(channels, words);
-    cut.alphabet.reset();  // a column of labels for every object of a scene would say nothing
+    cut.alphabet.reset();  // the labels of a whole scene would make every edge unreadable
     Question question = pose(channels, cut, nullptr, true);
     const EventClasses& classes = *question.languages.classes;
     const Dfa& all_words = *question.languages.words;
     const Dfa dfa = together(question.languages, channels.size());
     if (dfa.states() - 1 > limits::graph_states) {
-        fail("the automaton has " + std::to_string(dfa.states() - 1) + " states; a drawing of more than " +
-                 std::to_string(limits::graph_states) + " cannot be read",
+        fail("the automaton has " + std::to_string(dfa.states() - 1) + " states; expected at most " +
+                 std::to_string(limits::graph_states) + ", because a larger drawing is unreadable",
              "draw fewer channels at a time");
     }
     Graph graph;
@@ -141,6 +142,19 @@ std::string dot_text(const std::string& text) {
     return "\"" + escaped + "\"";
 }
 
+/// The events of an edge, several in a line.
+std::string label_text(const std::vector<std::string>& items) {
+    std::string label;
+    std::size_t line = 0;  // where the last line begins
+    for (const std::string& item : items) {
+        const bool full = label.size() - line > label_columns;
+        if (!label.empty()) { label += full ? '\n' : ' '; }
+        if (full) { line = label.size(); }
+        label += item;
+    }
+    return label;
+}
+
 }  // namespace
 
 Result<Graph> graph_of(std::span<const ChannelSource> channels, const Words& words) {
@@ -149,22 +163,24 @@ Result<Graph> graph_of(std::span<const ChannelSource> channels, const Words& wor
 
 std::string to_dot(const Graph& graph) {
     std::string dot =
-        "digraph lpe {\n    rankdir=LR;\n    node [shape=circle, fontname=\"Helvetica\", label=\"\", width=0.25];\n"
-        "    edge [fontname=\"Courier\"];\n    begin [shape=none, width=0, height=0];\n";
-    if (!graph.states.empty()) { dot += "    begin -> s0;\n"; }
+        "digraph lpe {\n    rankdir=LR;\n"
+        "    node [shape=circle, style=\"rounded,filled\", color=\"#45525e\", fillcolor=\"#e8edf2\", "
+        "fontname=\"Helvetica\", fontsize=12, label=\"\", width=0.25];\n"
+        "    edge [color=\"#45525e\", fontname=\"Courier\", fontsize=11];\n"
+        "    begin [shape=none, style=\"\", width=0, height=0, tooltip=\"start\"";
+    dot += graph.states.empty() ? ", label=\"no path is accepted\"];\n" : "];\n    begin -> s0;\n";
     for (std::size_t k = 0; k < graph.states.size(); ++k) {
         dot += "    s" + std::to_string(k) + " [tooltip=" + dot_text(graph.states[k].reached_by);
         std::string names;
         for (const std::size_t channel : graph.states[k].accepts) {
             names += (names.empty() ? "" : "\n") + graph.channels[channel];
         }
-        dot += names.empty() ? "];\n" : ", shape=box, style=rounded, peripheries=2, label=" + dot_text(names) + "];\n";
+        dot += names.empty() ? "];\n"
+                             : ", shape=box, peripheries=2, fillcolor=\"#dff0df\", label=" + dot_text(names) + "];\n";
     }
     for (const GraphEdge& edge : graph.edges) {
-        std::string label;
-        for (const std::string& item : edge.items) { label += (label.empty() ? "" : " ") + item; }
-        dot += "    s" + std::to_string(edge.from) + " -> s" + std::to_string(edge.to) + " [label=" + dot_text(label) +
-               "];\n";
+        dot += "    s" + std::to_string(edge.from) + " -> s" + std::to_string(edge.to) +
+               " [label=" + dot_text(label_text(edge.items)) + "];\n";
     }
     return dot + "}\n";
 }

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "support.h"
+#include "tests/support/skip.h"
 
 using namespace raylex::test;
 
@@ -126,21 +127,43 @@ TEST_CASE("lpe truth computes the values of expressions in a room of emitting wa
     CHECK(contains(negative.err, "--kd"));
 }
 
-TEST_CASE("lpe graph writes DOT and SVG") {
+TEST_CASE("lpe graph writes DOT") {
     const Folder folder;
     const Outcome dot = run_raylex(folder, "lpe graph 'CDS+L'");
     CHECK(dot.code == 0);
     CHECK(dot.out.find("digraph") == 0);
-    CHECK(run_raylex(folder, "lpe graph 'a=CDS+L' \"C<RD'x=y'>L\" -o g.svg").code == 0);
-    CHECK(folder.read("g.svg").find("<svg") == 0);
-    CHECK(folder.read("g.svg").find(">a</text>") != std::string::npos);
     CHECK(run_raylex(folder, "lpe graph 'CDS+L' -o g.dot").code == 0);
     CHECK(folder.read("g.dot") == dot.out);
     CHECK(run_raylex(folder, "lpe graph 'CDS+L' -o g.png").code == 2);
     CHECK(run_raylex(folder, "lpe graph 'C('").code == 2);
     CHECK(run_raylex(folder, "lpe graph 'C.*D.{9}L' -o h.svg").code == 2);
     CHECK_FALSE(folder.has("h.svg"));
-    CHECK(run_raylex(folder, "lpe graph 'CL' -o missing/g.svg").code == 2);
+    CHECK(run_raylex(folder, "lpe graph 'CL' -o missing/g.dot").code == 2);
+}
+
+TEST_CASE("lpe graph draws SVG with Graphviz") {
+    const Folder folder;
+    if (run_shell(folder, "command -v dot").code != 0) RAYLEX_SKIP("needs the package graphviz");
+    REQUIRE(run_raylex(folder, "lpe graph 'a=CDS+L' \"C<RD'x=y'>L\" -o g.svg").code == 0);
+    const std::string svg = folder.read("g.svg");
+    CHECK(contains(svg, "<svg"));
+    CHECK(contains(svg, ">a</text>"));
+    CHECK(contains(svg, "camera, "));  // what a viewer shows under the pointer
+}
+
+TEST_CASE("lpe graph names Graphviz where it is missing or fails") {
+    const Folder folder;
+    const auto refused = [&](const std::string& path) {
+        const Outcome outcome = run_shell(folder, "PATH=" + path + " \"$RAYLEX\" lpe graph CDL -o g.svg");
+        CHECK(outcome.code == 2);
+        CHECK_FALSE(folder.has("g.svg"));
+        for (const char* text : {"g.svg", "'dot'", "package graphviz", "-o g.dot"}) CHECK(contains(outcome.err, text));
+        return outcome.err;
+    };
+    refused("/nonexistent");
+    folder.write("bin/dot", "#!/bin/sh\necho broken >&2\nexit 3\n");
+    REQUIRE(run_shell(folder, "chmod +x bin/dot").code == 0);
+    CHECK(contains(refused("bin"), "exit code 3: broken"));
 }
 
 TEST_CASE("every lpe subcommand has help") {
