@@ -66,7 +66,8 @@ class CoatedDiffuseMaterial final : public Material {
             LayeredClosure<LambertClosure> layered;
             layered.coat = coat_.at(textures, p);
             layered.base.reflectance = clamp_to_unit(reflectance_.at(textures, p));
-            closures[i].set(shading_frame(p, layered.coat.interface.facets), layered, p.random_key);
+            layered.key = p.random_key;
+            closures[i].set(shading_frame(p, layered.coat.interface.facets), layered);
         }
     }
     void append_lobes(std::vector<LobeId>& lobes) const override {
@@ -89,8 +90,8 @@ class CoatedConductorMaterial final : public Material {
             LayeredClosure<ConductorClosure> layered;
             layered.coat = coat_.at(textures, p);
             layered.base = metal_.at(textures, p, coat_.eta);
-            closures[i].set(layered_frame(p, layered.coat.interface.facets, layered.base.facets), layered,
-                            p.random_key);
+            layered.key = p.random_key;
+            closures[i].set(layered_frame(p, layered.coat.interface.facets, layered.base.facets), layered);
         }
     }
     /// The base is singular only where coat and base both are and the slab does not scatter.

@@ -91,11 +91,11 @@ class DielectricMaterial final : public Material {
     void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
                std::span<Bsdf> closures) const override {
         for (const std::uint32_t i : hits) {
-            const DielectricClosure closure{roughness_.at(textures, points[i]), eta_};
-            const Frame frame = shading_frame(points[i], closure.facets);
-            if (compensation_ && !closure.is_delta())
-                closures[i].set(frame, CompensatedDielectric{closure, compensation_.get()});
-            else closures[i].set(frame, closure);
+            const DielectricClosure interface { roughness_.at(textures, points[i]), eta_ };
+            const Frame frame = shading_frame(points[i], interface.facets);
+            if (compensation_ && !interface.is_delta())
+                closures[i].set(frame, CompensatedDielectric{interface, compensation_.get()});
+            else closures[i].set(frame, GlassClosure{interface});
         }
     }
     void append_lobes(std::vector<LobeId>& lobes) const override {

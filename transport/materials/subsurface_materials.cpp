@@ -24,8 +24,8 @@ class SubsurfaceMaterial final : public Material {
     void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
                std::span<Bsdf> closures) const override {
         for (const std::uint32_t i : hits) {
-            const DielectricClosure closure{roughness_.at(textures, points[i]), eta_};
-            closures[i].set_subsurface(shading_frame(points[i], closure.facets), closure);
+            const DielectricClosure border{roughness_.at(textures, points[i]), eta_};
+            closures[i].set(shading_frame(points[i], border.facets), GlassClosure{border, true});
         }
     }
     void append_lobes(std::vector<LobeId>& lobes) const override {

@@ -52,7 +52,7 @@ template <TransportMode mode>
         const Real g_in = point.cosine(point.wo), g_out = point.cosine(s.wi);
         if (!(g_in > 0)) {
             s.pdf = 0;
-        } else if (bsdf.kind() == Bsdf::Kind::lambert || s.delta || s.pdf_is_proportional) {
+        } else if (bsdf.holds<LambertClosure>() || s.delta || s.pdf_is_proportional) {
             const Vec3& n = bsdf.frame().n;
             const Real s_in = std::abs(dot(n, point.wo)), s_out = std::abs(dot(n, s.wi));
             s.weight *= (s_in / s_out) * (g_out / g_in) * (s.transmitted ? s.eta * s.eta : 1.0f);

@@ -57,11 +57,11 @@ Result<ProbeResult> ggx_smooth_limit(const ProbeInput& input) {
     if (Status given = input.status(); !given) return given.error();
     const transport::ConductorClosure rough{facets, {0.2f, 0.92f, 1.1f}, {3.9f, 2.4f, 2.2f}, false};
     const transport::ConductorClosure mirror{{0, 0}, rough.eta, rough.k, false};
-    const double reflectance = mirror.sample(wo, 0, {}).weight.average();
+    const double reflectance = mirror.draw(wo, {}).weight.average();
     Draws draws(41);
     RunningMean mean;
     for (int i = 0; i < 20'000; ++i) {
-        const transport::LocalSample s = rough.sample(wo, 0, draws.two());
+        const transport::LocalSample s = rough.draw(wo, draws.two());
         mean.add(s.pdf > 0 ? double(s.weight.average()) / reflectance : 0);
     }
     ProbeResult result;
@@ -87,7 +87,7 @@ Result<ProbeResult> critical_energy(const ProbeInput& input) {
     wo.z = -cosine_near_critical(eta, steps);
     double total = 0;
     for (const Sides side : {Sides::reflection, Sides::transmission}) {
-        const auto s = glass.sample(wo, Real(0.5), {Real(0.5), Real(0.5)}, TransportMode::importance, side);
+        const auto s = glass.draw(wo, Real(0.5), {Real(0.5), Real(0.5)}, TransportMode::importance, side);
         if (s.pdf > 0) total += double(s.weight.r) * double(s.pdf);
     }
     ProbeResult result;

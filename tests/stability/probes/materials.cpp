@@ -73,7 +73,7 @@ void set_glass(const Frame& frame, const Chosen& n, ProbedBsdf& result) {
     result.eta = static_cast<double>(n.eta);
     if (n.compensate && !glass.is_delta())
         result.bsdf.set(frame, CompensatedDielectric{glass, FacetAlbedo::shared(glass.facets, n.eta).get()});
-    else result.bsdf.set(frame, glass);
+    else result.bsdf.set(frame, GlassClosure{glass});
 }
 
 void set_metal(const Frame& frame, const Chosen& n, const ConductorClosure& metal, ProbedBsdf& result) {
@@ -100,9 +100,9 @@ Result<ProbedBsdf> probed_bsdf(const ProbeInput& input) {
     else if (name == "dielectric") set_glass(frame, n, result);
     else if (name == "thindielectric") result.bsdf.set(frame, ThinDielectricClosure{n.eta});
     else if (name == "coateddiffuse")
-        result.bsdf.set(frame, LayeredClosure<LambertClosure>{n.coat(), {transport::Rgb(n.reflectance)}}, 7);
+        result.bsdf.set(frame, LayeredClosure<LambertClosure>{n.coat(), {transport::Rgb(n.reflectance)}, 7});
     else if (name == "coatedconductor")
-        result.bsdf.set(frame, LayeredClosure<ConductorClosure>{n.coat(), n.conductor()}, 7);
+        result.bsdf.set(frame, LayeredClosure<ConductorClosure>{n.coat(), n.conductor(), 7});
     else if (name == "additive")
         result.bsdf.set(frame,
                         AdditiveClosure{{transport::Rgb(0.4f * n.reflectance)},

@@ -50,8 +50,8 @@ TEST_CASE("regularized microfacets have pbrt's alphas, and are closures like oth
     const Vec3 wo = frame.to_world(raylex::test::local_direction(0.8f)),
                wi = frame.to_world(raylex::test::local_direction(0.75f, 0.7f + 3.1f));
     Bsdf smooth, rough;
-    smooth.set(frame, DielectricClosure{Ggx{0, 0}, Real(1.5)});
-    rough.set(frame, DielectricClosure{Ggx{Real(0.1), Real(0.1)}, Real(1.5)});
+    smooth.set(frame, GlassClosure{{Ggx{0, 0}, Real(1.5)}});
+    rough.set(frame, GlassClosure{{Ggx{Real(0.1), Real(0.1)}, Real(1.5)}});
     CHECK_FALSE(smooth.has_density());
     smooth.regularize();
     CHECK(smooth.has_density());
@@ -63,7 +63,7 @@ TEST_CASE("regularized microfacets have pbrt's alphas, and are closures like oth
     metal.regularize();
     CHECK(metal.has_density());
     Bsdf matched;  // turns no light, however rough
-    matched.set(frame, DielectricClosure{Ggx{0, 0}, Real(1)});
+    matched.set(frame, GlassClosure{{Ggx{0, 0}, Real(1)}});
     matched.regularize();
     CHECK_FALSE(matched.has_density());
 }

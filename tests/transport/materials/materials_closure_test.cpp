@@ -43,7 +43,7 @@ std::vector<Case> smooth_density_cases() {
     for (const float eta : {1.5f, 1 / 1.5f, 1.05f})
         for (const float alpha : {0.1f, 0.4f})
             cases.push_back({"dielectric " + std::to_string(eta) + " " + std::to_string(alpha),
-                             make(DielectricClosure{Ggx::from_alpha(alpha, alpha), eta}), alpha});
+                             make(GlassClosure{{Ggx::from_alpha(alpha, alpha), eta}}), alpha});
     AdditiveClosure additive{{{0.2f, 0.4f, 0.3f}}, {Ggx::from_alpha(0.3f, 0.3f), Rgb(0.5f), Rgb(0), true}};
     cases.push_back({"additive", make(additive), 0.3f});
     additive.specular.facets = Ggx::from_alpha(0.3f, 0.06f);
@@ -88,8 +88,7 @@ TEST_CASE("the lobes of a value sum to it exactly", "[law5]") {
     Case coated{"coated", {}};
     coated.bsdf.set(tilted_frame(),
                     LayeredClosure<LambertClosure>{
-                        {{Ggx::from_alpha(0.2f, 0.2f), 1.5f}, 0.01f, 0, Rgb(0), 10, 1, false}, {Rgb(0.5f)}},
-                    3);
+                        {{Ggx::from_alpha(0.2f, 0.2f), 1.5f}, 0.01f, 0, Rgb(0), 10, 1, false}, {Rgb(0.5f)}, 3});
     cases.push_back(coated);
     int seen = 0, several = 0;
     for (const Case& c : cases)

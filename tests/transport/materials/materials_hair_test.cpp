@@ -168,7 +168,7 @@ TEST_CASE("hair's colours: melanin, reflectance and absorption, in the order in 
         point.material = static_cast<int>(scene.materials.size()) - 1;
         Bsdf bsdf;
         materials->shade(*textures, {&point, 1}, {&bsdf, 1});
-        REQUIRE(bsdf.kind() == Bsdf::Kind::hair);
+        REQUIRE(bsdf.holds<HairClosure>());
         return bsdf.albedo(point.wo);
     };
     CHECK(albedo("") == albedo("\"float eumelanin\" 1.3"));

@@ -24,9 +24,10 @@ ConductorClosure metal(float alpha, float reflectance = 1) {
 }
 
 template <class Closure>
-Bsdf make(const Closure& closure, std::uint32_t key) {
+Bsdf make(Closure closure, std::uint32_t key) {
     Bsdf bsdf;
-    bsdf.set(tilted_frame(), closure, key);
+    closure.key = key;
+    bsdf.set(tilted_frame(), closure);
     return bsdf;
 }
 
@@ -292,7 +293,7 @@ TEST_CASE("light that never entered is the coat's and all other the base's", "[l
     Random random(41);
     const CoatedDiffuse closure{coat(0.3f), {Rgb(0.5f)}};
     Bsdf surface;
-    surface.set(frame, closure.coat.interface);
+    surface.set(frame, GlassClosure{closure.coat.interface});
     for (int i = 0; i < 500; ++i) {
         const Vec3 wo = frame.to_world(sample_cosine_hemisphere(random.two())),
                    wi = frame.to_world(sample_cosine_hemisphere(random.two()));

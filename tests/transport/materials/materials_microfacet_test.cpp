@@ -41,7 +41,7 @@ double smooth_glass_total(float cosine, float eta) {
     const Vec3 wo = local_direction(cosine);
     double total = 0;
     for (const Sides side : {Sides::reflection, Sides::transmission}) {
-        const LocalSample s = glass.sample(wo, 0.5f, {0.5f, 0.5f}, TransportMode::importance, side);
+        const LocalSample s = glass.draw(wo, 0.5f, {0.5f, 0.5f}, TransportMode::importance, side);
         if (s.pdf > 0) total += static_cast<double>(s.weight.r) * s.pdf;
     }
     return total;
@@ -132,14 +132,14 @@ TEST_CASE("ideal glass reflects and transmits everything, on both sides and at e
 TEST_CASE("refraction follows Snell, radiance is scaled by the squared index and back") {
     const DielectricClosure glass = smooth_glass(1.5f);
     const Vec3 wo = local_direction(0.4f);
-    const LocalSample in = glass.sample(wo, 0.9f, {0.5f, 0.5f}, TransportMode::radiance, Sides::transmission);
+    const LocalSample in = glass.draw(wo, 0.9f, {0.5f, 0.5f}, TransportMode::radiance, Sides::transmission);
     REQUIRE(in.transmitted);
     CHECK(in.eta == 1.5f);
     CHECK(std::hypot(in.wi.x, in.wi.y) * 1.5f == Approx(std::hypot(wo.x, wo.y)).epsilon(1e-6));
     CHECK(in.wi.z < 0);
-    const LocalSample out = glass.sample(-in.wi, 0.9f, {0.5f, 0.5f}, TransportMode::radiance, Sides::transmission);
+    const LocalSample out = glass.draw(-in.wi, 0.9f, {0.5f, 0.5f}, TransportMode::radiance, Sides::transmission);
     // Leaving where it entered from: the same interface seen from inside.
-    const LocalSample back = glass.sample(in.wi, 0.9f, {0.5f, 0.5f}, TransportMode::radiance, Sides::transmission);
+    const LocalSample back = glass.draw(in.wi, 0.9f, {0.5f, 0.5f}, TransportMode::radiance, Sides::transmission);
     REQUIRE(back.transmitted);
     CHECK(length(back.wi - Vec3{-in.wi.x * 1.5f, -in.wi.y * 1.5f, 0.4f}) < 1e-5f);
     CHECK(in.weight.r * back.weight.r == Approx(square(1 - fresnel_dielectric(0.4f, 1.5f))).epsilon(1e-5));

@@ -78,7 +78,7 @@ TEST_CASE("materials without parameters have pbrt's defaults") {
     CHECK((copper.albedo(up).r > 0.9f && copper.albedo(up).b < 0.7f));
     const BsdfSample glass = shade_one(entity("dielectric", {})).sample(up, 0.5f, {0.5f, 0.5f});
     CHECK((glass.delta && glass.eta == 1.5f && glass.pdf == Approx(0.96)));
-    CHECK(shade_one(entity("thindielectric", {})).kind() == Bsdf::Kind::thin_dielectric);
+    CHECK(shade_one(entity("thindielectric", {})).holds<ThinDielectricClosure>());
     CHECK(shade_one(entity("interface", {})).passes_through());
     const BsdfSample coat = shade_one(entity("coateddiffuse", {})).sample(up, 0, {0.5f, 0.5f});
     CHECK((coat.delta && coat.pdf == Approx(0.04).epsilon(1e-3)));
@@ -125,7 +125,7 @@ TEST_CASE("a batch in any order gives each hit its own material, in runs without
         std::vector<Bsdf> closures(n);
         built.materials.shade(built.textures, points, closures);
         for (std::size_t i = 0; i < n; ++i) {
-            CHECK((closures[i].kind() == Bsdf::Kind::dielectric) == (points[i].material == 1));
+            CHECK(closures[i].holds<GlassClosure>() == (points[i].material == 1));
             if (points[i].material == 0) CHECK(closures[i].albedo(up).r == 0.2f);
             if (points[i].material == 2) CHECK(closures[i].albedo(up).r == (points[i].u < 1 ? 0.9f : 0.1f));
         }
@@ -220,8 +220,8 @@ TEST_CASE("compensation is asked for, keeps lobes and densities, and knows any r
     };
     const Bsdf plain = metal(false, {}), whole = metal(true, {});
     const Vec3 wo = local_direction(0.4f), wi = local_direction(0.6f, 2);
-    CHECK(plain.kind() == Bsdf::Kind::conductor);
-    CHECK(whole.kind() == Bsdf::Kind::compensated_conductor);
+    CHECK(plain.holds<ConductorClosure>());
+    CHECK(whole.holds<CompensatedConductor>());
     CHECK(whole.pdf(wo, wi) == plain.pdf(wo, wi));
     CHECK(whole.evaluate(wo, wi).lobes.entry[0].lobe == plain.evaluate(wo, wi).lobes.entry[0].lobe);
     CHECK(whole.evaluate(wo, wi).value.r > 1.1f * plain.evaluate(wo, wi).value.r);
@@ -229,11 +229,11 @@ TEST_CASE("compensation is asked for, keeps lobes and densities, and knows any r
     CHECK(whole.evaluate(wo, wi).value.r / plain.evaluate(wo, wi).value.r ==
           Approx(whole.evaluate(wo, local_direction(0.9f)).value.r / plain.evaluate(wo, local_direction(0.9f)).value.r)
               .epsilon(1e-5));
-    CHECK(metal(true, {real("vroughness", 0.1)}).kind() == Bsdf::Kind::compensated_conductor);
+    CHECK(metal(true, {real("vroughness", 0.1)}).holds<CompensatedConductor>());
     // Nothing to compensate: mirrors, and glass that is no interface.
-    CHECK(shade_one(entity("conductor", {boolean("raylex:compensate", true)})).kind() == Bsdf::Kind::conductor);
+    CHECK(shade_one(entity("conductor", {boolean("raylex:compensate", true)})).holds<ConductorClosure>());
     CHECK(shade_one(entity("dielectric", {real("roughness", 0.5), real("eta", 1), boolean("raylex:compensate", true)}))
-              .kind() == Bsdf::Kind::dielectric);
+              .holds<GlassClosure>());
     const Bsdf glass = shade_one(entity("dielectric", {real("roughness", 0.2), boolean("raylex:compensate", true)}));
     CHECK(glass.inside_ior() == 1.5f);
     CHECK(glass.albedo(wo) == Rgb(1));
@@ -249,8 +249,8 @@ TEST_CASE("compensation is asked for, keeps lobes and densities, and knows any r
     CHECK(uneven.error().message.find("a texture for one of two roughnesses") != std::string::npos);
     scene.materials.pop_back();
     const Built even = build_tables(scene);  // smooth tiles beside rough ones
-    CHECK(shade_one(even, hit(0, 0.25f, 0.25f)).kind() == Bsdf::Kind::conductor);
-    CHECK(shade_one(even, hit(0, 0.25f, 1.25f)).kind() == Bsdf::Kind::compensated_conductor);
+    CHECK(shade_one(even, hit(0, 0.25f, 0.25f)).holds<ConductorClosure>());
+    CHECK(shade_one(even, hit(0, 0.25f, 1.25f)).holds<CompensatedConductor>());
 }
 
 TEST_CASE("the analytic materials are built from their parameters") {

@@ -88,7 +88,7 @@ TEST_CASE("a closure from outside is answered as one in the tree", "[materials][
     inside.set(tilted_frame(), LambertClosure{reflectance});
     outside.set_custom(tilted_frame(), OutsideClosure{&reflectance});
     CHECK(outside.has_density());
-    CHECK(outside.kind() == Bsdf::Kind::custom);
+    CHECK(outside.holds<CustomClosure>());
     Random random(4);
     for (int i = 0; i < 200; ++i) {
         const Vec3 wo = sample_uniform_sphere(random.two()), wi = sample_uniform_sphere(random.two());

@@ -6,9 +6,11 @@
 // where nothing is absorbed, and less where every further facet takes its share. Directions are drawn as without, so
 // densities are the same and a sample's weight is at most 1 / E.
 //
-// The factor knows the camera's direction only, so f(wo, wi) is not reciprocal; energy is kept for light that arrives
-// from everywhere. Light subpaths ask for f(towards camera, towards light) as camera subpaths do
+// The factor depends on the camera's direction alone, so f(wo, wi) is not reciprocal; energy is kept for light that
+// arrives from everywhere. Light subpaths evaluate f(towards camera, towards light) as camera subpaths do
 // (paths/scattering.h), so all integrators make one image.
+//
+// Neither is ever smooth or index-matched. Neither is regularized: materials of raylex have known answers.
 #pragma once
 
 #include "transport/materials/bsdf/conductor.h"
@@ -17,44 +19,49 @@
 
 namespace raylex::transport {
 
-/// Never smooth; `lossless` outlives every use. What draw() gives has a pdf of 1: see ConductorClosure.
 struct CompensatedConductor {
     ConductorClosure metal;
-    const FacetAlbedo* lossless;
+    const FacetAlbedo* lossless;  ///< outlives the closure
 
     [[nodiscard]] Rgb gain(const Vec3& wo) const {
         const Real e = (*lossless)(metal.facets, wo);
         return Rgb(1) + metal.fresnel(1) * ((1 - e) / e);
     }
-    [[nodiscard]] Rgb value_and_pdf(const Vec3& wo, const Vec3& wi, Real& pdf) const {
-        const Rgb single = metal.value_and_pdf(wo, wi, pdf);
-        return pdf > 0 ? single * gain(wo) : single;
+    [[nodiscard]] BsdfEvaluation evaluate(const Vec3& wo, const Vec3& wi) const {
+        Real density;
+        const Rgb single = metal.value_and_pdf(wo, wi, density);
+        return one_lobe(lobes::conductor_glossy, density > 0 ? single * gain(wo) : single, density);
     }
-    [[nodiscard]] LocalSample draw(const Vec3& wo, const Vec2& u) const {
+    [[nodiscard]] BsdfSample sample(const Vec3& wo, Real, const Vec2& u) const {
         LocalSample s = metal.draw(wo, u, false);
         if (s.pdf > 0) s.weight *= gain(wo);
-        return s;
+        return one_lobe(lobes::conductor_glossy, s);
     }
+    [[nodiscard]] Real pdf(const Vec3& wo, const Vec3& wi) const { return metal.pdf(wo, wi); }
     [[nodiscard]] Rgb albedo(const Vec3& wo) const {
         const Real e = (*lossless)(metal.facets, wo);
-        return metal.albedo(std::abs(wo.z)) * (Rgb(e) + metal.fresnel(1) * (1 - e));
+        return metal.albedo(wo) * (Rgb(e) + metal.fresnel(1) * (1 - e));
     }
+    [[nodiscard]] static constexpr bool has_density() { return true; }
 };
 
-/// Never smooth nor index-matched; draw() as above.
 struct CompensatedDielectric {
-    DielectricClosure glass;
-    const FacetAlbedo* lossless;
+    DielectricClosure interface;
+    const FacetAlbedo* lossless;  ///< outlives the closure
 
-    [[nodiscard]] Real value(const Vec3& wo, const Vec3& wi) const {
-        const Real single = glass.value(wo, wi, TransportMode::radiance);
-        return single > 0 ? single / (*lossless)(glass.facets, wo) : 0.0f;
+    [[nodiscard]] BsdfEvaluation evaluate(const Vec3& wo, const Vec3& wi) const {
+        const Real single = interface.value(wo, wi, TransportMode::radiance);
+        return one_lobe(lobes::glass(wo.z * wi.z < 0, false),
+                        Rgb(single > 0 ? single / (*lossless)(interface.facets, wo) : 0.0f), pdf(wo, wi));
     }
-    [[nodiscard]] LocalSample draw(const Vec3& wo, Real u_lobe, const Vec2& u) const {
-        LocalSample s = glass.draw(wo, u_lobe, u, TransportMode::radiance, Sides::both, false);
-        if (s.pdf > 0) s.weight *= 1 / (*lossless)(glass.facets, wo);
-        return s;
+    [[nodiscard]] BsdfSample sample(const Vec3& wo, Real u_lobe, const Vec2& u) const {
+        LocalSample s = interface.draw(wo, u_lobe, u, TransportMode::radiance, Sides::both, false);
+        if (s.pdf > 0) s.weight *= 1 / (*lossless)(interface.facets, wo);
+        return one_lobe(lobes::glass(s.transmitted, false), s);
     }
+    [[nodiscard]] Real pdf(const Vec3& wo, const Vec3& wi) const { return interface.pdf(wo, wi, Sides::both); }
+    [[nodiscard]] static Rgb albedo(const Vec3&) { return Rgb(1); }
+    [[nodiscard]] static constexpr bool has_density() { return true; }
 };
 
 }  // namespace raylex::transport

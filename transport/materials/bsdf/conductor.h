@@ -3,6 +3,7 @@
 // Single scattering between facets, as in pbrt-v4 (book, 4th edition, 9.3 and 9.6): rough metals lose some energy.
 #pragma once
 
+#include "transport/materials/bsdf/lobes.h"
 #include "transport/materials/bsdf/microfacet.h"
 #include "transport/materials/bsdf/scatter.h"
 #include "transport/math/fresnel.h"
@@ -21,16 +22,27 @@ struct ConductorClosure {
         return constant_reflectance ? eta : fresnel_conductor(cos_theta, eta, k);
     }
     [[nodiscard]] bool is_delta() const { return facets.smooth(); }
+    [[nodiscard]] bool has_density() const { return !is_delta(); }
+    [[nodiscard]] static constexpr LobeId lobe(bool delta) { return lobes::conductor(delta); }
+    [[nodiscard]] Rgb albedo(const Vec3& wo) const { return fresnel(std::abs(wo.z)); }
+    void regularize() { facets = facets.regularized(); }
+
+    [[nodiscard]] BsdfEvaluation evaluate(const Vec3& wo, const Vec3& wi) const {
+        Real density;
+        const Rgb f = value_and_pdf(wo, wi, density);
+        return one_lobe(lobe(false), f, density);
+    }
+    [[nodiscard]] BsdfSample sample(const Vec3& wo, Real, const Vec2& u) const {
+        return one_lobe(lobe(is_delta()), draw(wo, u, false));
+    }
+    [[nodiscard]] Real pdf(Vec3 wo, Vec3 wi) const;
+
     /// f |cos theta_i|; 0 for a delta.
     [[nodiscard]] Rgb value(Vec3 wo, Vec3 wi) const;
-    [[nodiscard]] Real pdf(Vec3 wo, Vec3 wi) const;
-    /// Both at once, for half the work.
+    /// Value and density at once, for half the work.
     [[nodiscard]] Rgb value_and_pdf(Vec3 wo, Vec3 wi, Real& pdf) const;
-    [[nodiscard]] LocalSample sample(Vec3 wo, Real, const Vec2& u) const { return draw(wo, u, true); }
-    /// Without `density` the pdf of a rough sample is left at 1, for callers who ask pdf() of the direction as they
-    /// round it.
-    [[nodiscard]] LocalSample draw(Vec3 wo, const Vec2& u, bool density) const;
-    [[nodiscard]] Rgb albedo(Real cos_theta) const { return fresnel(cos_theta); }
+    /// Without `density` the pdf of a rough sample is 1, for callers who compute pdf() of the rounded direction.
+    [[nodiscard]] LocalSample draw(Vec3 wo, const Vec2& u, bool density = true) const;
 };
 
 }  // namespace raylex::transport

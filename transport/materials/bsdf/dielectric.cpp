@@ -13,12 +13,6 @@ struct View {
     [[nodiscard]] Vec3 turn(const Vec3& w) const { return below ? -w : w; }
 };
 
-/// Chance of reflecting, given Fresnel's F and where the sample may go.
-Real reflection_chance(Real fresnel, Sides sides) {
-    if (sides == Sides::both) return fresnel;
-    return sides == Sides::reflection ? 1.0f : 0.0f;
-}
-
 Real radiance_scale(TransportMode mode, Real eta) {
     return mode == TransportMode::radiance ? 1 / (eta * eta) : 1.0f;
 }
@@ -75,10 +69,10 @@ Real DielectricClosure::pdf(Vec3 wo, Vec3 wi, Sides sides) const {
 LocalSample DielectricClosure::draw(const Vec3& wo, Real u_lobe, const Vec2& u, TransportMode mode, Sides sides,
                                     bool density) const {
     if (std::abs(wo.z) < min_cosine) return {};
-    return is_delta() ? sample_ideal(wo, u_lobe, mode, sides) : sample_rough(wo, u_lobe, u, mode, sides, density);
+    return is_delta() ? draw_ideal(wo, u_lobe, mode, sides) : draw_rough(wo, u_lobe, u, mode, sides, density);
 }
 
-LocalSample DielectricClosure::sample_ideal(const Vec3& wo, Real u_lobe, TransportMode mode, Sides sides) const {
+LocalSample DielectricClosure::draw_ideal(const Vec3& wo, Real u_lobe, TransportMode mode, Sides sides) const {
     LocalSample s;
     const View view(wo.z, eta);
     const Real cos_o = std::abs(wo.z), fresnel = fresnel_dielectric(cos_o, view.eta);
@@ -101,8 +95,8 @@ LocalSample DielectricClosure::sample_ideal(const Vec3& wo, Real u_lobe, Transpo
     return s;
 }
 
-LocalSample DielectricClosure::sample_rough(const Vec3& wo_given, Real u_lobe, const Vec2& u, TransportMode mode,
-                                            Sides sides, bool density) const {
+LocalSample DielectricClosure::draw_rough(const Vec3& wo_given, Real u_lobe, const Vec2& u, TransportMode mode,
+                                          Sides sides, bool density) const {
     LocalSample s;
     const View view(wo_given.z, eta);
     const Vec3 wo = view.turn(wo_given);
@@ -136,16 +130,16 @@ LocalSample DielectricClosure::sample_rough(const Vec3& wo_given, Real u_lobe, c
     return s;
 }
 
-LocalSample ThinDielectricClosure::sample(const Vec3& wo, Real u_lobe, Sides sides) const {
+BsdfSample ThinDielectricClosure::sample(const Vec3& wo, Real u_lobe, const Vec2&) const {
     LocalSample s;
-    if (std::abs(wo.z) < min_cosine) return s;
+    if (std::abs(wo.z) < min_cosine) return {};
     const Real r = reflectance(std::abs(wo.z)), reflect_chance = reflection_chance(r, sides);
     s.delta = true;
     s.transmitted = !(u_lobe < reflect_chance);
     s.wi = s.transmitted ? -wo : Vec3{-wo.x, -wo.y, wo.z};
     s.pdf = s.transmitted ? 1 - reflect_chance : reflect_chance;
     s.weight = sides == Sides::both ? Rgb(1) : Rgb(s.transmitted ? 1 - r : r);
-    return s;
+    return one_lobe(lobes::glass(s.transmitted, true), s);
 }
 
 }  // namespace raylex::transport

@@ -56,7 +56,18 @@ inline constexpr std::array<LobeKind, count> kinds{{
     {lpe::EventType::reflection, lpe::Scatter::glossy, "measured"},
 }};
 
-/// What Bsdf::regularize() makes of a lobe.
+constexpr LobeId conductor(bool delta) {
+    return delta ? conductor_singular : conductor_glossy;
+}
+constexpr LobeId coat(bool delta) {
+    return delta ? coat_singular : coat_glossy;
+}
+constexpr LobeId glass(bool transmitted, bool delta) {
+    if (transmitted) return delta ? glass_transmit_singular : glass_transmit_glossy;
+    return delta ? glass_reflect_singular : glass_reflect_glossy;
+}
+
+/// The lobe that takes the place of `lobe` after Bsdf::regularize().
 constexpr LobeId regularized(LobeId lobe) {
     switch (lobe) {
         case conductor_singular:

@@ -1,12 +1,12 @@
-// Closures that are not in the tree: a plugin's own lobes behind the closure table, without a cost to the in-tree ones.
+// Closures that are not in the tree: a plugin's own lobes, without a cost to the in-tree closures.
 //
-// A closure is a small trivially copyable struct with the functions of ScatteringClosure, as LambertClosure is. The
-// table keeps its bytes and a pointer to its functions, so a call to it is an indirect one; in-tree closures are known
-// to the compiler and pay nothing. Directions are unit vectors in the shading frame, away from the surface, z along the
-// normal; both may lie on either side.
+// A closure is a small trivially copyable struct with the functions of ScatteringClosure. A Bsdf keeps its bytes and a
+// pointer to its functions, so calls to it are indirect; calls to in-tree closures are direct. Directions are unit
+// vectors in the shading frame, away from the surface, z along the normal; either may lie below the surface.
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <memory>
@@ -16,13 +16,14 @@
 
 namespace raylex::transport {
 
-/// evaluate   f |cos| of each lobe and their sum, and the density of sample(); nothing from delta lobes
-/// sample     a direction wi in the frame, or pdf 0; weight, pdf and lobes as BsdfSample has them. u_lobe, u in [0, 1)
-/// pdf        as evaluate() gives it
-/// albedo     rough directional albedo at this cosine, for the albedo AOV
-/// has_density  false when every lobe is a delta: then light sampling leaves the surface out
+/// evaluate     f |cos| of each lobe and their sum, and the density of sample(); nothing from delta lobes
+/// sample       a direction wi in the frame, or pdf 0; weight, pdf and lobes as in BsdfSample. u_lobe, u in [0, 1)
+/// pdf          the density that evaluate() returns
+/// albedo       a rough directional albedo at this cosine, for the albedo AOV
+/// has_density  false when every lobe is a delta: then no light is sampled at the surface
 ///
-/// What does not fit into 72 bytes belongs to the material, which outlives its closures: keep a pointer to it.
+/// A closure has at most 72 bytes. Larger data belongs to the material, which outlives its closures; the closure keeps
+/// a pointer to it.
 ///
 /// Lobes are ids of lobes.h or of PluginHost::add_lobe. Their values must sum to `value` (Law 5).
 template <class Closure>
@@ -35,27 +36,36 @@ concept ScatteringClosure = std::is_trivially_copyable_v<Closure> &&
     { c.has_density() } -> std::same_as<bool>;
 };
 
-/// What a Bsdf keeps of one.
-struct CustomClosure {
-    static constexpr std::size_t room = 72;  ///< with `calls` as much as the largest in-tree closure takes
+/// What a Bsdf keeps of one: its bytes, and the functions that know their type.
+class CustomClosure {
+  public:
+    static constexpr std::size_t room = 72;  ///< with `calls_` as much as the largest in-tree closure takes
+
+    template <ScatteringClosure Closure>
+    explicit CustomClosure(const Closure& closure) : calls_(&calls_of<Closure>) {
+        static_assert(sizeof(Closure) <= room && alignof(Closure) <= 8,
+                      "a closure has 72 bytes, aligned to 8: keep a pointer to what is larger, in the material");
+        std::construct_at(reinterpret_cast<Closure*>(data_.data()), closure);
+    }
+
+    [[nodiscard]] BsdfEvaluation evaluate(const Vec3& wo, const Vec3& wi) const {
+        return calls_->evaluate(data_.data(), wo, wi);
+    }
+    [[nodiscard]] BsdfSample sample(const Vec3& wo, Real u_lobe, const Vec2& u) const {
+        return calls_->sample(data_.data(), wo, u_lobe, u);
+    }
+    [[nodiscard]] Real pdf(const Vec3& wo, const Vec3& wi) const { return calls_->pdf(data_.data(), wo, wi); }
+    [[nodiscard]] Rgb albedo(const Vec3& wo) const { return calls_->albedo(data_.data(), std::abs(wo.z)); }
+    [[nodiscard]] bool has_density() const { return calls_->has_density(data_.data()); }
+
+  private:
     struct Calls {
         BsdfEvaluation (*evaluate)(const void*, const Vec3&, const Vec3&);
         BsdfSample (*sample)(const void*, const Vec3&, Real, const Vec2&);
         Real (*pdf)(const void*, const Vec3&, const Vec3&);
         Rgb (*albedo)(const void*, Real);
+        bool (*has_density)(const void*);
     };
-
-    template <ScatteringClosure Closure>
-    explicit CustomClosure(const Closure& closure) : calls(&calls_of<Closure>) {
-        static_assert(sizeof(Closure) <= room && alignof(Closure) <= 8,
-                      "a closure has 72 bytes, aligned to 8: keep a pointer to what is larger, in the material");
-        std::construct_at(reinterpret_cast<Closure*>(data.data()), closure);
-    }
-
-    const Calls* calls;
-    alignas(8) std::array<std::byte, room> data;
-
-  private:
     template <class Closure>
     static const Closure& as(const void* data) {
         return *static_cast<const Closure*>(data);
@@ -67,7 +77,11 @@ struct CustomClosure {
             return as<Closure>(data).sample(wo, u_lobe, u);
         },
         [](const void* data, const Vec3& wo, const Vec3& wi) { return as<Closure>(data).pdf(wo, wi); },
-        [](const void* data, Real cos_o) { return as<Closure>(data).albedo(cos_o); }};
+        [](const void* data, Real cos_o) { return as<Closure>(data).albedo(cos_o); },
+        [](const void* data) { return as<Closure>(data).has_density(); }};
+
+    const Calls* calls_;
+    alignas(8) std::array<std::byte, room> data_;
 };
 
 }  // namespace raylex::transport

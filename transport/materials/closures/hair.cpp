@@ -177,8 +177,7 @@ BsdfSample HairClosure::sample(const Vec3& wo, Real u_lobe, const Vec2& u) const
     while (lobe < lobe_count - 1 && !(u_lobe < below + fibre.chance[static_cast<std::size_t>(lobe)]))
         below += fibre.chance[static_cast<std::size_t>(lobe++)];
     const auto p = static_cast<std::size_t>(lobe);
-    BsdfSample result;
-    if (!(fibre.chance[p] > 0)) return result;  // in what rounding left above the last lobe
+    if (!(fibre.chance[p] > 0)) return {};  // u_lobe lies in what rounding left above the last lobe
     const Real again = std::clamp((u_lobe - below) / fibre.chance[p], Real(0), one_minus_epsilon);
     // d'Eon et al. 2013, "Importance Sampling for Physically-Based Hair Fiber Models": about the tilted direction.
     const Tilted o = tilted(lobe, fibre.sine, fibre.cosine);
@@ -191,12 +190,7 @@ BsdfSample HairClosure::sample(const Vec3& wo, Real u_lobe, const Vec2& u) const
     const auto phi = elementary::sin_cos(fibre.phi + around);
     const Real cosine_i = cosine_of(sine_i);
     const Vec3 wi{sine_i, cosine_i * phi.cos, cosine_i * phi.sin};
-    const BsdfEvaluation all = evaluate(wo, wi);
-    if (!(all.pdf > 0)) return result;
-    result.wi = wi;
-    result.weight = all.value / all.pdf;
-    result.pdf = all.pdf;
-    result.lobes = all.lobes;
+    BsdfSample result = sample_of(wi, evaluate(wo, wi));
     result.transmitted = wo.z * wi.z < 0;
     return result;
 }

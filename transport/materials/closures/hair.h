@@ -16,7 +16,7 @@
 
 #include <array>
 
-#include "transport/materials/bsdf/bsdf.h"
+#include "transport/materials/bsdf/scatter.h"
 
 namespace raylex::transport {
 
@@ -41,6 +41,7 @@ class HairClosure {
     [[nodiscard]] BsdfSample sample(const Vec3& wo, Real u_lobe, const Vec2& u) const;
     /// Exact: what leaves of light that arrives from wo.
     [[nodiscard]] Rgb albedo(const Vec3& wo) const;
+    [[nodiscard]] static constexpr bool has_density() { return true; }
 
   private:
     struct Fibre;

@@ -3,7 +3,6 @@
 
 #include "transport/materials/bsdf/conductor.h"
 #include "transport/materials/bsdf/lambert.h"
-#include "transport/materials/bsdf/scatter.h"
 
 namespace raylex::transport {
 
@@ -12,10 +11,16 @@ namespace raylex::transport {
 struct IdealClosure {
     Rgb diffuse, mirror, sheet;
 
+    [[nodiscard]] BsdfEvaluation evaluate(const Vec3& wo, const Vec3& wi) const {
+        return one_lobe(lobes::diffuse, LambertClosure{diffuse}.value(wo, wi), pdf(wo, wi));
+    }
+    [[nodiscard]] BsdfSample sample(const Vec3& wo, Real u_lobe, const Vec2& u) const;
+    [[nodiscard]] Real pdf(const Vec3& wo, const Vec3& wi) const;
+    [[nodiscard]] Rgb albedo(const Vec3&) const { return diffuse + mirror + sheet; }
+    [[nodiscard]] bool has_density() const { return !diffuse.is_black(); }
+
+  private:
     [[nodiscard]] Real total() const { return diffuse.average() + mirror.average() + sheet.average(); }
-    [[nodiscard]] Real diffuse_probability() const { return diffuse.average() / total(); }
-    /// `lobe` tells which was taken: 0 diffuse, 1 mirror, 2 sheet. Failure when all three are black.
-    [[nodiscard]] LocalSample sample(const Vec3& wo, Real u_lobe, const Vec2& u, int& lobe) const;
 };
 
 /// The sum of a Lambert and a GGX lobe that overlap everywhere: a direction is drawn from one of them, both are
@@ -24,10 +29,14 @@ struct AdditiveClosure {
     LambertClosure diffuse;
     ConductorClosure specular;  ///< never smooth
 
-    /// Chance of drawing from the Lambert lobe.
+    [[nodiscard]] BsdfEvaluation evaluate(const Vec3& wo, const Vec3& wi) const;
+    [[nodiscard]] BsdfSample sample(const Vec3& wo, Real u_lobe, const Vec2& u) const;
+    [[nodiscard]] Real pdf(const Vec3& wo, const Vec3& wi) const { return evaluate(wo, wi).pdf; }
+    [[nodiscard]] Rgb albedo(const Vec3& wo) const { return diffuse.reflectance + specular.albedo(wo); }
+    [[nodiscard]] static constexpr bool has_density() { return true; }
+
+  private:
     [[nodiscard]] Real diffuse_probability() const;
-    /// Draws a direction only: values and density follow from evaluating both lobes. False on failure.
-    [[nodiscard]] bool sample_direction(const Vec3& wo, Real u_lobe, const Vec2& u, Vec3& wi) const;
 };
 
 }  // namespace raylex::transport

@@ -90,18 +90,17 @@ class Evaluation {
           base_(layered.base),
           random_(random),
           coat_delta_(coat_.interface.is_delta() && !(coat_.as_pbrt && !coat_.interface.facets.smooth())),
-          base_delta_(base_.is_delta()) {
+          base_delta_(!base_.has_density()) {
         exit_.wi = wi;
         const Real u_lobe = random_.one();
-        exit_.inside =
-            coat_.interface.sample(wi, u_lobe, random_.two(), TransportMode::importance, Sides::transmission);
+        exit_.inside = coat_.interface.draw(wi, u_lobe, random_.two(), TransportMode::importance, Sides::transmission);
         if (exit_.inside.pdf > 0) exit_.scale = exit_.inside.weight.r * std::abs(wi.z / exit_.inside.wi.z);
     }
 
     Rgb walk(const Vec3& wo) {
         const Real u_lobe = random_.one();
         const LocalSample in =
-            coat_.interface.sample(wo, u_lobe, random_.two(), TransportMode::radiance, Sides::transmission);
+            coat_.interface.draw(wo, u_lobe, random_.two(), TransportMode::radiance, Sides::transmission);
         if (!(in.pdf > 0) || !(exit_.inside.pdf > 0)) return {};
         at_ = {coat_.thickness, in.wi};
         beta_ = in.weight;
@@ -130,8 +129,7 @@ class Evaluation {
 
     bool below_coat() {
         const Real u_lobe = random_.one();
-        return follow(
-            coat_.interface.sample(-at_.w, u_lobe, random_.two(), TransportMode::radiance, Sides::reflection));
+        return follow(coat_.interface.draw(-at_.w, u_lobe, random_.two(), TransportMode::radiance, Sides::reflection));
     }
 
     bool at_base() {
@@ -140,8 +138,8 @@ class Evaluation {
             const Real weight = coat_delta_ ? 1.0f : power_heuristic(exit_.inside.pdf, base_.pdf(-at_.w, up));
             result_ += beta_ * base_.value(-at_.w, up) * (weight * transmittance(coat_.thickness, up) * exit_.scale);
         }
-        const Real u_lobe = random_.one();
-        const LocalSample s = base_.sample(-at_.w, u_lobe, random_.two());
+        static_cast<void>(random_.one());  // would choose a lobe
+        const LocalSample s = base_.draw(-at_.w, random_.two());
         if (!follow(s)) return false;
         if (!coat_delta_) leave(coat_.thickness, s.pdf, base_delta_);
         return true;
@@ -204,7 +202,7 @@ Real LayeredClosure<Base>::coat_value(Vec3 wo, Vec3 wi) const {
 }
 
 template <class Base>
-Rgb LayeredClosure<Base>::base_value(Vec3 wo, Vec3 wi, std::uint32_t key) const {
+Rgb LayeredClosure<Base>::base_value(Vec3 wo, Vec3 wi) const {
     if (!to_upper_side(wo, wi)) return {};
     WalkRandom random(key, wo, wi);
     Rgb sum;
@@ -213,14 +211,24 @@ Rgb LayeredClosure<Base>::base_value(Vec3 wo, Vec3 wi, std::uint32_t key) const 
 }
 
 template <class Base>
-Real LayeredClosure<Base>::pdf(Vec3 wo, Vec3 wi, Sides sides) const {
-    if (is_delta() || !to_upper_side(wo, wi)) return 0;
+BsdfEvaluation LayeredClosure<Base>::evaluate(const Vec3& wo, const Vec3& wi) const {
+    const Real density = pdf(wo, wi);
+    if (!(density > 0)) return {};
+    if (sides == Sides::reflection) return one_lobe(lobes::coat_glossy, Rgb(coat_value(wo, wi)), density);
+    const Rgb entered = base_value(wo, wi);
+    if (coat.interface.is_delta() || sides == Sides::transmission) return one_lobe(Base::lobe(false), entered, density);
+    return two_lobes(lobes::coat_glossy, Rgb(coat_value(wo, wi)), Base::lobe(false), entered, density);
+}
+
+template <class Base>
+Real LayeredClosure<Base>::pdf(Vec3 wo, Vec3 wi) const {
+    if (!has_density() || !to_upper_side(wo, wi)) return 0;
     if (sides == Sides::reflection) return coat.interface.pdf(wo, wi, sides);
     const Real enters = 1 - fresnel_dielectric(wo.z, coat.interface.eta);
     Real entered = LambertClosure::pdf(wo, wi);  // what a Lambert base gives through any number of reflections
     if constexpr (std::is_same_v<Base, ConductorClosure>) {
         // A smooth base under a smooth coat has a density only by the medium; else most of it is one reflection.
-        if (!coat.interface.is_delta() || !base.is_delta())
+        if (!coat.interface.is_delta() || base.has_density())
             entered = Real(0.2) * entered + Real(0.8) * conductor_density(coat, base, wo, wi);
     }
     if (sides == Sides::transmission) return entered;
@@ -234,24 +242,23 @@ Real LayeredClosure<Base>::pdf(Vec3 wo, Vec3 wi, Sides sides) const {
 }
 
 template <class Base>
-LayeredSample LayeredClosure<Base>::sample(Vec3 wo, Real u_lobe, const Vec2& u, std::uint32_t key, Sides sides) const {
-    LayeredSample result;
+BsdfSample LayeredClosure<Base>::sample(Vec3 wo, Real u_lobe, const Vec2& u) const {
     const bool below = wo.z < 0;
     if (below) wo = -wo;
-    LocalSample s = coat.interface.sample(wo, u_lobe, u, TransportMode::radiance, sides);
-    if (!(s.pdf > 0)) return result;
+    LocalSample s = coat.interface.draw(wo, u_lobe, u, TransportMode::radiance, sides);
+    if (!(s.pdf > 0)) return {};
     Rgb beta = s.weight;
     Real pdf = s.pdf;
     bool delta = s.delta;
-    result.entered = s.transmitted;
-    if (s.transmitted) {
+    const bool entered = s.transmitted;
+    if (entered) {
         WalkRandom random(key, wo, {u_lobe, u.x, u.y});
         WalkPoint at{coat.thickness, s.wi};
         bool left = false;
         for (int depth = 0; depth < coat.max_depth && !left; ++depth) {
-            if (!survives(depth, beta, pdf, random)) return result;
+            if (!survives(depth, beta, pdf, random)) return {};
             const Advance step = advance(coat, at, beta, random);
-            if (step == Advance::stuck) return result;
+            if (step == Advance::stuck) return {};
             if (step == Advance::scattered) {
                 const PhaseSample turn = sample_phase(coat.g, at.w, random.two());
                 at.w = turn.wi;
@@ -262,32 +269,35 @@ LayeredSample LayeredClosure<Base>::sample(Vec3 wo, Real u_lobe, const Vec2& u, 
             }
             const Real u_next = random.one();
             const bool at_coat = at.z > 0;
-            s = at_coat ? coat.interface.sample(-at.w, u_next, random.two(), TransportMode::radiance, Sides::both)
-                        : base.sample(-at.w, u_next, random.two());
-            if (!(s.pdf > 0)) return result;
+            s = at_coat ? coat.interface.draw(-at.w, u_next, random.two(), TransportMode::radiance, Sides::both)
+                        : base.draw(-at.w, random.two());
+            if (!(s.pdf > 0)) return {};
             beta *= s.weight;
             pdf *= s.pdf;
             delta = delta && s.delta;
             at.w = s.wi;
             left = at_coat && s.transmitted;
         }
-        if (!left) return result;
+        if (!left) return {};
     }
-    result.scatter.wi = below ? -s.wi : s.wi;
-    result.scatter.weight = beta;
-    result.scatter.pdf = std::clamp(pdf, Real(1e-30), Real(1e30));
-    result.scatter.delta = delta;
+    LocalSample walk;
+    walk.wi = below ? -s.wi : s.wi;
+    walk.weight = beta;
+    walk.pdf = std::clamp(pdf, Real(1e-30), Real(1e30));
+    walk.delta = delta;
+    BsdfSample result = one_lobe(entered ? Base::lobe(delta) : lobes::coat(delta), walk);
+    result.pdf_is_proportional = !delta;
     return result;
 }
 
 template <class Base>
-Rgb LayeredClosure<Base>::albedo(Real cos_theta) const {
-    const Real eta = coat.interface.eta, outside = fresnel_dielectric(cos_theta, eta);
+Rgb LayeredClosure<Base>::albedo(const Vec3& wo) const {
+    const Real eta = coat.interface.eta, outside = fresnel_dielectric(std::abs(wo.z), eta);
     // Diffuse reflectance from inside, Egan and Hilgeman's fit as in Jensen et al. 2001, "A Practical Model for
     // Subsurface Light Transport".
     const Real fit = Real(0.6681) + Real(0.0636) * eta + (Real(0.7099) - Real(1.4399) / eta) / eta;
     const Real inside = eta > 1 ? std::clamp(fit, Real(0), Real(0.99)) : 0.0f;
-    const Rgb below = base.albedo(cos_theta);
+    const Rgb below = base.albedo(wo);
     const auto one = [&](Real r) { return outside + (1 - outside) * (1 - inside) * r / (1 - inside * r); };
     return {one(below.r), one(below.g), one(below.b)};
 }

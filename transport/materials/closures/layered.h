@@ -44,30 +44,38 @@ struct CoatLayer {
     bool as_pbrt;
 };
 
-struct LayeredSample {
-    LocalSample scatter;   ///< pdf: of the walk, clamped to [1e-30, 1e30]; serves the weight only
-    bool entered = false;  ///< the base's lobe, not the coat's
-};
-
 /// `Base` is LambertClosure or ConductorClosure. wo and wi may be on either side; the model is the same from both.
 template <class Base>
 struct LayeredClosure {
     CoatLayer coat;
     Base base;
+    std::uint32_t key = 0;      ///< of the random walks: SurfacePoint::random_key
+    Sides sides = Sides::both;  ///< to which the coat sends light where it meets it first
 
-    [[nodiscard]] bool is_delta() const {
-        return coat.interface.is_delta() && base.is_delta() && coat.albedo.is_black();
+    [[nodiscard]] BsdfEvaluation evaluate(const Vec3& wo, const Vec3& wi) const;
+    /// The pdf is that of the walk, clamped to [1e-30, 1e30].
+    [[nodiscard]] BsdfSample sample(Vec3 wo, Real u_lobe, const Vec2& u) const;
+    /// An approximate density for multiple importance sampling, positive over the whole hemisphere, whose integral is
+    /// at most 1 (but for a rough coat's own small error).
+    [[nodiscard]] Real pdf(Vec3 wo, Vec3 wi) const;
+    [[nodiscard]] Rgb albedo(const Vec3& wo) const;
+    [[nodiscard]] bool has_density() const {
+        return !(coat.interface.is_delta() &&
+                 (sides == Sides::reflection || (!base.has_density() && coat.albedo.is_black())));
     }
+    [[nodiscard]] SideLobes side_lobes() const {
+        // A medium between coat and base gives a mirror a density too.
+        return {lobes::coat(coat.interface.is_delta()), {Base::lobe(true), Base::lobe(false)}};
+    }
+    void regularize() {
+        coat.interface.regularize();
+        base.regularize();
+    }
+
     /// The coat's part of f |cos theta_i|: exact.
     [[nodiscard]] Real coat_value(Vec3 wo, Vec3 wi) const;
     /// The part that entered: an unbiased estimate.
-    [[nodiscard]] Rgb base_value(Vec3 wo, Vec3 wi, std::uint32_t key) const;
-    /// An approximate density for multiple importance sampling, positive over the whole hemisphere, whose integral is
-    /// at most 1 (but for a rough coat's own small error).
-    [[nodiscard]] Real pdf(Vec3 wo, Vec3 wi, Sides sides) const;
-    /// `sides`: of the coat, at the first meeting with it.
-    [[nodiscard]] LayeredSample sample(Vec3 wo, Real u_lobe, const Vec2& u, std::uint32_t key, Sides sides) const;
-    [[nodiscard]] Rgb albedo(Real cos_theta) const;
+    [[nodiscard]] Rgb base_value(Vec3 wo, Vec3 wi) const;
 };
 
 }  // namespace raylex::transport

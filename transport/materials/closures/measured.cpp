@@ -115,7 +115,7 @@ Real MeasuredReflectance::pdf(Vec3 wo, Vec3 wi) const {
     return luminance_.density(u.at, direction) * u.density / (4 * half.cosine * half.jacobian);
 }
 
-LocalSample MeasuredReflectance::sample(const Vec3& wo_given, const Vec2& u) const {
+LocalSample MeasuredReflectance::draw(const Vec3& wo_given, const Vec2& u) const {
     LocalSample s;
     if (std::abs(wo_given.z) < min_cosine) return s;
     const bool below = wo_given.z < 0;
@@ -152,10 +152,10 @@ void MeasuredReflectance::tabulate_albedo() {
             for (int j = 0; j < albedo_side; ++j) {
                 const auto turn = elementary::sin_cos(2 * pi * static_cast<Real>(i * albedo_side + j) /
                                                       Real(albedo_side * albedo_side));
-                sum += sample({sine * turn.cos, sine * turn.sin, cosine},
-                              {(static_cast<Real>(i) + Real(0.5)) / albedo_side,
-                               (static_cast<Real>(j) + Real(0.5)) / albedo_side})
-                           .weight;
+                sum +=
+                    draw({sine * turn.cos, sine * turn.sin, cosine}, {(static_cast<Real>(i) + Real(0.5)) / albedo_side,
+                                                                      (static_cast<Real>(j) + Real(0.5)) / albedo_side})
+                        .weight;
             }
         albedo_.push_back(sum * (1 / Real(albedo_side * albedo_side)));
     }

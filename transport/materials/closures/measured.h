@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "lpe/result.h"
+#include "transport/materials/bsdf/lobes.h"
 #include "transport/materials/bsdf/scatter.h"
 #include "transport/math/vec.h"
 #include "transport/scene/scene_description.h"
@@ -61,7 +62,7 @@ class MeasuredReflectance {
 
     [[nodiscard]] Rgb value(Vec3 wo, Vec3 wi) const;
     [[nodiscard]] Real pdf(Vec3 wo, Vec3 wi) const;
-    [[nodiscard]] LocalSample sample(const Vec3& wo, const Vec2& u) const;
+    [[nodiscard]] LocalSample draw(const Vec3& wo, const Vec2& u) const;
     /// By theta alone: of an anisotropic material the mean over the measured phi.
     [[nodiscard]] Rgb albedo(Real cosine) const;
 
@@ -88,9 +89,19 @@ class MeasuredReflectance {
     std::vector<Rgb> albedo_;   // by cosine, even steps from 0 to 1
 };
 
-/// What a Bsdf keeps; both sides alike.
+/// Reflects alike on both sides.
 struct MeasuredClosure {
     const MeasuredReflectance* table;  ///< the material's
+
+    [[nodiscard]] BsdfEvaluation evaluate(const Vec3& wo, const Vec3& wi) const {
+        return one_lobe(lobes::measured, table->value(wo, wi), pdf(wo, wi));
+    }
+    [[nodiscard]] BsdfSample sample(const Vec3& wo, Real, const Vec2& u) const {
+        return one_lobe(lobes::measured, table->draw(wo, u));
+    }
+    [[nodiscard]] Real pdf(const Vec3& wo, const Vec3& wi) const { return table->pdf(wo, wi); }
+    [[nodiscard]] Rgb albedo(const Vec3& wo) const { return table->albedo(wo.z); }
+    [[nodiscard]] static constexpr bool has_density() { return true; }
 };
 
 }  // namespace raylex::transport

@@ -4,11 +4,9 @@
 namespace raylex::transport {
 namespace {
 
-/// Whether it reflects or transmits, each in one direction.
+/// Whether the closure reflects or transmits, each in one direction.
 bool has_two_lobes(const Bsdf& bsdf, const Vec3& wo) {
-    if (bsdf.kind() != Bsdf::Kind::dielectric && bsdf.kind() != Bsdf::Kind::thin_dielectric &&
-        bsdf.kind() != Bsdf::Kind::subsurface)
-        return false;
+    if (!bsdf.side_lobes()) return false;
     const BsdfSample first = bsdf.sample(wo, lobe_number(0), {}), last = bsdf.sample(wo, lobe_number(1), {});
     return first.delta && last.delta && first.pdf > 0 && last.pdf > 0 && first.transmitted != last.transmitted;
 }
