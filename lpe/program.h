@@ -1,9 +1,9 @@
 // A compiled set of channels: tables that match path events for all channels at once.
 //
-// A Program has one minimised deterministic automaton per group of channels, and usually one group. Channels that would
-// multiply in one automaton (`C.*X.*` with many labels X) are packed as bits into words instead. The state of a path is
-// a list of words, usually one; program_view.h defines them. Following a path does not allocate. Any number of threads
-// can share a Program.
+// A Program is one minimised deterministic automaton per group of channels; nearly always there is one group. Channels
+// that would multiply with one another (`C.*X.*` with many labels X) are packed into words of bits instead. The state
+// of a path is a short list of words, nearly always one; program_view.h says what they are. Nothing here allocates, and
+// a Program may be used by any number of threads.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// The last step of compilation: arranges automata as groups, bit-parallel automata and arrays.
+// The last step of compilation, for all who have automata: groups, lanes, arrays.
 #pragma once
 
 #include <span>

@@ -28,7 +28,7 @@ std::vector<ChannelSource> adopted_channels(const std::vector<std::string>& expr
     return channels;
 }
 
-/// Channels with labels and globs and, if `packed`, so many labels anywhere that lanes are needed.
+/// Channels with labels, globs and, when `packed`, enough labels anywhere to need lanes.
 std::vector<ChannelSource> channel_set(bool packed) {
     std::vector<ChannelSource> channels =
         adopted_channels({"CD+L", "C<RD'floor'>[DS]*L", "C<R.'wall*'>.*[<L.'key'>O]", "CU2L"});

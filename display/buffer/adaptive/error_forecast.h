@@ -17,7 +17,7 @@
 // 1), with that within pixels, v. If the values agree, both have the same expectation, even when a single bright sample
 // dominates both. If the first exceeds `most_between` times v, the pixels keep the E of the smaller pools.
 //
-// Between two sizes of pools the error follows a power of the number of samples; beyond the largest, E is constant.
+// Between two sizes of pools errors go by a power of the samples; beyond the largest, E stays. tests/experiments/study/
 // tests/experiments/study/prediction_test.cpp measures the accuracy; experiments/docs/stopping.md states it.
 #pragma once
 

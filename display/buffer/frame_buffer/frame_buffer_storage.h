@@ -365,7 +365,7 @@ struct Divisor {
     int exponent = 0;
     long double scale = 1;  // a power of two: products with it are exact
 
-    /// `quantum_exponent` is that of the weights; `scale_exponent` is the difference of the sums' exponent to it.
+    /// `quantum_exponent` is that of the weights; that of the sums is larger by `scale_exponent`.
     Divisor(Int128 weight_sum, std::uint64_t sample_count, int quantum_exponent, int scale_exponent = 0)
         : samples(sample_count), exponent(quantum_exponent), scale(power_of_two(scale_exponent)) {
         if (weight_sum != 0) reciprocal = 1.0L / as_long_double(weight_sum) * scale;

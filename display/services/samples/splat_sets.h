@@ -48,7 +48,7 @@ class SplatSets {
     [[nodiscard]] std::span<const ChannelId> channels_of(std::size_t set) const {
         return {channels_.data() + begin_[set], channels_.data() + begin_[set + 1]};
     }
-    /// The number of low bits in which the indices of samples with a common sum differ.
+    /// The number of low bits in which the indices of samples with a common sum may differ.
     [[nodiscard]] int block_bits() const { return block_bits_; }
     /// [channel] 1 if sets represent it.
     [[nodiscard]] std::span<const std::uint8_t> shared() const { return shared_; }
