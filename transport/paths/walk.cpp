@@ -21,7 +21,7 @@ Walk<mode>::Walk(const PathContext& context, const WalkOptions& options, PathRec
       pairs_(paths_.size()),
       wavelengths_(scene_, paths_.size()) {
     const std::size_t capacity = paths_.size();
-    if (options.densities) sums_.resize(capacity);
+    if (options.densities) mis_weights_.resize(capacity);
     queue_.reserve(capacity);
     vertices_.reserve(capacity);
     if (has_footprints_) vertices_.footprints.resize(capacity);
@@ -92,33 +92,34 @@ void Walk<mode>::trace(display::DisplayServices& display) {
 
 /// The densities of a vertex follow from those of the vertex before it. Densities of sampled distances in media are
 /// left out: a path of given vertices has them in every strategy, but for the transmittance along the segment that is
-/// connected (strategies.h).
+/// connected (partial_mis_weights.h).
 template <TransportMode mode>
 void Walk<mode>::arrive(std::uint32_t row, const SurfacePoint& point, Real time) {
     if (!options_.densities) return;
     const Subpath& path = paths_[row];
-    StrategySums& sums = sums_[row];
+    PartialMisWeights& mis_weights = mis_weights_[row];
     const double near = path.from_infinity ? 1 : 1 / static_cast<double>(length_squared(point.position - path.from));
     const double pdf = path.specular ? 1 : static_cast<double>(path.pdf);
-    sums.arrive(pdf * static_cast<double>(point.cosine(point.wo)) * near,
-                path.from_infinity ? 1 : static_cast<double>(path.cosine) * near);
+    mis_weights.arrive(pdf * static_cast<double>(point.cosine(point.wo)) * near,
+                       path.from_infinity ? 1 : static_cast<double>(path.cosine) * near);
     if (path.depth > 0) return;
     if constexpr (mode == TransportMode::radiance)
-        sums.forward = context_.view().density(context_.camera->importance(point.position, path.from, time),
-                                               point.cosine(point.wo));
-    else sums.join = first_join(row, point);
+        mis_weights.forward = context_.view().density(context_.camera->importance(point.position, path.from, time),
+                                                      point.cosine(point.wo));
+    else mis_weights.connects = light_sample_ratio(row, point);
 }
 
 /// The strategy that connects at the light has the density of a light sample and not of an emission: the square of
 /// their ratio.
 template <TransportMode mode>
-StrategySums::Wide Walk<mode>::first_join(std::uint32_t row, const SurfacePoint& point) const {
+double Walk<mode>::light_sample_ratio(std::uint32_t row, const SurfacePoint& point) const {
     const LightSample& origin = origins_[row];
     const LightTable& lights = *scene_.lights;
     const auto sampled =
         static_cast<double>(lights.density(*options_.sampled, *scene_.geometry, point.position, origin));
     const bool area = lights.lights()[origin.light].is_area();
-    return StrategySums::squared(sampled * (area ? sums_[row].to_previous : 1) / sums_[row].previous);
+    return PartialMisWeights::squared(sampled * (area ? mis_weights_[row].to_previous : 1) /
+                                      mis_weights_[row].previous);
 }
 
 /// Alpha test and liveness: the vertices that stay need a closure.
@@ -137,7 +138,7 @@ void Walk<mode>::keep_live_vertices(display::DisplayServices& display) {
         arrive(row, point, v.hits[j].time);
         // Strategies that come there from the light find another point. They leave it alone, and have no weight here.
         if (mode == TransportMode::radiance && options_.densities && shape.faces_rays)
-            sums_[row].forward = std::numeric_limits<double>::infinity();
+            mis_weights_[row].forward = std::numeric_limits<double>::infinity();
         if (cutouts && shape.alpha >= 0 && passes_cutout(j, shape)) continue;
         bool live = true;
         if constexpr (mode == TransportMode::radiance) {

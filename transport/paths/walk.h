@@ -22,12 +22,12 @@
 
 #include "transport/paths/counters.h"
 #include "transport/paths/footprints.h"
+#include "transport/paths/partial_mis_weights.h"
 #include "transport/paths/path_context.h"
 #include "transport/paths/path_depth.h"
 #include "transport/paths/path_wavelengths.h"
 #include "transport/paths/record.h"
 #include "transport/paths/scattering.h"
-#include "transport/paths/strategies.h"
 #include "transport/paths/vertex.h"
 #include "transport/samplers/sampler_batch.h"
 
@@ -36,7 +36,7 @@ namespace raylex::transport {
 struct WalkOptions {
     std::uint32_t max_depth = 5;  ///< scattering events of a whole path; a light subpath's connection is one of them
     Real roulette_below = default_roulette_below;  ///< 0: paths do not end at random
-    bool densities = false;                        ///< keep sums()
+    bool densities = false;                        ///< keep mis_weights()
     bool regularize = false;                       ///< closures behind a scattering that is not specular
     /// False: specular scatterings at the beginning of a camera subpath do not count; at most `max_depth` of them.
     bool counts_first_specular = true;
@@ -117,8 +117,8 @@ class Walk {
     /// The weight of a row's wavelength, for paths that are of one wavelength.
     [[nodiscard]] const Rgb& wavelength_weight(std::uint32_t row) const { return wavelengths_.weight(row); }
     /// At the current vertex; options.densities only.
-    [[nodiscard]] StrategySums& sums(std::uint32_t row) { return sums_[row]; }
-    [[nodiscard]] const StrategySums& sums(std::uint32_t row) const { return sums_[row]; }
+    [[nodiscard]] PartialMisWeights& mis_weights(std::uint32_t row) { return mis_weights_[row]; }
+    [[nodiscard]] const PartialMisWeights& mis_weights(std::uint32_t row) const { return mis_weights_[row]; }
     [[nodiscard]] const PixelSampler& sampler(std::uint32_t row) const { return samplers_[row]; }
     [[nodiscard]] const PathRecord& record() const { return record_; }
     [[nodiscard]] IntegratorCounters& counters() { return *counters_; }
@@ -153,8 +153,8 @@ class Walk {
     const SceneView scene_;
     const WalkOptions options_;
     PathRecord record_;
-    std::vector<Subpath> paths_;        // by row
-    std::vector<StrategySums> sums_;    // by row
+    std::vector<Subpath> paths_;                  // by row
+    std::vector<PartialMisWeights> mis_weights_;  // by row
     std::vector<LightSample> origins_;  // by row: where light subpaths left their lights; options.densities only
     VertexBatch vertices_;
 
@@ -189,7 +189,7 @@ class Walk {
     // advance()
     void trace(display::DisplayServices& display);
     void arrive(std::uint32_t row, const SurfacePoint& point, Real time);
-    [[nodiscard]] StrategySums::Wide first_join(std::uint32_t row, const SurfacePoint& point) const;
+    [[nodiscard]] double light_sample_ratio(std::uint32_t row, const SurfacePoint& point) const;
     void keep_live_vertices(display::DisplayServices& display);
     bool passes_cutout(std::size_t j, const ShapeGeometry& shape);
     void record_first_hit(display::DisplayServices& display, std::size_t j);

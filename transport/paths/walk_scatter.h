@@ -210,7 +210,7 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
         return false;
     if (rays > 1 && !path.specular) path.pdf *= static_cast<Real>(rays);
     if (options_.densities) {
-        sums_[row].leave(s.delta, s.delta ? 1.0 : static_cast<double>(bsdf.pdf(s.wi, point.wo)));
+        mis_weights_[row].leave(s.delta, s.delta ? 1.0 : static_cast<double>(bsdf.pdf(s.wi, point.wo)));
         path.cosine = point.cosine(s.wi);
     }
     if (in_media_) path.medium = medium_towards(j, s.wi);

@@ -152,7 +152,8 @@ void Bdpt::report_lights(CameraSubpaths& camera) const {
     const LightTable& lights = *scene.lights;
     for (const EscapedRay& e : camera.escaped()) {
         const Subpath& path = camera.path(e.row);
-        camera.sums(e.row).arrive(path.specular ? 1 : static_cast<double>(path.pdf), static_cast<double>(path.cosine));
+        camera.mis_weights(e.row).arrive(path.specular ? 1 : static_cast<double>(path.pdf),
+                                         static_cast<double>(path.cosine));
         for (const std::uint32_t light : lights.environments()) {
             LightSample at;
             at.light = light;
@@ -188,9 +189,9 @@ void Bdpt::report(const CameraSubpaths& camera, std::uint32_t row, const Rgb& th
             emission =
                 context_.scene.lights->emission_density(emitters_.chooser(), *context_.scene.geometry, at, towards);
         const double pdf = path.specular ? 1 : static_cast<double>(path.pdf);
-        weight = StrategySums::weight(camera.sums(row).others_at_light(static_cast<double>(light_pdf) / pdf,
-                                                                       static_cast<double>(emission.position),
-                                                                       static_cast<double>(emission.direction)));
+        weight = PartialMisWeights::weight(camera.mis_weights(row).others_at_light(
+            static_cast<double>(light_pdf) / pdf, static_cast<double>(emission.position),
+            static_cast<double>(emission.direction)));
     }
     camera.report(row, at.light, throughput, emitted, weight, !path.specular && light_pdf > 0);
 }
@@ -203,8 +204,8 @@ Real Bdpt::weight_of_light_sample(const CameraSubpaths& camera, std::size_t j, c
     const LightTable& lights = *context_.scene.lights;
     const Light& light = lights.lights()[sample.light];
     const double pdf = static_cast<double>(sample.pdf);
-    const StrategySums::Wide met = light.is_delta() ? 0 : StrategySums::squared(static_cast<double>(f.pdf) / pdf);
-    if (!emitters_.any()) return StrategySums::weight(met);
+    const double met = light.is_delta() ? 0 : PartialMisWeights::squared(static_cast<double>(f.pdf) / pdf);
+    if (!emitters_.any()) return PartialMisWeights::weight(met);
     const EmissionDensity emission =
         lights.emission_density(emitters_.chooser(), *context_.scene.geometry, sample, -sample.wi);
     const double near = sample.infinite ? 1 : 1 / static_cast<double>(length_squared(sample.target - point.position));
@@ -213,9 +214,10 @@ Real Bdpt::weight_of_light_sample(const CameraSubpaths& camera, std::size_t j, c
     const double begun = to_light > 0 ? static_cast<double>(emission.position) / (pdf * to_light) : 0;
     const double cosine = static_cast<double>(point.cosine(sample.wi));
     const auto pdf_reverse = static_cast<double>(v.bsdfs[j].pdf(sample.wi, point.wo));
-    return StrategySums::weight(
-        met + StrategySums::squared(begun) *
-                  camera.sums(v.rows[j]).others(static_cast<double>(emission.direction) * cosine * near, pdf_reverse));
+    return PartialMisWeights::weight(
+        met +
+        PartialMisWeights::squared(begun) *
+            camera.mis_weights(v.rows[j]).others(static_cast<double>(emission.direction) * cosine * near, pdf_reverse));
 }
 
 /// s, t >= 2: vertex j of the camera subpath with all vertices of the light subpath of its row.
@@ -249,9 +251,10 @@ void Bdpt::connect_vertices(BdptThread& thread, std::size_t j) const {
         VertexJoin join;
         join.j = j;
         join.f = &x.f;
-        join.weight = StrategySums::weight(
-            camera.sums(row).others(static_cast<double>(z.f.pdf) * at_camera, static_cast<double>(x.pdf_reverse)) +
-            y.sums.others(static_cast<double>(x.f.pdf) * at_light, static_cast<double>(z.pdf_reverse)));
+        join.weight = PartialMisWeights::weight(
+            camera.mis_weights(row).others(static_cast<double>(z.f.pdf) * at_camera,
+                                           static_cast<double>(x.pdf_reverse)) +
+            y.mis_weights.others(static_cast<double>(x.f.pdf) * at_light, static_cast<double>(z.pdf_reverse)));
         join.unweighted = path.beta * x.f.value * z.f.value * y.power * (1 / d2);
         if (path.one_wavelength || y.one_wavelength) join.unweighted *= thread.light.wavelength_weight(row);
         join.end = y.end;

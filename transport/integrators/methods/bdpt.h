@@ -8,7 +8,7 @@
 //     s, t >= 2      by connecting two vertices;
 // t = 0 is left out: no ray meets a pinhole, and hardly any a lens. Light that the camera sees directly is found by s =
 // 0 alone. Each strategy has the weight of the power heuristic over all that could have made the path
-// (paths/strategies.h).
+// (paths/partial_mis_weights.h).
 //
 // Path strings. The camera subpath's tracker goes on over the connection and back along the light subpath's events to
 // its light, so that every channel takes exact shares whatever found the path (Law 5).

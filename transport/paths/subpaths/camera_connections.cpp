@@ -35,8 +35,8 @@ void CameraConnections::add(const LightSubpathVertex& vertex, const SurfacePoint
     Rgb value = unweighted;
     if (vertex.weighted) {
         const Real cosine = point.cosine(to_camera);
-        value *= StrategySums::weight(
-            vertex.sums.others(view.density(seen.importance, cosine), static_cast<double>(scattering.pdf_reverse)));
+        value *= PartialMisWeights::weight(vertex.mis_weights.others(view.density(seen.importance, cosine),
+                                                                     static_cast<double>(scattering.pdf_reverse)));
     }
     if (value.is_black()) return;
     pending_.push_back({vertex.row, seen.x, seen.y, vertex.depth + 2, vertex.holdout, value, unweighted, vertex.key,

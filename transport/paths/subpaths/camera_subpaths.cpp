@@ -46,8 +46,8 @@ void CameraSubpaths::begin(const CameraBatch& batch, ThreadServices& services, I
             if (batch.weights[i] > 0) path.roulette_scale = 1 / batch.weights[i];
         }
         if (options_.densities) {
-            sums_[row] = StrategySums();
-            sums_[row].join = 1;  // of the first vertex with the camera: t = 1
+            mis_weights_[row] = PartialMisWeights();
+            mis_weights_[row].connects = 1;  // the first vertex with the camera: t = 1
         }
         push(row, batch.rays[i]);
     }

@@ -76,10 +76,10 @@ void LightSubpaths::start(std::uint32_t row, const EmissionSample& s, Real time)
         path.cosine = light.is_area() ? std::abs(dot(s.from.target_normal, s.direction)) : 1;
         path.from_infinity = s.from.infinite;
         origins_[row] = s.from;
-        StrategySums& sums = sums_[row];
-        sums = StrategySums();
-        sums.previous = static_cast<double>(density.position);
-        sums.tail = light.is_delta() ? 0 : 1;  // camera subpaths find what is not a delta light by themselves
+        PartialMisWeights& mis_weights = mis_weights_[row];
+        mis_weights = PartialMisWeights();
+        mis_weights.previous = static_cast<double>(density.position);
+        mis_weights.tail = light.is_delta() ? 0 : 1;  // camera subpaths find what is not a delta light by themselves
     }
     Ray ray;
     ray.origin = s.origin;
@@ -118,7 +118,7 @@ LightSubpathVertex LightSubpaths::vertex(std::size_t j) const {
     vertex.ahead = record_.ahead(row, v.sources[j].label, v.points[j].material);
     vertex.time = v.hits[j].time;
     vertex.key = scene_.media->any_grids() ? sampler(row).key(dimensions.connections + vertex.depth) : 0;
-    if (options_.densities) vertex.sums = sums_[row];
+    if (options_.densities) vertex.mis_weights = mis_weights_[row];
     vertex.weighted = options_.densities;
     return vertex;
 }
