@@ -17,6 +17,8 @@ class LiveLights;
 /// densities times these shares.
 struct TechniqueShares {
     Real light = 1, ray = 1;
+
+    [[nodiscard]] bool any() const { return light < 1 || ray < 1; }
 };
 
 /// How camera subpaths are split (splits.h).

@@ -36,7 +36,6 @@ inline void leave_vertex(Subpath& path, const SurfacePoint& point, const BsdfSam
     path.pdf = s.pdf;
     path.from = point.position;
     path.from_normal = point.shading_normal;
-    path.from_infinity = false;
 }
 
 /// One sample of a closure for a subpath that came from point.wo, `pdf` being the density whatever the closure. u_lobe

@@ -26,15 +26,17 @@ inline Real lobe_number(std::uint32_t branch) {
 struct SplitVertices {
     VertexBatch vertices;
     std::vector<Subpath> paths;
+    std::vector<SplitState> splits;
+    std::vector<TechniqueShares> shares;
     std::vector<display::Tracker> trackers;
     std::vector<PixelSampler> samplers;
     std::uint32_t next = 0;  ///< branch
 
-    explicit SplitVertices(std::size_t capacity) : paths(capacity), trackers(capacity), samplers(capacity) {
+    explicit SplitVertices(std::size_t capacity)
+        : paths(capacity), splits(capacity), shares(capacity), trackers(capacity), samplers(capacity) {
         vertices.reserve(capacity);
     }
-    [[nodiscard]] static std::uint32_t branches(const Subpath& path) { return path.all_lobes ? 2 : path.rays; }
-    /// Drops what has no branch left.
+    /// Drops vertices that have no branch left.
     void drop_finished();
 };
 

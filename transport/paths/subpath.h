@@ -1,4 +1,8 @@
 // What a subpath carries from vertex to vertex, and which numbers of its sample each vertex takes.
+//
+// Subpath is what every stage reads: one cache line. What few renders need stands in arrays of the walk, by row, which
+// exist only where something reads them: SplitState where a plan changes paths, TechniqueShares where a plan has
+// shares, PartialMisWeights where the method reads densities, travelled distances where there are cutouts.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +23,7 @@ inline constexpr Real default_roulette_below = Real(0.25);
 inline constexpr std::uint32_t filter_dimension = 0, lens_dimension = 1, time_dimension = 2, wavelength_dimension = 3,
                                first_free_dimension = 8;
 
-struct Subpath {
+struct alignas(64) Subpath {
     Rgb beta{1};  ///< throughput: product of scattering weights; of a light subpath the power it carries
     /// What roulette sets beta against. A camera subpath's beta is multiplied by it: the product of eta^2 over
     /// transmissions takes their radiance scaling out. A light subpath's beta is divided by it: its first power.
@@ -27,30 +31,28 @@ struct Subpath {
     /// Density of the last direction, per steradian (from a light at infinity: per area across the beam). Of a specular
     /// direction: the probability of its lobe.
     Real pdf = 0;
-    Real cosine = 1;          ///< of that direction to the geometric normal where it was left; kept for densities only
-    Vec3 from;                ///< the vertex it left; the camera or the light at first
-    Vec3 from_normal;         ///< its shading normal; zero where there is no surface
-    Real travelled = 0;       ///< along the camera ray, over cutouts passed
-    std::uint32_t depth = 0;  ///< scattering events so far
-    std::int32_t length = 0;  ///< theirs, which "maxdepth" bounds (path_depth.h)
-    std::uint32_t segment = 0;  ///< rays so far, those beyond cutouts included: keys choices made once a ray
-    std::uint32_t light = 0;    ///< a light subpath's
-    std::int32_t medium = -1;   ///< what the next ray flies through; -1: nothing
-    std::uint8_t rays = 1;      ///< rays that leave the current vertex (splits.h)
-    bool all_lobes = false;     ///< one ray leaves the current vertex by each of its specular lobes
-    bool split = false;         ///< rays were split at an earlier vertex
-    std::uint8_t followed = 0;  ///< number of specular vertices behind the split at which all lobes were followed
-    // Techniques at the vertex that the ray leaves.
-    std::uint8_t lights = 0;  ///< number of the chooser (LiveLights) of its light sample
-    Real light_share = 1;     ///< probability of a light sample
-    Real ray_share = 1;       ///< probability of the ray, where its direction is not specular
-    bool specular = true;     ///< the last direction is the camera's or of a delta lobe: light sampling cannot find it
-    bool any_non_specular = false;  ///< of its scatterings
-    bool from_infinity = false;
-    bool one_wavelength = false;  ///< has met an interface whose index depends on it (path_wavelengths.h)
+    Vec3 from;                  ///< the vertex it left; the camera or the light at first
+    Vec3 from_normal;           ///< the shading normal there; zero where there is no surface
+    std::uint32_t depth = 0;    ///< number of scattering events so far
+    std::int32_t length = 0;    ///< their length, which "maxdepth" bounds (path_depth.h)
+    std::uint32_t segment = 0;  ///< number of rays so far, beyond cutouts too: keys choices made once a ray
+    std::int32_t medium = -1;   ///< which the next ray crosses; -1: none
+    /// Number of the chooser (LiveLights) of the light sample at the vertex that the ray leaves.
+    std::uint8_t lights = 0;
+    bool specular = true;  ///< the last direction is the camera's or a delta lobe's: light sampling cannot find it
+    bool any_non_specular = false;  ///< some scattering was not specular
+    bool one_wavelength = false;    ///< has met an interface whose index depends on the wavelength (path_wavelengths.h)
+};
+static_assert(sizeof(Real) > 4 || sizeof(Subpath) <= 64, "what every stage reads fits into a cache line");
 
-    /// The expected number of rays that leave the vertex in directions with a density.
-    [[nodiscard]] Real expected_rays() const { return ray_share * static_cast<Real>(rays); }
+/// How rays leave the vertices of a camera subpath (splits.h).
+struct SplitState {
+    std::uint8_t rays = 1;      ///< number of rays that leave the current vertex
+    bool all_lobes = false;     ///< one ray leaves the current vertex by each of its specular lobes
+    bool split = false;         ///< rays were split at this vertex or before
+    std::uint8_t followed = 0;  ///< number of specular vertices behind the split at which all lobes were followed
+
+    [[nodiscard]] std::uint32_t branches() const { return all_lobes ? 2 : rays; }
 };
 
 /// What each vertex of a subpath draws, from `first` + scattering events so far * `stride` on, and what each ray draws.

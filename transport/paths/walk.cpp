@@ -98,10 +98,10 @@ void Walk<mode>::arrive(std::uint32_t row, const SurfacePoint& point, Real time)
     if (!options_.densities) return;
     const Subpath& path = paths_[row];
     PartialMisWeights& mis_weights = mis_weights_[row];
-    const double near = path.from_infinity ? 1 : 1 / static_cast<double>(length_squared(point.position - path.from));
+    const bool from_infinity = mode == TransportMode::importance && path.depth == 0 && origins_[row].infinite;
+    const double near = from_infinity ? 1 : 1 / static_cast<double>(length_squared(point.position - path.from));
     const double pdf = path.specular ? 1 : static_cast<double>(path.pdf);
-    mis_weights.arrive(pdf * static_cast<double>(point.cosine(point.wo)) * near,
-                       path.from_infinity ? 1 : static_cast<double>(path.cosine) * near);
+    mis_weights.arrive(pdf * static_cast<double>(point.cosine(point.wo)) * near, near);
     if (path.depth > 0) return;
     if constexpr (mode == TransportMode::radiance)
         mis_weights.forward = context_.view().density(context_.camera->importance(point.position, path.from, time),
@@ -191,7 +191,7 @@ void Walk<mode>::record_first_hit(display::DisplayServices& display, std::size_t
     const EmbreeScene& geometry = *scene_.geometry;
     const VertexBatch& v = vertices_;
     const auto row = static_cast<int>(v.rows[j]);
-    display.write_distance(row, to_float(paths_[v.rows[j]].travelled + v.hits[j].t));
+    display.write_distance(row, to_float(travelled(v.rows[j]) + v.hits[j].t));
     const bool holdout = geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
     display.write_opacity(row, holdout ? 0.0f : 1.0f);
     display.write_surface(row, geometry.surface_number(v.hits[j]));
@@ -229,8 +229,8 @@ template <TransportMode mode>
 bool Walk<mode>::is_through_portal(std::uint32_t row, const Vec3& point, const Vec3& forward) const {
     const Subpath& path = paths_[row];
     return mode == TransportMode::radiance || path.depth > 0 ||
-           scene_.lights->lights()[path.light].kind != LightKind::portal_environment ||
-           !scene_.lights->environment_radiance(path.light, point, -forward).is_black();
+           scene_.lights->lights()[origins_[row].light].kind != LightKind::portal_environment ||
+           !scene_.lights->environment_radiance(origins_[row].light, point, -forward).is_black();
 }
 
 /// Ray differentials at the vertices, where images are filtered.

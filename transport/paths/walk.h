@@ -119,6 +119,12 @@ class Walk {
     /// At the current vertex; options.densities only.
     [[nodiscard]] PartialMisWeights& mis_weights(std::uint32_t row) { return mis_weights_[row]; }
     [[nodiscard]] const PartialMisWeights& mis_weights(std::uint32_t row) const { return mis_weights_[row]; }
+    /// Distance along the camera ray to where the ray of a row begins, over cutouts passed.
+    [[nodiscard]] Real travelled(std::uint32_t row) const { return travelled_.empty() ? 0 : travelled_[row]; }
+    /// With which the row's subpath uses its techniques at the vertex that its ray leaves.
+    [[nodiscard]] TechniqueShares technique_shares(std::uint32_t row) const {
+        return shares_.empty() ? TechniqueShares() : shares_[row];
+    }
     [[nodiscard]] const PixelSampler& sampler(std::uint32_t row) const { return samplers_[row]; }
     [[nodiscard]] const PathRecord& record() const { return record_; }
     [[nodiscard]] IntegratorCounters& counters() { return *counters_; }
@@ -153,9 +159,13 @@ class Walk {
     const SceneView scene_;
     const WalkOptions options_;
     PathRecord record_;
-    std::vector<Subpath> paths_;                  // by row
-    std::vector<PartialMisWeights> mis_weights_;  // by row
-    std::vector<LightSample> origins_;  // by row: where light subpaths left their lights; options.densities only
+    // By row. Of these all but paths_ exist only where they are used (subpath.h).
+    std::vector<Subpath> paths_;
+    std::vector<PartialMisWeights> mis_weights_;
+    std::vector<SplitState> splits_;
+    std::vector<TechniqueShares> shares_;
+    std::vector<Real> travelled_;
+    std::vector<LightSample> origins_;  // where light subpaths left their lights
     VertexBatch vertices_;
 
   private:
@@ -218,7 +228,7 @@ class Walk {
     bool survives_roulette(std::uint32_t row, std::uint32_t dimension);
     [[nodiscard]] Real planned_survival(std::uint32_t row) const;
     [[nodiscard]] std::uint64_t planned_state(std::uint32_t row) const;
-    static std::uint32_t take_branch(Subpath& path, const BsdfSample& s);
+    static std::uint32_t take_branch(Subpath& path, SplitState& split, const BsdfSample& s);
     template <bool planned>
     bool goes_on(std::uint32_t row);
     void reject(std::uint32_t row);

@@ -18,7 +18,7 @@ bool Walk<mode>::traverse_medium(std::uint32_t row, const Ray& ray, Real distanc
         return collide(row, ray, sample_free_flight(medium, path.beta, distance, u), display);
     const Rgb passed = transmittance(medium, distance);
     if (is_camera_ray(path) && passed.average() < 1)
-        display.add_sample(static_cast<int>(row), {to_float(path.travelled + sample_absorption(medium, distance, u)),
+        display.add_sample(static_cast<int>(row), {to_float(travelled(row) + sample_absorption(medium, distance, u)),
                                                    RgbD(Rgb(1) - passed), true});
     return attenuate(row, passed);
 }
@@ -42,7 +42,7 @@ template <TransportMode mode>
     Real lost_at = 0;
     const Rgb passed = medium.grid->transmittance(segment, FlightNumbers(key, 2), lost_at);
     if (passed.average() < 1)
-        display.add_sample(static_cast<int>(row), {to_float(path.travelled + lost_at), RgbD(Rgb(1) - passed), true});
+        display.add_sample(static_cast<int>(row), {to_float(travelled(row) + lost_at), RgbD(Rgb(1) - passed), true});
     return attenuate(row, medium.grid->transmittance(segment, FlightNumbers(key)));
 }
 
@@ -80,7 +80,7 @@ bool Walk<mode>::collide(std::uint32_t row, const Ray& ray, const FreeFlight& fl
     path.beta *= flight.weight;
     if (!flight.collided) return true;
     if (is_camera_ray(path)) {
-        display.write_distance(static_cast<int>(row), to_float(path.travelled + flight.distance), true);
+        display.write_distance(static_cast<int>(row), to_float(travelled(row) + flight.distance), true);
         display.write_opacity(static_cast<int>(row), raylex::Rgb(1));
     }
     const Vec3 position = ray.origin + ray.direction * flight.distance;

@@ -25,7 +25,7 @@ void Walk<mode>::pass_cutouts() {
     for (const CutoutPass& pass : passes_) {
         Subpath& path = paths_[pass.row];
         record_.pass_straight(pass.row, pass.label);
-        path.travelled += pass.t;
+        if constexpr (mode == TransportMode::radiance) travelled_[pass.row] += pass.t;
         path.medium = pass.medium;
         ++path.segment;
         push(pass.row, pass.onward);
@@ -38,8 +38,8 @@ template <TransportMode mode>
 Real Walk<mode>::planned_survival(std::uint32_t row) const {
     const Subpath& path = paths_[row];
     Real strength = path.beta.max() * path.roulette_scale;
-    if (path.split) strength /= static_cast<Real>(context_.plan->splits.rays);
-    if (!path.specular) strength /= path.ray_share;  // the throughput behind the choice between techniques
+    if (splits_[row].split) strength /= static_cast<Real>(context_.plan->splits.rays);
+    if (!path.specular) strength /= technique_shares(row).ray;  // the throughput behind the choice between techniques
     return context_.plan->roulette.chance(planned_state(row), strength);
 }
 
@@ -67,13 +67,14 @@ bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
                                                                 : path.beta.max() / path.roulette_scale;
         if (throughput < options_.roulette_below) keep = throughput / options_.roulette_below;
     }
-    if (!path.specular) {  // a specular direction no other technique finds
-        keep *= path.ray_share;
-        path.pdf *= path.ray_share;
+    const bool shared = !shares_.empty() && !path.specular;  // no other technique finds a specular direction
+    if (shared) {
+        keep *= shares_[row].ray;
+        path.pdf *= shares_[row].ray;
     }
     if (!(keep < 1)) return true;
     if (samplers_[row].get_random(dimension) >= keep) {
-        if (!path.specular && path.ray_share < 1) counters_->count(Pruned::rays_left_to_light_samples);
+        if (shared && shares_[row].ray < 1) counters_->count(Pruned::rays_left_to_light_samples);
         else if (chance > 0) counters_->count(Pruned::weak_paths);
         return false;
     }
@@ -84,17 +85,17 @@ bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
 /// Takes the share of a branch. Roulette sees the branch as strong as the unsplit path. Returns the number of rays that
 /// compete for the same light in multiple importance sampling; 1 where each ray follows another lobe.
 template <TransportMode mode>
-std::uint32_t Walk<mode>::take_branch(Subpath& path, const BsdfSample& s) {
-    const std::uint32_t rays = path.rays;
-    if (path.all_lobes) {  // every lobe is followed, so none counts for others
+std::uint32_t Walk<mode>::take_branch(Subpath& path, SplitState& split, const BsdfSample& s) {
+    const std::uint32_t rays = split.rays;
+    if (split.all_lobes) {  // every lobe is followed, so none counts for others
         path.beta *= s.pdf;
         path.roulette_scale /= s.pdf;
     } else if (rays > 1) {
         path.beta *= 1 / static_cast<Real>(rays);
         path.roulette_scale *= static_cast<Real>(rays);
     }
-    path.rays = 1;
-    path.all_lobes = false;
+    split.rays = 1;
+    split.all_lobes = false;
     return rays;
 }
 
@@ -141,7 +142,8 @@ bool Walk<mode>::goes_on(std::uint32_t row) {
     }
     if constexpr (planned)
         if (context_.plan->watch != nullptr)
-            context_.plan->watch->leaves(row, planned_state(row), path.beta.max() * path.roulette_scale, path.split);
+            context_.plan->watch->leaves(row, planned_state(row), path.beta.max() * path.roulette_scale,
+                                         splits_[row].split);
     return true;
 }
 
@@ -184,18 +186,18 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
     const VertexBatch& v = vertices_;
     const std::uint32_t row = v.rows[j];
     Subpath& path = paths_[row];
-    if (planned && path.rays == 0) return false;
+    if (planned && splits_[row].rays == 0) return false;
     const PixelSampler& sampler = samplers_[row];
     const Bsdf& bsdf = v.bsdfs[j];
     const SurfacePoint& point = v.points[j];
     const std::uint32_t depth = path.depth;
     Real u_lobe = bsdf.chooses_lobes() ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
-    if (planned && path.all_lobes) u_lobe = lobe_number(branch);
+    if (planned && splits_[row].all_lobes) u_lobe = lobe_number(branch);
     BsdfSample s = sample_scattering<mode>(bsdf, point, u_lobe, pair(j));
     if (wavelengths_.any()) wavelengths_.leave<mode>(v, j, path, s);
     if (!(s.pdf > 0) || s.weight.is_black()) return false;
     path.beta *= s.weight;
-    const std::uint32_t rays = planned ? take_branch(path, s) : 1;
+    const std::uint32_t rays = planned ? take_branch(path, splits_[row], s) : 1;
     leave_vertex<mode>(path, point, s);
     const bool counts_whole = !depth_limit_.has_bodies() && options_.counts_first_specular;
     if (!counts_whole && !stays_short(j, s.wi)) return false;
@@ -209,10 +211,9 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
         !goes_on<planned>(row))
         return false;
     if (rays > 1 && !path.specular) path.pdf *= static_cast<Real>(rays);
-    if (options_.densities) {
-        mis_weights_[row].leave(s.delta, s.delta ? 1.0 : static_cast<double>(bsdf.pdf(s.wi, point.wo)));
-        path.cosine = point.cosine(s.wi);
-    }
+    if (options_.densities)
+        mis_weights_[row].leave(s.delta, s.delta ? 1.0 : static_cast<double>(bsdf.pdf(s.wi, point.wo)),
+                                static_cast<double>(point.cosine(s.wi)));
     if (in_media_) path.medium = medium_towards(j, s.wi);
     Ray& onward = queue_.next(row);
     make_at(onward, [&] { return ray_from(v, j, s.wi); });

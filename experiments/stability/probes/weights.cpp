@@ -57,7 +57,7 @@ PartialMisWeights from_light(const PathDensities& path, std::size_t last) {
             const double ratio = path.light_sample / path.from_light[0];
             sums.connects = ratio * ratio;
         }
-        if (k < last) sums.leave(path.specular[k], path.from_camera[k - 1]);
+        if (k < last) sums.leave(path.specular[k], path.from_camera[k - 1], 1);
     }
     return sums;
 }
@@ -69,7 +69,7 @@ PartialMisWeights from_camera(const PathDensities& path, std::size_t last) {
     for (std::size_t k = path.size() - 2;; --k) {
         sums.arrive(path.from_camera[k], 1);
         if (k == last) return sums;
-        sums.leave(path.specular[k], path.from_light[k + 1]);
+        sums.leave(path.specular[k], path.from_light[k + 1], 1);
     }
 }
 

@@ -55,7 +55,7 @@ PartialMisWeights from_light(const PathDensities& path, std::size_t last) {
     for (std::size_t k = 1; k <= last; ++k) {
         sums.arrive(path.from_light[k], 1);
         if (k == 1) sums.connects = std::pow(path.light_sample / path.from_light[0], 2);
-        if (k < last) sums.leave(path.specular[k], path.from_camera[k - 1]);
+        if (k < last) sums.leave(path.specular[k], path.from_camera[k - 1], 1);
     }
     return sums;
 }
@@ -67,7 +67,7 @@ PartialMisWeights from_camera(const PathDensities& path, std::size_t last) {
     for (std::size_t k = path.size() - 2;; --k) {
         sums.arrive(path.from_camera[k], 1);
         if (k == last) return sums;
-        sums.leave(path.specular[k], path.from_light[k + 1]);
+        sums.leave(path.specular[k], path.from_light[k + 1], 1);
     }
 }
 
@@ -146,7 +146,7 @@ TEST_CASE("densities of zero and beyond all range leave weights that are numbers
                 CHECK(others >= 0);
                 CHECK(std::isfinite(others));
                 CHECK(std::isfinite(sums.others_at_light(huge, huge, huge)));
-                sums.leave(i % 5 == 0, i % 7 == 0 ? 0 : huge);
+                sums.leave(i % 5 == 0, i % 7 == 0 ? 0 : huge, 1);
             }
         }
 }

@@ -152,8 +152,7 @@ void Bdpt::report_lights(CameraSubpaths& camera) const {
     const LightTable& lights = *scene.lights;
     for (const EscapedRay& e : camera.escaped()) {
         const Subpath& path = camera.path(e.row);
-        camera.mis_weights(e.row).arrive(path.specular ? 1 : static_cast<double>(path.pdf),
-                                         static_cast<double>(path.cosine));
+        camera.mis_weights(e.row).arrive(path.specular ? 1 : static_cast<double>(path.pdf), 1);
         for (const std::uint32_t light : lights.environments()) {
             LightSample at;
             at.light = light;

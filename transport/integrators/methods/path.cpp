@@ -75,16 +75,16 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
             for (const std::uint32_t light : lights.environments())
                 report(camera, e.row, light, camera.throughput(e.row),
                        lights.environment_radiance(light, camera.path(e.row).from, e.direction),
-                       direct_light_.density(camera.path(e.row), light, e.direction));
+                       direct_light_.density(camera, e, light));
         for (const EmitterHit& e : camera.emitters())
-            report(camera, e.row, e.light, e.throughput, e.emitted, direct_light_.density(camera.path(e.row), e));
+            report(camera, e.row, e.light, e.throughput, e.emitted, direct_light_.density(camera, e));
         direct_light_.report_hidden_environments(camera);
         direct_light_.sample(camera, thread.connections,
                              [&](std::size_t j, const LightSample& sample, const BsdfEvaluation& f) {
                                  if (sample.delta || parameters_.strategy != PathStrategy::mis) return Real(1);
                                  // The walk multiplies path.pdf by the same factor once the ray is drawn.
-                                 const Subpath& path = camera.path(camera.vertices().rows[j]);
-                                 return power_heuristic(sample.pdf, path.expected_rays() * f.pdf);
+                                 const Real rays = camera.expected_rays(camera.vertices().rows[j]);
+                                 return power_heuristic(sample.pdf, rays * f.pdf);
                              });
         thread.connections.report(camera);
         camera.scatter();

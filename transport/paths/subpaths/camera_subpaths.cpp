@@ -22,7 +22,12 @@ CameraSubpaths::CameraSubpaths(const PathContext& context, WalkOptions options)
            Record(*context.events, static_cast<std::size_t>(context.batch_capacity))),
       planned_(context.plan != nullptr && context.plan->changes_paths()),
       live_lobes_(!options.densities && !context.beauty && context.events->prunes()) {
-    if (planned_) branch_samplers_.resize(paths_.size());
+    if (planned_) {
+        branch_samplers_.resize(paths_.size());
+        splits_.resize(paths_.size());
+    }
+    if (context.plan != nullptr && context.plan->shares.any()) shares_.resize(paths_.size());
+    if (scene_.tests_alpha()) travelled_.resize(paths_.size());
 }
 
 void CameraSubpaths::begin(const CameraBatch& batch, ThreadServices& services, IntegratorCounters& counters) {
@@ -34,6 +39,9 @@ void CameraSubpaths::begin(const CameraBatch& batch, ThreadServices& services, I
     }
     Walk::begin(samplers, counters);
     record_.begin(services.lpe, batch.rays.size());
+    std::fill(splits_.begin(), splits_.end(), SplitState());
+    std::fill(shares_.begin(), shares_.end(), TechniqueShares());
+    std::fill(travelled_.begin(), travelled_.end(), Real(0));
     for (std::size_t i = 0; i < batch.rays.size(); ++i) {
         const auto row = static_cast<std::uint32_t>(i);
         Subpath& path = paths_[row];

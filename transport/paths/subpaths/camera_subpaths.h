@@ -34,12 +34,16 @@ class CameraSubpaths : public Walk<TransportMode::radiance> {
     bool advance(ThreadServices& services);
     void scatter();
 
-    /// How the row's subpath looks for light from its vertex; see Subpath.
+    /// Sets among which lights (Subpath::lights) and with which techniques the row's subpath looks for light from its
+    /// vertex.
     void choose_techniques(std::uint32_t row, std::uint8_t lights, const TechniqueShares& shares) {
-        Subpath& path = paths_[row];
-        path.lights = lights;
-        path.light_share = shares.light;
-        path.ray_share = shares.ray;
+        paths_[row].lights = lights;
+        if (!shares_.empty()) shares_[row] = shares;
+    }
+    /// The expected number of rays that leave the vertex of a row in directions with a density.
+    [[nodiscard]] Real expected_rays(std::uint32_t row) const {
+        const Real rays = splits_.empty() ? 1 : static_cast<Real>(splits_[row].rays);
+        return shares_.empty() ? rays : shares_[row].ray * rays;
     }
     /// Draws the numbers of light samples from all vertices; pair(j) gives them.
     void draw_light_pairs() { draw_pairs(light_sample_dimension); }

@@ -53,17 +53,20 @@ bool DirectLight::draw(CameraSubpaths& camera, std::size_t j, LightSample& sampl
     return strategy_ != PathStrategy::scattering || sample.delta;
 }
 
-Real DirectLight::density(const Subpath& path, const EmitterHit& hit) const {
+Real DirectLight::density(const CameraSubpaths& camera, const EmitterHit& hit) const {
+    const Subpath& path = camera.path(hit.row);
     if (path.specular || strategy_ == PathStrategy::scattering) return 0;
     const SceneView& scene = context_->scene;
-    return path.light_share * scene.lights->density((*lights_)[path.lights], *scene.geometry, hit.light,
-                                                    {path.from, path.from_normal}, hit.point, hit.hit);
+    return camera.technique_shares(hit.row).light * scene.lights->density((*lights_)[path.lights], *scene.geometry,
+                                                                          hit.light, {path.from, path.from_normal},
+                                                                          hit.point, hit.hit);
 }
 
-Real DirectLight::density(const Subpath& path, std::uint32_t light, const Vec3& direction) const {
+Real DirectLight::density(const CameraSubpaths& camera, const EscapedRay& ray, std::uint32_t light) const {
+    const Subpath& path = camera.path(ray.row);
     if (path.specular || strategy_ == PathStrategy::scattering) return 0;
-    return path.light_share *
-           context_->scene.lights->environment_density((*lights_)[path.lights], light, path.from, direction);
+    return camera.technique_shares(ray.row).light *
+           context_->scene.lights->environment_density((*lights_)[path.lights], light, path.from, ray.direction);
 }
 
 void DirectLight::report_hidden_environments(const CameraSubpaths& camera) const {

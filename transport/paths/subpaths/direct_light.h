@@ -37,10 +37,10 @@ class DirectLight {
     void sample(CameraSubpaths& camera, Connections& connections, Weight weight) const;
     /// The density, per steradian, with which a light sample from where the subpath was scattered finds the emitter
     /// that the subpath has met; 0 where light sampling does not find it.
-    [[nodiscard]] Real density(const Subpath& path, const EmitterHit& hit) const;
+    [[nodiscard]] Real density(const CameraSubpaths& camera, const EmitterHit& hit) const;
     /// The density, per steradian, with which a light sample from where the subpath was scattered finds the infinite
-    /// light in `direction`; 0 where light sampling does not find it.
-    [[nodiscard]] Real density(const Subpath& path, std::uint32_t light, const Vec3& direction) const;
+    /// light behind the escaped ray; 0 where light sampling does not find it.
+    [[nodiscard]] Real density(const CameraSubpaths& camera, const EscapedRay& ray, std::uint32_t light) const;
     /// For channels that take blocked light: where a ray hits a surface, reports with visibility 0 the infinite lights
     /// behind the surface that light sampling never finds.
     void report_hidden_environments(const CameraSubpaths& camera) const;
