@@ -11,6 +11,7 @@
 #include "display/services/samples/raster_splats.h"
 #include "geoaovs/geoaovs.h"
 #include "transport/paths/camera_view.h"
+#include "transport/paths/direction_sampler.h"
 #include "transport/paths/event_table.h"
 #include "transport/paths/path_plan.h"
 #include "transport/samplers/pixel_sampler.h"
@@ -31,7 +32,8 @@ struct PathContext {
     int width = 0, height = 0;               ///< of the image, in pixels
     Vec2 filter_radius;                      ///< the distance from the image at which light still counts, in pixels
     const display::LpeSetup* lpe = nullptr;  ///< for LPE services on a table of one's own
-    const PathPlan* plan = nullptr;          ///< null: as a plan that changes nothing
+    const DirectionSampler* directions = nullptr;  ///< null: closures draw the directions of paths themselves
+    const PathPlan* plan = nullptr;                ///< null: as a plan that changes nothing
 
     [[nodiscard]] CameraView view() const { return {camera, width, height, filter_radius}; }
     /// Whether beauty or a channel takes light that was scattered.

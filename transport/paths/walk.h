@@ -81,6 +81,8 @@ template <TransportMode mode>
 class Walk {
   public:
     using PathRecord = std::conditional_t<mode == TransportMode::radiance, Record, LightRecord>;
+    static constexpr TransportMode reverse_mode =
+        mode == TransportMode::radiance ? TransportMode::importance : TransportMode::radiance;
     static constexpr const SubpathDimensions& dimensions = subpath_dimensions<mode>;
 
     /// `context` must outlive the walk.

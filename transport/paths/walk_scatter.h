@@ -191,9 +191,12 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
     const Bsdf& bsdf = v.bsdfs[j];
     const SurfacePoint& point = v.points[j];
     const std::uint32_t depth = path.depth;
-    Real u_lobe = bsdf.chooses_lobes() ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
+    const DirectionSampler* directions = bsdf.has_density() ? context_.directions : nullptr;
+    const bool draws_lobe = bsdf.chooses_lobes() || directions != nullptr;
+    Real u_lobe = draws_lobe ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
     if (planned && splits_[row].all_lobes) u_lobe = lobe_number(branch);
-    BsdfSample s = sample_scattering<mode>(bsdf, point, u_lobe, pair(j));
+    BsdfSample s = directions == nullptr ? sample_scattering<mode>(bsdf, point, u_lobe, pair(j))
+                                         : sample_direction<mode>(*directions, bsdf, point, u_lobe, pair(j));
     if (wavelengths_.any()) wavelengths_.leave<mode>(v, j, path, s);
     if (!(s.pdf > 0) || s.weight.is_black()) return false;
     path.beta *= s.weight;
@@ -211,9 +214,10 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
         !goes_on<planned>(row))
         return false;
     if (rays > 1 && !path.specular) path.pdf *= static_cast<Real>(rays);
-    if (options_.densities)
-        mis_weights_[row].leave(s.delta, s.delta ? 1.0 : static_cast<double>(bsdf.pdf(s.wi, point.wo)),
-                                static_cast<double>(point.cosine(s.wi)));
+    if (options_.densities) {
+        const Real reverse = s.delta ? 1 : direction_density<reverse_mode>(directions, bsdf, point, s.wi, point.wo);
+        mis_weights_[row].leave(s.delta, static_cast<double>(reverse), static_cast<double>(point.cosine(s.wi)));
+    }
     if (in_media_) path.medium = medium_towards(j, s.wi);
     Ray& onward = queue_.next(row);
     make_at(onward, [&] { return ray_from(v, j, s.wi); });

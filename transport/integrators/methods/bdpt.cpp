@@ -212,7 +212,8 @@ Real Bdpt::weight_of_light_sample(const CameraSubpaths& camera, std::size_t j, c
     const double to_light = light.is_area() ? light_cosine * near : 1;
     const double begun = to_light > 0 ? static_cast<double>(emission.position) / (pdf * to_light) : 0;
     const double cosine = static_cast<double>(point.cosine(sample.wi));
-    const auto pdf_reverse = static_cast<double>(v.bsdfs[j].pdf(sample.wi, point.wo));
+    const auto pdf_reverse = static_cast<double>(
+        direction_density<TransportMode::importance>(context_.directions, v.bsdfs[j], point, sample.wi, point.wo));
     return PartialMisWeights::weight(
         met +
         PartialMisWeights::squared(begun) *
@@ -240,9 +241,11 @@ void Bdpt::connect_vertices(BdptThread& thread, std::size_t j) const {
         if (limit.has_bodies() && !limit.allows(length.before + limit.event(length, point, direction) +
                                                 y.length.before + limit.event(y.length, y.point, -direction)))
             continue;
-        const JoinedScattering x = evaluate_scattering<TransportMode::radiance>(v.bsdfs[j], point, direction);
+        const JoinedScattering x =
+            evaluate_scattering<TransportMode::radiance>(context_.directions, v.bsdfs[j], point, direction);
         if (x.f.value.is_black()) continue;
-        const JoinedScattering z = evaluate_scattering<TransportMode::importance>(y.bsdf, y.point, -direction);
+        const JoinedScattering z =
+            evaluate_scattering<TransportMode::importance>(context_.directions, y.bsdf, y.point, -direction);
         if (z.f.value.is_black()) continue;
         const double near = 1 / static_cast<double>(d2);
         const double at_camera = static_cast<double>(point.cosine(direction)) * near,

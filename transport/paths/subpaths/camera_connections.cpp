@@ -27,7 +27,8 @@ void CameraConnections::add(const LightSubpathVertex& vertex, const SurfacePoint
     if (abs_dot(way, point.geometric_normal) < vertex.offset.here) return;
     const Vec3 to_camera = normalize(way);
     if (!limit.allows(vertex.length.before + limit.event(vertex.length, point, to_camera))) return;
-    const JoinedScattering scattering = evaluate_scattering<TransportMode::importance, false>(bsdf, point, to_camera);
+    const JoinedScattering scattering =
+        evaluate_scattering<TransportMode::importance, false>(context_.directions, bsdf, point, to_camera);
     const BsdfEvaluation& f = scattering.f;
     if (f.value.is_black()) return;
     const Real image_share = 1 / (static_cast<Real>(view.width) * static_cast<Real>(view.height));

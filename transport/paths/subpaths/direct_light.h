@@ -64,7 +64,9 @@ void DirectLight::sample(CameraSubpaths& camera, Connections& connections, Weigh
     for (std::size_t j = 0; j < v.count; ++j) {
         LightSample light;
         if (!camera.can_connect(j) || !draw(camera, j, light)) continue;
-        const BsdfEvaluation f = v.bsdfs[j].evaluate(v.points[j].wo, light.wi);
+        const BsdfEvaluation f =
+            evaluate_scattering<TransportMode::radiance, false>(context_->directions, v.bsdfs[j], v.points[j], light.wi)
+                .f;
         if (!f.value.is_black()) connections.add_light_sample(camera, j, light, f, weight(j, light, f));
     }
 }

@@ -6,6 +6,7 @@
 
 #include "transport/cameras/camera.h"
 #include "transport/math/sampling.h"
+#include "transport/paths/subpaths/camera_subpaths.h"
 #include "transport/paths/subpaths/transmittance.h"
 
 namespace raylex::transport {
@@ -189,7 +190,8 @@ Found Pilot::sample_light(const LightChooser& chooser, const PixelSampler& numbe
                                numbers.get_2d(9), sample))
         return {};
     if (scene_.tests_alpha()) sample.radiance *= emitter_opacity(scene_, sample, point.position);
-    const BsdfEvaluation f = bsdf_.evaluate(point.wo, sample.wi);
+    const BsdfEvaluation f =
+        evaluate_scattering<TransportMode::radiance, false>(context_.directions, bsdf_, point, sample.wi).f;
     if (f.value.is_black()) return {};
     Ray ray = shadow_ray(point.position, point.geometric_normal, first_.source.offset.here, sample);
     ray.time = first_.ray.time;
@@ -210,8 +212,12 @@ Found Pilot::sample_light(const LightChooser& chooser, const PixelSampler& numbe
 
 Found Pilot::sample_ray(const LightChooser& chooser, const PixelSampler& numbers, std::uint64_t terminals) {
     const SurfacePoint& point = first_.point;
-    const BsdfSample s =
-        sample_scattering<TransportMode::radiance>(bsdf_, point, numbers.get_1d(11), numbers.get_2d(10));
+    const Real u_lobe = numbers.get_1d(11);
+    const Vec2 u = numbers.get_2d(10);
+    constexpr TransportMode mode = TransportMode::radiance;
+    const BsdfSample s = context_.directions == nullptr
+                             ? sample_scattering<mode>(bsdf_, point, u_lobe, u)
+                             : sample_direction<mode>(*context_.directions, bsdf_, point, u_lobe, u);
     if (!(s.pdf > 0) || s.weight.is_black() || s.delta) return {};
     Journey onward;
     onward.ray.origin = offset_ray_origin(point.position, point.geometric_normal, first_.source.offset.here, s.wi);
