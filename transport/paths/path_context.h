@@ -13,7 +13,8 @@
 #include "transport/paths/camera_view.h"
 #include "transport/paths/direction_sampler.h"
 #include "transport/paths/event_table.h"
-#include "transport/paths/path_plan.h"
+#include "transport/paths/plan/later_radiance.h"
+#include "transport/paths/plan/path_plan.h"
 #include "transport/samplers/pixel_sampler.h"
 
 namespace raylex::transport {
@@ -61,6 +62,7 @@ struct ThreadServices {
     display::RasterSplats* raster = nullptr;   ///< for integrators with the trait raster_splats; else null
     const std::atomic<bool>* leave = nullptr;  ///< set when the render ends without waiting for batches; null: never
     bool left = false;                         ///< this batch is not finished: the engine drops its contributions
+    LaterRadiance* later = nullptr;  ///< camera subpaths report the vertices that they leave; null: nobody needs them
 
     /// Whether to leave the batch as it is and return at once. Call it in every loop that a scene can make endless; one
     /// call for each scattering event of a batch costs nothing that can be measured.

@@ -167,6 +167,7 @@ class Walk {
     std::vector<SplitState> splits_;
     std::vector<TechniqueShares> shares_;
     std::vector<Real> travelled_;
+    LaterRadiance* later_ = nullptr;    // of camera subpaths; null: nobody asks for the vertices that they leave
     std::vector<LightSample> origins_;  // where light subpaths left their lights
     VertexBatch vertices_;
 
@@ -231,8 +232,8 @@ class Walk {
     [[nodiscard]] Real planned_survival(std::uint32_t row) const;
     [[nodiscard]] std::uint64_t planned_state(std::uint32_t row) const;
     static std::uint32_t take_branch(Subpath& path, SplitState& split, const BsdfSample& s);
-    template <bool planned>
     bool goes_on(std::uint32_t row);
+    void pass_vertex(std::uint32_t row, const Vec3& direction);
     void reject(std::uint32_t row);
 
     const DepthLimit depth_limit_;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "transport/math/make_at.h"
-#include "transport/paths/splits.h"
+#include "transport/paths/plan/splits.h"
 #include "transport/paths/walk.h"
 
 namespace raylex::transport {
@@ -129,7 +129,6 @@ bool Walk<mode>::may_be_scattered(std::size_t j) {
 
 /// Whether anything counts that the next ray may meet.
 template <TransportMode mode>
-template <bool planned>
 bool Walk<mode>::goes_on(std::uint32_t row) {
     const Subpath& path = paths_[row];
     if constexpr (mode == TransportMode::radiance) {
@@ -140,11 +139,20 @@ bool Walk<mode>::goes_on(std::uint32_t row) {
         counters_->count(pruned_paths);
         return false;
     }
-    if constexpr (planned)
-        if (context_.plan->watch != nullptr)
-            context_.plan->watch->leaves(row, planned_state(row), path.beta.max() * path.roulette_scale,
-                                         splits_[row].split);
     return true;
+}
+
+template <TransportMode mode>
+[[gnu::noinline]] void Walk<mode>::pass_vertex(std::uint32_t row, const Vec3& direction) {
+    const Subpath& path = paths_[row];
+    later_->pass({.row = row,
+                  .depth = path.depth,
+                  .state = planned_state(row),
+                  .throughput = path.beta.max() * path.roulette_scale,
+                  .split = !splits_.empty() && splits_[row].split,
+                  .position = path.from,
+                  .direction = direction,
+                  .pdf = path.pdf});
 }
 
 /// The throughput is no number: it is counted and logged (Law 6).
@@ -211,9 +219,10 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
         return false;
     }
     if (path.beta.is_black() || !survives_roulette<planned>(row, dimensions.of(depth, dimensions.roulette)) ||
-        !goes_on<planned>(row))
+        !goes_on(row))
         return false;
     if (rays > 1 && !path.specular) path.pdf *= static_cast<Real>(rays);
+    if (mode == TransportMode::radiance && later_ != nullptr) pass_vertex(row, s.wi);
     if (options_.densities) {
         const Real reverse = s.delta ? 1 : direction_density<reverse_mode>(directions, bsdf, point, s.wi, point.wo);
         mis_weights_[row].leave(s.delta, static_cast<double>(reverse), static_cast<double>(point.cosine(s.wi)));

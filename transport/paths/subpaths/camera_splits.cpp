@@ -52,23 +52,15 @@ void SplitVertices::drop_finished() {
     vertices.surfaces = surfaces;
 }
 
-void CameraSubpaths::follow_only(std::uint32_t row) {
-    const SplitPlan& splits = context_.plan->splits;
-    if (splits.only == SplitPlan::Only::none) splits_[row].rays = 0;
-    else
-        branch_samplers_[row] =
-            branch_samplers_[row].branch(splits.only == SplitPlan::Only::first ? 0 : 1, splits.rays);
-}
-
 void CameraSubpaths::keep_split_vertices() {
     const VertexBatch& v = vertices_;
     SplitVertices* level = nullptr;
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
-        const SplitState& split = splits_[row];
+        SplitState& split = splits_[row];
         if (split.branches() == 1) continue;
-        if (context_.plan->splits.only != SplitPlan::Only::all && !split.all_lobes) {
-            follow_only(row);
+        if (context_.plan->splits.ends_paths && !split.all_lobes) {
+            split.rays = 0;
             continue;
         }
         if (level == nullptr) {

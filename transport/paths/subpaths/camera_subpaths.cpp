@@ -7,11 +7,11 @@
 namespace raylex::transport {
 namespace {
 
-/// A pilot bounds the depth of its paths, and where it watches them they do not end at random.
+/// A pilot bounds the depth of its paths, and may follow them until they end by themselves.
 WalkOptions bounded(WalkOptions options, const PathPlan* plan) {
     if (plan == nullptr) return options;
     options.max_depth = std::min(options.max_depth, plan->most_depth);
-    if (plan->watch != nullptr) options.roulette_below = 0;
+    if (plan->follows_whole_paths) options.roulette_below = 0;
     return options;
 }
 
@@ -32,6 +32,7 @@ CameraSubpaths::CameraSubpaths(const PathContext& context, WalkOptions options)
 
 void CameraSubpaths::begin(const CameraBatch& batch, ThreadServices& services, IntegratorCounters& counters) {
     levels_in_use_ = 0;
+    later_ = services.later;
     std::span<const PixelSampler> samplers = batch.samplers;
     if (planned_) {
         std::copy(samplers.begin(), samplers.end(), branch_samplers_.begin());
@@ -67,7 +68,7 @@ bool CameraSubpaths::advance(ThreadServices& services) {
     if (record_.events().wants_user()) report_surfaces();
     if (live_lobes_) keep_live_lobes();
     write_first_hits(context_, vertices_, first_entries(), first_hits_, services.display);
-    if (planned_ && (context_.plan->splits.any() || context_.plan->watch != nullptr))
+    if (planned_ && (context_.plan->splits.any() || context_.plan->follows_whole_paths))
         for (std::size_t j = 0; j < vertices_.count; ++j) split(j);
     return true;
 }

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "transport/paths/first_hits.h"
-#include "transport/paths/splits.h"
+#include "transport/paths/plan/splits.h"
 #include "transport/paths/walk.h"
 
 namespace raylex::transport {
@@ -72,7 +72,6 @@ class CameraSubpaths : public Walk<TransportMode::radiance> {
   private:
     void split(std::size_t j);
     void keep_split_vertices();
-    void follow_only(std::uint32_t row);
     /// Subpaths go on from vertices that were kept, when nothing else goes on. False: all is done.
     bool go_back();
     void report_surfaces();

@@ -1,4 +1,5 @@
-// The plan of a render's camera subpaths (paths/path_plan.h), made once from pilots before the integrator prepares.
+// The plan of a render's camera subpaths (paths/plan/path_plan.h), made once from pilots before the integrator
+// prepares.
 #pragma once
 
 #include "transport/integrators/integrator.h"

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "transport/paths/roulette.h"
+#include "transport/paths/plan/roulette.h"
 
 namespace raylex::transport {
 
@@ -28,9 +28,8 @@ struct SplitPlan {
     std::uint8_t rays = 1;
     /// Number of specular vertices behind that vertex at which both the reflected and the transmitted ray are followed.
     std::uint8_t both_lobes = 0;
-    /// Which of two rays a pilot follows, to measure what each brings. `none`: paths end at the split. Images follow
-    /// all rays.
-    enum class Only : std::uint8_t { all, first, second, none } only = Only::all;
+    /// Paths end where they would split: for pilots, which measure what that costs.
+    bool ends_paths = false;
 
     [[nodiscard]] bool any() const { return rays > 1 || both_lobes > 0; }
 };
@@ -39,12 +38,13 @@ struct PathPlan {
     TechniqueShares shares;
     std::shared_ptr<const LiveLights> lights;  ///< as DirectLight builds them; null: not built yet
     SplitPlan splits;
-    RouletteTable roulette;          ///< empty: roulette is played by throughput alone
-    PathWatch* watch = nullptr;      ///< of a pilot; its paths do not end at random
-    std::uint32_t most_depth = ~0u;  ///< bound on scattering events, of a pilot
+    RouletteTable roulette;  ///< empty: roulette is played by throughput alone
+    // For pilots.
+    bool follows_whole_paths = false;  ///< paths do not end at random, and SplitState marks where they could split
+    std::uint32_t most_depth = ~0u;    ///< bound on scattering events
 
     /// Whether the plan changes which rays go on from a vertex.
-    [[nodiscard]] bool changes_paths() const { return splits.any() || !roulette.empty() || watch != nullptr; }
+    [[nodiscard]] bool changes_paths() const { return splits.any() || !roulette.empty() || follows_whole_paths; }
 };
 
 }  // namespace raylex::transport

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "display/services/samples/lpe_services.h"
-#include "transport/paths/path_plan.h"
+#include "transport/paths/plan/path_plan.h"
 #include "transport/paths/subpath.h"
 #include "transport/paths/vertex.h"
 #include "transport/samplers/pixel_sampler.h"

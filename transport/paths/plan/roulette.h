@@ -47,15 +47,4 @@ class RouletteTable {
     std::size_t count_ = 0;
 };
 
-/// Sees paths leave their vertices, for pilots that learn what such a table is to hold.
-class PathWatch {
-  public:
-    /// The path of a row goes on in this state. `throughput` is as roulette sees it, `split` whether rays may have been
-    /// split before.
-    virtual void leaves(std::uint32_t row, std::uint64_t state, Real throughput, bool split) = 0;
-
-  protected:
-    ~PathWatch() = default;
-};
-
 }  // namespace raylex::transport
