@@ -3,7 +3,7 @@
 // A path of n vertices can be made with s of them from the light and t = n - s from the camera. Two neighbouring
 // strategies differ in who made one vertex. Their densities are in the ratio r of that vertex's density as made from
 // the other end (reverse) to the density as made from its own end (forward), both per area. The weight is
-// w = p_i^2 / sum_j p_j^2 (Veach 1997, equation 9.13 with beta = 2; section 10.2). Its inverse is 1 plus one sum for
+// w = p_i^2 / sum_j p_j^2 (Veach 1997, equation 9.13 with beta = 2). Its inverse is 1 plus one sum for
 // each side of the connection (Georgiev 2012, "Implementing Vertex Connection and Merging", equation 37), and the sum
 // of one side is, vertex by vertex away from the connection,
 //

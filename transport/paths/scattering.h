@@ -19,7 +19,7 @@ namespace raylex::transport {
 
 /// What is scattered from `point.wo`'s side towards `to`, ready to be joined with a subpath of the other direction:
 /// times |cos| at the point, which leaves 1 / distance^2 of the geometry term, or for light subpaths that too.
-struct JoinedScattering {
+struct ConnectedScattering {
     BsdfEvaluation f;      ///< its pdf: with which the subpath would have gone there, per steradian
     Real pdf_reverse = 0;  ///< with which one from there would have gone back
 };
@@ -75,10 +75,10 @@ template <TransportMode mode>
 /// What is scattered, with the densities of both directions. Without `both`: only with the density of the direction
 /// that the camera's side would have drawn. `directions`: null where closures draw directions themselves.
 template <TransportMode mode, bool both = true>
-JoinedScattering evaluate_scattering(const DirectionSampler* directions, const Bsdf& bsdf, const SurfacePoint& point,
-                                     const Vec3& to) {
+ConnectedScattering evaluate_scattering(const DirectionSampler* directions, const Bsdf& bsdf, const SurfacePoint& point,
+                                        const Vec3& to) {
     if constexpr (mode == TransportMode::radiance) {
-        JoinedScattering result{bsdf.evaluate(point.wo, to), 0};
+        ConnectedScattering result{bsdf.evaluate(point.wo, to), 0};
         if (result.f.value.is_black()) return result;
         if (directions != nullptr) result.f.pdf = directions->pdf(bsdf, point, mode, point.wo, to);
         if (both)
@@ -87,7 +87,7 @@ JoinedScattering evaluate_scattering(const DirectionSampler* directions, const B
     } else {
         const Real g_in = point.cosine(point.wo);
         if (!(g_in > 0)) return {};
-        JoinedScattering result{bsdf.evaluate(to, point.wo), 0};
+        ConnectedScattering result{bsdf.evaluate(to, point.wo), 0};
         result.pdf_reverse = result.f.pdf;
         if (directions != nullptr)
             result.pdf_reverse = directions->pdf(bsdf, point, TransportMode::radiance, to, point.wo);
@@ -109,7 +109,7 @@ template <TransportMode mode>
         if constexpr (mode == TransportMode::importance) weigh_importance(bsdf, point, s);
         return s;
     }
-    const JoinedScattering scattering = evaluate_scattering<mode, false>(nullptr, bsdf, point, s.wi);
+    const ConnectedScattering scattering = evaluate_scattering<mode, false>(nullptr, bsdf, point, s.wi);
     s.weight = scattering.f.value * (1 / s.pdf);
     s.lobes = scattering.f.lobes;
     s.transmitted = false;

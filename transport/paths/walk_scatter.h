@@ -24,7 +24,7 @@ template <TransportMode mode>
 void Walk<mode>::pass_cutouts() {
     for (const CutoutPass& pass : passes_) {
         Subpath& path = paths_[pass.row];
-        record_.pass_straight(pass.row, pass.label);
+        record_.pass_through(pass.row, pass.label);
         if constexpr (mode == TransportMode::radiance) travelled_[pass.row] += pass.t;
         path.medium = pass.medium;
         ++path.segment;

@@ -4,8 +4,17 @@
 
 namespace raylex::transport {
 
-DirectLight::DirectLight(const PathContext& context, LightChoice choice, bool by_receiver, PathStrategy strategy)
+LightChoice light_choice(LightSelection selection, PathStrategy strategy) {
+    const bool all = strategy == PathStrategy::light;
+    if (selection == LightSelection::uniform)
+        return all ? LightChoice::light_sampling_uniform : LightChoice::mis_uniform;
+    return all ? LightChoice::light_sampling : LightChoice::mis;
+}
+
+DirectLight::DirectLight(const PathContext& context, LightSelection selection, PathStrategy strategy)
     : context_(&context), strategy_(strategy) {
+    const LightChoice choice = light_choice(selection, strategy);
+    const bool by_receiver = selection == LightSelection::receiver;
     if (context.plan != nullptr && context.plan->lights && context.plan->lights->is_of(choice, by_receiver))
         lights_ = context.plan->lights;
     else lights_ = std::make_shared<const LiveLights>(context.scene, *context.events, choice, by_receiver);

@@ -17,14 +17,19 @@ namespace raylex::transport {
 /// leaves all but delta lights to scattering.
 enum class PathStrategy : std::uint8_t { mis, light, scattering };
 
+/// How the light of a light sample is chosen: by what each can send to the receiver, where there are many; by emitted
+/// power (one choice in ten is uniform); or with the same probability for each.
+enum class LightSelection : std::uint8_t { receiver, power, uniform };
+
+LightChoice light_choice(LightSelection selection, PathStrategy strategy);
+
 /// Tables for a whole render, shared by all threads. Every vertex samples among the lights whose light some channel can
 /// still accept (Law 4). At a last vertex the plan's shares decide whether it takes a light sample.
 class DirectLight {
   public:
     DirectLight() = default;
-    /// `by_receiver`: where there are many lights they are chosen by what each can send to the vertex. `context` must
-    /// outlive the object.
-    DirectLight(const PathContext& context, LightChoice choice, bool by_receiver, PathStrategy strategy);
+    /// `context` must outlive the object.
+    DirectLight(const PathContext& context, LightSelection selection, PathStrategy strategy);
     /// For bdpt, whose weights need the same choice of lights at every vertex: among the lights that connections may
     /// meet by `language` (null: all).
     DirectLight(const PathContext& context, const LightLanguage* language);

@@ -60,7 +60,7 @@ class LightSubpaths : public Walk<TransportMode::importance> {
         if (record_.is_live_connection(camera.record(), v.rows[j], v.sources[j].label, v.points[j].material, vertex.end,
                                        material))
             return true;
-        camera.counters().count(Pruned::joins);
+        camera.counters().count(Pruned::connections);
         return false;
     }
 

@@ -168,7 +168,7 @@ bool Pilot::trace(std::uint32_t x, std::uint32_t y, std::uint32_t s) {
                                    (static_cast<Real>(y) + at.y) * static_cast<Real>(context_.height) / pilot_grid,
                                    numbers.get_2d(lens_dimension), sample_time(scene_, numbers)});
     PilotPath& path = paths_.emplace_back();
-    if (!travel(first_, FlightNumbers(numbers.key(5), 1), [&] { record_.pass_straight(0, first_.source.label); }))
+    if (!travel(first_, FlightNumbers(numbers.key(5), 1), [&] { record_.pass_through(0, first_.source.label); }))
         return true;
     SurfacePoint& point = first_.point;
     const display::Foresight::Ahead ahead = record_.ahead(0, first_.source.label, point.material);
@@ -203,8 +203,9 @@ Found Pilot::sample_light(const LightChooser& chooser, const PixelSampler& numbe
     Real visible = 1;
     if (scene_.tests_alpha() || scene_.media->any()) {
         display::Tracker tracker = record_.tracker(0);
-        visible = straight_transmittance({scene_, record_, counters_, false, FlightNumbers(numbers.key(5), 2)}, ray,
-                                         visible, medium_towards(first_, sample.wi), tracker, through);
+        visible = pass_through_transmittance(
+            {.scene = scene_, .record = record_, .counters = counters_, .numbers = FlightNumbers(numbers.key(5), 2)},
+            ray, visible, medium_towards(first_, sample.wi), tracker, through);
     }
     return {double{(f.value * sample.radiance * through).average() * visible} / double{sample.pdf}, sample.pdf,
             sample.delta ? 0 : f.pdf};
