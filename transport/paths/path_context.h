@@ -1,4 +1,4 @@
-// What a render hands to everything that follows paths: tables that last as long as the render, and the rays and
+// What everything that follows paths gets from a render: tables that last as long as the render, and the rays and
 // services of one call.
 #pragma once
 
@@ -32,9 +32,9 @@ struct PathContext {
     const Camera* camera = nullptr;
     int width = 0, height = 0;               ///< of the image, in pixels
     Vec2 filter_radius;                      ///< the distance from the image at which light still counts, in pixels
-    const display::LpeSetup* lpe = nullptr;  ///< for LPE services on a table of one's own
+    const display::LpeSetup* lpe = nullptr;  ///< for LPE services on another table
     const DirectionSampler* directions = nullptr;  ///< null: closures draw the directions of paths themselves
-    const PathPlan* plan = nullptr;                ///< null: as a plan that changes nothing
+    const PathPlan* plan = nullptr;                ///< null: a plan that changes nothing
 
     [[nodiscard]] CameraView view() const { return {camera, width, height, filter_radius}; }
     /// Whether beauty or a channel takes light that was scattered.

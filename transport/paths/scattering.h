@@ -17,14 +17,14 @@
 
 namespace raylex::transport {
 
-/// What is scattered from `point.wo`'s side towards `to`, ready to be joined with a subpath of the other direction:
-/// times |cos| at the point, which leaves 1 / distance^2 of the geometry term, or for light subpaths that too.
+/// Scattering from the side of `point.wo` towards a vertex of the other direction's subpath, times |cos| at the point.
+/// Of the geometry term only 1 / distance^2 is left.
 struct ConnectedScattering {
-    BsdfEvaluation f;      ///< its pdf: with which the subpath would have gone there, per steradian
-    Real pdf_reverse = 0;  ///< with which one from there would have gone back
+    BsdfEvaluation f;      ///< pdf: density per steradian with which the subpath goes on to the other vertex
+    Real pdf_reverse = 0;  ///< density per steradian with which a subpath from the other vertex goes back
 };
 
-/// What a subpath remembers of the vertex that it leaves; its throughput is the caller's.
+/// The subpath leaves a vertex. The caller updates the throughput.
 template <TransportMode mode>
 inline void leave_vertex(Subpath& path, const SurfacePoint& point, const BsdfSample& s) {
     ++path.depth;

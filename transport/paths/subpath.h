@@ -14,9 +14,9 @@
 
 namespace raylex::transport {
 
-/// Below which throughput paths end at random unless asked otherwise. pbrt-v4's 1 ends a path in a white room nearly as
-/// soon as it may: a quarter costs 1.3 times the time and leaves less than half the squared error (experiments/docs/
-/// measured.md), and from 0.1 to 0.5 the product of both changes little.
+/// The throughput below which paths end at random by default. pbrt-v4's 1 ends a path in a white room nearly as soon as
+/// it may. A quarter costs 1.3 times the time and leaves less than half the squared error (experiments/docs/
+/// measured.md). From 0.1 to 0.5 the product of time and squared error changes little.
 inline constexpr Real default_roulette_below = Real(0.25);
 
 /// Sampler dimensions that the engine uses itself: pixel filter, lens, shutter time, wavelength.
@@ -25,8 +25,8 @@ inline constexpr std::uint32_t filter_dimension = 0, lens_dimension = 1, time_di
 
 struct alignas(64) Subpath {
     Rgb beta{1};  ///< throughput: product of scattering weights; of a light subpath the power it carries
-    /// What roulette sets beta against. A camera subpath's beta is multiplied by it: the product of eta^2 over
-    /// transmissions takes their radiance scaling out. A light subpath's beta is divided by it: its first power.
+    /// Roulette compares beta times this factor with the threshold for a camera subpath: the product of eta^2 over
+    /// transmissions, which cancels their scaling of radiance. For a light subpath beta over this: its first power.
     Real roulette_scale = 1;
     /// Density of the last direction, per steradian (from a light at infinity: per area across the beam). Of a specular
     /// direction: the probability of its lobe.
@@ -55,25 +55,25 @@ struct SplitState {
     [[nodiscard]] std::uint32_t branches() const { return all_lobes ? 2 : rays; }
 };
 
-/// What each vertex of a subpath draws, from `first` + scattering events so far * `stride` on, and what each ray draws.
+/// Sampler dimensions of a subpath: those of a vertex begin at `first` + scattering events so far * `stride`.
 struct SubpathDimensions {
     std::uint32_t first, stride;
     std::uint32_t scatter, lobe, roulette, key;  ///< of a vertex
-    std::uint32_t cutouts, flights;              ///< one for each ray, far above every vertex's
-    std::uint32_t null_collisions;               ///< keys of what further numbers a ray draws in grids
-    std::uint32_t connections;                   ///< keys of what rays draw there that connect a vertex, by its depth
+    std::uint32_t cutouts, flights;              ///< of a ray, far above the dimensions of every vertex
+    std::uint32_t null_collisions;               ///< keys of further numbers of a ray, in grids
+    std::uint32_t connections;                   ///< keys of numbers of shadow rays, in grids, by the vertex's depth
 
     [[nodiscard]] constexpr std::uint32_t of(std::uint32_t depth, std::uint32_t which) const {
         return first + depth * stride + which;
     }
 };
-/// Of a camera subpath's vertex, plus scattering events so far: whether it takes a light sample at all.
+/// Plus scattering events so far: the number by which a vertex of a camera subpath takes a light sample or not.
 inline constexpr std::uint32_t light_technique_dimensions = 1u << 23;
-/// Beside those of SubpathDimensions: what a light sample from a vertex of a camera subpath takes, and the lens
-/// position to which a vertex of a light subpath is connected.
+/// Dimensions of a vertex beside those of SubpathDimensions: of the light sample of a camera subpath, and of the lens
+/// position to which a light subpath is connected.
 inline constexpr std::uint32_t light_choice_dimension = 0, light_sample_dimension = 1, camera_lens_dimension = 0;
 
-/// Where a light subpath begins: light_dimensions + one of these.
+/// Dimensions of the start of a light subpath: light_dimensions + one of these.
 enum EmissionDimension : std::uint32_t { emitter_dimension, origin_dimension, direction_dimension };
 inline constexpr std::uint32_t light_dimensions = 1u << 26;
 

@@ -32,7 +32,7 @@ Walk<mode>::Walk(const PathContext& context, const WalkOptions& options, PathRec
         namespace in = geoaovs::inputs;
         const geoaovs::Inputs inputs = context.aovs->inputs();
         wants_first_hits_ = inputs != 0 || context.pattern_channels;
-        // With beauty all of them are shaded for their light, and no test of each is needed.
+        // With beauty all first hits are shaded for their light, and no test of each is needed.
         skips_first_closures_ = wants_first_hits_ && !context.beauty && !context.pattern_channels &&
                                 (inputs & (in::albedo | in::outside_ior)) == 0;
         light_can_be_hit_ = scene_.lights->any_to_hit() || scene_.media->any_emits();
@@ -90,9 +90,9 @@ void Walk<mode>::trace(display::DisplayServices& display) {
                       {v.sources.data(), v.count});
 }
 
-/// The densities of a vertex follow from those of the vertex before it. Densities of sampled distances in media are
-/// left out: a path of given vertices has them in every strategy, but for the transmittance along the segment that is
-/// connected (partial_mis_weights.h).
+/// Densities of the vertex (Georgiev 2012, equations 31 to 33). Densities of sampled distances in media are left out: a
+/// path of given vertices has the same in every strategy, except for the transmittance of the segment that is
+/// connected.
 template <TransportMode mode>
 void Walk<mode>::arrive(std::uint32_t row, const SurfacePoint& point, Real time) {
     if (!options_.densities) return;
@@ -136,7 +136,7 @@ void Walk<mode>::keep_live_vertices(display::DisplayServices& display) {
         SurfacePoint& point = v.points[j];
         const ShapeGeometry& shape = shapes[v.hits[j].shape];
         arrive(row, point, v.hits[j].time);
-        // Strategies that come there from the light find another point. They leave it alone, and have no weight here.
+        // Strategies that come there from the light find another point. They skip it, and have no weight here.
         if (mode == TransportMode::radiance && options_.densities && shape.faces_rays)
             mis_weights_[row].forward = std::numeric_limits<double>::infinity();
         if (cutouts && shape.alpha >= 0 && passes_cutout(j, shape)) continue;
@@ -210,7 +210,7 @@ void Walk<mode>::meet_emitter(std::size_t j, const ShapeGeometry& shape) {
     if (!emitted.is_black()) emitters_.push_back({row, light, emitted, throughput(row), v.points[j], v.hits[j]});
 }
 
-/// For surfaces. Counts a path that ends because nothing counts that it may still meet.
+/// For surfaces. Counts a path that ends because no channel takes anything that it may still meet.
 template <TransportMode mode>
 bool Walk<mode>::is_live_vertex(std::size_t j) {
     const std::uint32_t row = vertices_.rows[j];
@@ -223,8 +223,8 @@ bool Walk<mode>::is_live_vertex(std::size_t j) {
     return false;
 }
 
-/// Whether a light subpath that began in the sky behind a portal has come through the portal: before that its light
-/// belongs to no light.
+/// Whether a light subpath that began in the sky behind a portal has come through the portal. Before that its light
+/// does not exist.
 template <TransportMode mode>
 bool Walk<mode>::is_through_portal(std::uint32_t row, const Vec3& point, const Vec3& forward) const {
     const Subpath& path = paths_[row];

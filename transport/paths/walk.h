@@ -71,7 +71,7 @@ struct SurfaceArrival {
     Rgb throughput;
 };
 
-/// A light subpath whose power is no number.
+/// A light subpath whose power is NaN or infinite.
 struct InvalidPower {
     std::uint32_t row;
     Rgb power;
@@ -98,13 +98,13 @@ class Walk {
     void advance(display::DisplayServices& display);
     void scatter() { scatter_vertices<false>(0); }
 
-    // What the last advance() met.
+    // Results of the last advance().
     [[nodiscard]] const VertexBatch& vertices() const { return vertices_; }
     /// Indices into vertices(): surfaces that camera rays hit first.
     [[nodiscard]] std::span<const std::uint32_t> first_entries() const { return {first_entries_.data(), first_count_}; }
     [[nodiscard]] std::span<const EscapedRay> escaped() const { return escaped_; }
     [[nodiscard]] std::span<const EmitterHit> emitters() const { return emitters_; }
-    /// Empty unless the record wants blocked light.
+    /// Empty unless channels take blocked light.
     [[nodiscard]] std::span<const SurfaceArrival> arrivals() const { return arrivals_; }
     /// Light subpaths only: since begin().
     [[nodiscard]] std::span<const InvalidPower> invalid_powers() const { return invalid_powers_; }
@@ -113,8 +113,8 @@ class Walk {
     [[nodiscard]] std::uint64_t cut() const { return cut_; }
 
     [[nodiscard]] const Subpath& path(std::uint32_t row) const { return paths_[row]; }
-    /// The factor of light that the subpath of a row meets: beta, times the weight of its wavelength if it is of one.
-    /// For light subpaths: the power.
+    /// The factor of light that the subpath of a row meets: beta, times the weight of its wavelength if it has one. For
+    /// light subpaths: the power.
     [[nodiscard]] Rgb throughput(std::uint32_t row) const { return wavelengths_.throughput(row, paths_[row]); }
     /// The weight of a row's wavelength, for paths that are of one wavelength.
     [[nodiscard]] const Rgb& wavelength_weight(std::uint32_t row) const { return wavelengths_.weight(row); }
@@ -138,10 +138,10 @@ class Walk {
                                                                                  direction, current);
     }
     [[nodiscard]] const DepthLimit& depth_limit() const { return depth_limit_; }
-    /// Whether a path is short enough for an event at vertex j, in some direction at least.
+    /// Whether a path is short enough for an event at vertex j in at least one direction.
     [[nodiscard]] bool may_scatter(std::size_t j) const { return may_scatter(j, j < vertices_.surfaces); }
     [[nodiscard]] VertexDepth vertex_depth(std::size_t j) const { return vertex_depth(j, j < vertices_.surfaces); }
-    /// The pair of numbers of vertex j that draw_pairs() drew last; good until the vertex is left.
+    /// The pair of numbers of vertex j that draw_pairs() drew last. Valid until the vertex is left.
     [[nodiscard]] Vec2 pair(std::size_t j) const {
         if (pairs_are_drawn_) return pairs_[j];
         const std::uint32_t row = vertices_.rows[j];
@@ -153,7 +153,7 @@ class Walk {
     void draw_pairs(std::uint32_t which);
     /// Counts a subpath that has ended.
     void finish(std::uint32_t row) { counters_->count_length(paths_[row].depth); }
-    /// `planned`: by context.plan; `branch` is the number of the ray that leaves each vertex (splits.h).
+    /// `planned`: follows context.plan. `branch`: number of the ray that leaves each vertex (splits.h).
     template <bool planned>
     void scatter_vertices(std::uint32_t branch);
 
@@ -178,7 +178,7 @@ class Walk {
         Real time;
         RayCone cone;
     };
-    /// A ray that passed a cutout and goes straight on with the next scatter().
+    /// A ray that passed a cutout. The next scatter() pushes `onward`.
     struct CutoutPass {
         std::uint32_t row;
         std::int32_t label, medium;  // medium: behind the cutout

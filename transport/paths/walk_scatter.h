@@ -1,4 +1,4 @@
-// How a walk (walk.cpp, which alone includes this) leaves its vertices: closures, roulette, branches, the next rays.
+// How a walk leaves its vertices: directions, roulette, branches, the next rays. Only walk.cpp includes this file.
 #pragma once
 
 #include "transport/math/make_at.h"
@@ -33,7 +33,7 @@ void Walk<mode>::pass_cutouts() {
     passes_.clear();
 }
 
-/// The chance by which a planned roulette lets the path of a row go on; 0: throughput decides.
+/// The probability with which a planned roulette lets the path of a row go on; 0: throughput decides.
 template <TransportMode mode>
 Real Walk<mode>::planned_survival(std::uint32_t row) const {
     const Subpath& path = paths_[row];
@@ -43,8 +43,8 @@ Real Walk<mode>::planned_survival(std::uint32_t row) const {
     return context_.plan->roulette.chance(planned_state(row), strength);
 }
 
-/// The state by which a plan tells paths apart. A specular direction is a state of its own: no light sample shares its
-/// light, so such a path is worth more.
+/// The state by which a plan distinguishes paths. A specular direction is a state of its own: no light sample shares
+/// its light, so more depends on such a path.
 template <TransportMode mode>
 std::uint64_t Walk<mode>::planned_state(std::uint32_t row) const {
     if constexpr (mode == TransportMode::importance) return 0;
@@ -99,7 +99,7 @@ std::uint32_t Walk<mode>::take_branch(Subpath& path, SplitState& split, const Bs
     return rays;
 }
 
-/// Subtracts what does not count of the event at vertex j, which the path has left. False: the path is too long for it.
+/// Corrects the length of the event at vertex j, which the path has left. Returns false if the path is too long for it.
 template <TransportMode mode>
 [[gnu::noinline]] bool Walk<mode>::stays_short(std::size_t j, const Vec3& direction) {
     Subpath& path = paths_[vertices_.rows[j]];
@@ -127,7 +127,7 @@ bool Walk<mode>::may_be_scattered(std::size_t j) {
     return true;
 }
 
-/// Whether anything counts that the next ray may meet.
+/// Whether a channel takes anything that the next ray may meet.
 template <TransportMode mode>
 bool Walk<mode>::goes_on(std::uint32_t row) {
     const Subpath& path = paths_[row];
@@ -155,7 +155,7 @@ template <TransportMode mode>
                   .pdf = path.pdf});
 }
 
-/// The throughput is no number: it is counted and logged (Law 6).
+/// Counts and logs a throughput that is NaN or infinite (Law 6).
 template <TransportMode mode>
 void Walk<mode>::reject(std::uint32_t row) {
     if constexpr (mode == TransportMode::radiance) record_.reject(row, paths_[row].beta);
@@ -187,7 +187,7 @@ void Walk<mode>::scatter_vertices(std::uint32_t branch) {
     counters_->scattering_rays += queue_.count - passed_on;
 }
 
-/// False: the path ends.
+/// Returns false if the path ends.
 template <TransportMode mode>
 template <bool planned>
 bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t branch) {

@@ -1,6 +1,6 @@
-// How a render spends its rays where channels alone decide that: which technique last vertices use, where paths are
-// split, how roulette is played. The preparation of a render makes the plan from pilots (render/pilots/). With beauty
-// the plan changes nothing: beauty's numbers do not depend on channels (Law 2).
+// How a render without beauty spends its rays: which technique last vertices use, where paths are split, how Russian
+// roulette decides. The preparation of a render makes the plan from pilots (render/pilots/). With beauty the plan
+// changes nothing: the samples of beauty do not depend on channels (Law 2).
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@ namespace raylex::transport {
 
 class LiveLights;
 
-/// Probabilities with which a last vertex takes a light sample and traces a scattering ray. Channels take light that
-/// arrives at a last vertex, and nothing that is scattered further. The weights of multiple importance sampling use the
-/// densities times these shares.
+/// Probabilities with which a last vertex takes a light sample and traces a scattering ray. A vertex is last if
+/// channels take light that arrives there, and no light that is scattered again before. The weights of multiple
+/// importance sampling use the densities times these shares.
 struct TechniqueShares {
     Real light = 1, ray = 1;
 
@@ -36,9 +36,9 @@ struct SplitPlan {
 
 struct PathPlan {
     TechniqueShares shares;
-    std::shared_ptr<const LiveLights> lights;  ///< as DirectLight builds them; null: not built yet
+    std::shared_ptr<const LiveLights> lights;  ///< what DirectLight builds otherwise; null: not built
     SplitPlan splits;
-    RouletteTable roulette;  ///< empty: roulette is played by throughput alone
+    RouletteTable roulette;  ///< empty: roulette depends on throughput alone
     // For pilots.
     bool follows_whole_paths = false;  ///< paths do not end at random, and SplitState marks where they could split
     std::uint32_t most_depth = ~0u;    ///< bound on scattering events

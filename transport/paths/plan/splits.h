@@ -1,9 +1,9 @@
-// Splitting (Arvo and Kirk 1990, "Particle Transport and Image Synthesis"): several rays go on from one vertex, each
-// carrying its part, where what lies behind it is what is noisy and what lies before it is what costs.
+// Splitting (Arvo and Kirk 1990, "Particle Transport and Image Synthesis"): several rays leave one vertex, each with
+// its part of the throughput. It pays where most noise comes from behind the vertex and most cost from before it.
 //
-// Branches are followed one after another by the same row: a vertex that more rays are to leave is kept as it was, and
-// when nothing of the batch goes on any more, subpaths go back to the last ones kept. The order of what one sample
-// reports then depends on that sample alone (Law 3), and a batch takes no more room.
+// The same row follows the branches one after another. A copy of a split vertex is kept. When no subpath of the batch
+// goes on any more, subpaths go back to the copies made last. So the order in which a sample reports light depends on
+// that sample alone (Law 3), and a batch takes no more memory.
 #pragma once
 
 #include <cstdint>
@@ -17,12 +17,12 @@
 
 namespace raylex::transport {
 
-/// Numbers that choose the first and the last of a closure's lobes.
+/// The number that chooses the first (branch 0) or the last of a closure's lobes.
 inline Real lobe_number(std::uint32_t branch) {
     return branch == 0 ? Real(0) : Real(1 - 0x1p-24);
 }
 
-/// Vertices that are left again, entry by entry as they were before they were left first.
+/// Copies of split vertices, entry by entry as they were before the first ray left them.
 struct SplitVertices {
     VertexBatch vertices;
     std::vector<Subpath> paths;

@@ -1,10 +1,10 @@
-// Splitting of camera subpaths: which vertices are kept, and how subpaths go on from them again.
+// Splitting of camera subpaths: which vertices are kept, and how subpaths go back to them.
 #include "transport/paths/subpaths/camera_subpaths.h"
 
 namespace raylex::transport {
 namespace {
 
-/// Whether it reflects or transmits, each in one direction.
+/// Whether the closure reflects or transmits, each in one direction.
 bool has_two_lobes(const Bsdf& bsdf, const Vec3& wo) {
     if (bsdf.kind() != Bsdf::Kind::dielectric && bsdf.kind() != Bsdf::Kind::thin_dielectric &&
         bsdf.kind() != Bsdf::Kind::subsurface)
@@ -15,7 +15,7 @@ bool has_two_lobes(const Bsdf& bsdf, const Vec3& wo) {
 
 }  // namespace
 
-/// Sets at how many rays the subpath leaves vertex j. Called before light is sampled there.
+/// Sets the number of rays that leave vertex j. Called before light is sampled there.
 void CameraSubpaths::split(std::size_t j) {
     const VertexBatch& v = vertices_;
     const std::uint32_t row = v.rows[j];

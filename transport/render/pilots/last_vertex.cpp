@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t pilot_grid = 16, pilot_samples = 32;
 
-/// What one technique finds from a vertex.
+/// Light that one technique finds from a vertex.
 struct Found {
     double value = 0;         ///< without the MIS weight
     Real own = 0, other = 0;  ///< densities, of the technique and of the other one
@@ -28,8 +28,8 @@ struct PilotPath {
 struct Moments {
     double second = 0, by_light = 0, by_ray = 0;
 
-    /// Both techniques' samples estimate them, weighed as if each were always taken: what one of them hardly finds, and
-    /// would be noisy in, the other shows.
+    /// Samples of both techniques estimate the integrals, weighted as if both were always taken: where one technique
+    /// finds little and is noisy, the other gives the estimate.
     void add(const Found& found, bool is_light, const TechniqueShares& shares) {
         if (!(found.value > 0)) return;
         const double f = found.value * double{found.own};
@@ -64,7 +64,7 @@ class Pilot {
           table_(context.channels, 1, 0),
           lpe_(*context.lpe, table_, context.seed, context.attribution) {}
 
-    /// False where the shares of last vertices do not apply to what the camera sees first.
+    /// Returns false if the vertices that the camera sees first are not last ones.
     bool run() {
         for (std::uint32_t y = 0; y < pilot_grid; ++y)
             for (std::uint32_t x = 0; x < pilot_grid; ++x)
@@ -73,7 +73,7 @@ class Pilot {
         return true;
     }
 
-    /// Whether some channel takes what a medium scatters towards the camera: such vertices are not the pilot's.
+    /// Whether some channel takes light that a medium scatters towards the camera. The pilot has no such vertices.
     [[nodiscard]] bool media_scatter() {
         record_.begin(lpe_, 1);
         for (std::int32_t medium = 0; medium < static_cast<std::int32_t>(scene_.media->size()); ++medium)
@@ -129,8 +129,8 @@ class Pilot {
     std::uint64_t rays_ = 0;
 };
 
-/// To the surface where the ray ends: as for paths, a cutout is passed by chance, after which `pass` is called. False:
-/// it ends at none.
+/// Follows the ray to the surface where it ends. As for paths, a cutout is passed by chance; then calls `pass`. Returns
+/// false if the ray ends at no surface.
 template <class Pass>
 bool Pilot::travel(Journey& journey, FlightNumbers numbers, Pass pass) {
     Ray& ray = journey.ray;
@@ -252,8 +252,8 @@ Found Pilot::sample_ray(const LightChooser& chooser, const PixelSampler& numbers
         lights.density(chooser, *scene_.geometry, light, {point.position, point.shading_normal}, there, onward.hit)};
 }
 
-/// Whether light samples can be left out: a ray can find all of the lights that some channel takes. Asked of the lights
-/// and not of what a pilot met: a spot may be seen by few pixels.
+/// Whether light samples can be left out: rays can find all lights that some channel takes. Checks the lights and not
+/// the pilot's samples, because few pixels may see a spot light.
 bool rays_find_all(const IntegratorContext& context) {
     const display::Foresight& foresight = context.events->foresight();
     const std::uint64_t live = foresight.terminals_ever();

@@ -58,7 +58,7 @@ void PilotPaths::begin(std::uint32_t round) {
     samplers_.clear();
     for (std::uint32_t y = 0; y < grid; ++y)
         for (std::uint32_t x = 0; x < grid; ++x) {
-            // Not the image's own numbers: what is chosen must not depend on them.
+            // Other numbers than the image's: the plan must not depend on those.
             const PixelSampler numbers(SamplerKind::sobol, ~context_.seed, static_cast<std::int32_t>(x),
                                        static_cast<std::int32_t>(y), round);
             const Vec2 at = numbers.get_2d(filter_dimension);

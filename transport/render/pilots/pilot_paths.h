@@ -1,4 +1,4 @@
-// Paths through a coarse grid over the image, followed before a render to learn what it had better do.
+// Paths through a coarse grid over the image, followed before a render to choose its plan.
 #pragma once
 
 #include <memory>
@@ -31,7 +31,7 @@ class PathTrials {
     const std::shared_ptr<const LiveLights> lights_;
 };
 
-/// In scattering rays with what is done where they hit, as measured on cornell-grey and caustic-ball.
+/// Costs relative to a scattering ray with the shading of its hit, measured on cornell-grey and caustic-ball.
 inline constexpr double camera_ray_cost = 1.3, shadow_ray_cost = 0.7;
 double pilot_cost(const IntegratorCounters& counters);
 inline std::uint64_t pilot_rays(const IntegratorCounters& counters) {
@@ -49,11 +49,11 @@ class PilotPaths {
 
     /// The number of expression channels.
     [[nodiscard]] std::size_t channels() const { return later_.channels().size(); }
-    /// Whether values without throughput are asked for, which count paths as they are drawn: one of each sample.
+    /// Whether channels take values without throughput, which count paths as they are drawn: one for each sample.
     [[nodiscard]] bool count_alike() const { return lpe_.wants_emitter_samples(); }
-    /// `most`, or fewer where the image is so small that they would be more than some samples of each pixel.
+    /// `most`, or fewer for an image so small that they would exceed 16 samples of each pixel.
     [[nodiscard]] std::uint32_t most_rounds(std::uint32_t most) const;
-    /// One path through each pixel of the grid, by numbers of their own for each round.
+    /// Draws one path through each pixel of the grid, with numbers of its own for each round.
     void begin(std::uint32_t round);
     /// Follows them, and calls visit(pixel, path) for each.
     template <class Visit>

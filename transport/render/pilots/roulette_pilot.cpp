@@ -19,7 +19,7 @@ struct Departure {
     std::size_t behind = 0;  // in values_: what channels received from then on
 };
 
-/// Of all departures in one state.
+/// Sums over all departures in one state.
 struct StateSums {
     double squares = 0, departures_behind = 0;
     std::uint32_t departures = 0, finds = 0;
@@ -49,7 +49,7 @@ class RoulettePilot {
     static constexpr std::uint32_t first_rounds = 8, most_rounds = 32;
     static constexpr std::uint64_t most_rays = 80'000;
     static constexpr std::size_t most_values = std::size_t{1} << 21;  // 16 MB
-    /// A mean square is known to a third then, and strength by its root.
+    /// After so many finds a mean square is known to a third.
     static constexpr std::uint32_t enough_finds = 32;
     static constexpr double promising = 0.95, worthwhile = 0.9;
     /// Of the strength that is best where what roulette adds to the variance is little.
@@ -70,7 +70,7 @@ class RoulettePilot {
     [[nodiscard]] Product follow_by(double strength) const;
     [[nodiscard]] double chance(const Departure& departure, double throughput, std::size_t depth,
                                 double strength) const;
-    /// The strength with the least products; 0: throughput alone does as well.
+    /// The strength with the least products of cost and variance; 0: throughput alone does as well.
     [[nodiscard]] double find_best();
 
     PilotPaths paths_;

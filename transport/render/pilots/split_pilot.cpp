@@ -25,19 +25,19 @@ struct SplitTrial {
     [[nodiscard]] std::uint64_t rays() const { return pilot_rays(thread->counters); }
 };
 
-/// Of one channel: sums over rounds, and over pixels in the end.
+/// Sums of one channel, over rounds and in the end over pixels.
 struct Sums {
     std::vector<double> pixel, pixel_squares;  // of a round's mean of two rays
     double both = 0, difference = 0;           // products and squared differences of two rays
     std::uint32_t finds = 0;
 };
 
-/// Of all channels, each relative to its mean.
+/// Variances of all channels, each relative to its mean.
 struct Variances {
     double before = 0, behind = 0;
 };
 
-/// Of a path, before its split and of each ray behind it.
+/// Costs of a path up to its split, and of each ray behind it.
 struct Costs {
     double before = 0, behind = 0;
     [[nodiscard]] double of(std::uint8_t rays) const { return before + rays * behind; }
@@ -47,16 +47,16 @@ class SplitPilot {
   public:
     SplitPilot(const IntegratorContext& context, const PathTrials& trials) : trials_(trials), paths_(context) {}
 
-    /// Values without throughput count paths as they are drawn: one of each sample.
+    /// Whether values count paths as they are drawn: then splits must not change their number.
     [[nodiscard]] bool counts_paths() const { return paths_.count_alike(); }
     void run();
-    /// Of n rays, after run().
+    /// Of a plan with so many rays, after run().
     [[nodiscard]] double cost_times_variance(std::uint8_t rays) const { return costs_.of(rays) * variance(rays); }
     [[nodiscard]] double variance(std::uint8_t rays) const { return variances_.before + variances_.behind / rays; }
-    /// Where `both_lobes` specular vertices reflect and transmit.
+    /// Costs where both lobes of up to `both_lobes` specular vertices are followed.
     [[nodiscard]] Costs costs(std::uint8_t both_lobes);
     [[nodiscard]] const Costs& costs() const { return costs_; }
-    /// That were traced so far.
+    /// Number of rays traced so far.
     [[nodiscard]] std::uint64_t rays() const { return rays_; }
 
   private:
