@@ -11,7 +11,7 @@
 // Transmittance is estimated by ratio tracking (J. Novak, A. Selle and W. Jarosz 2014, "Residual Ratio Tracking for
 // Estimating Attenuation in Participating Media"): each cell's least extinction has its closed form, the rest is met by
 // chance. Every strategy that makes a path has the same expectation along each of its segments, so densities of flights
-// cancel in weights, as they do in homogeneous media (paths/strategies.h).
+// cancel in weights, as they do in homogeneous media (paths/partial_mis_weights.h).
 #pragma once
 
 #include <optional>

@@ -9,7 +9,7 @@ namespace raylex::transport {
 struct CameraView {
     const Camera* camera = nullptr;
     int width = 0, height = 0;  ///< of the image, in pixels
-    Vec2 filter_radius;         ///< the distance from the image at which light still counts, in pixels
+    Vec2 filter_radius;         ///< light up to this distance from the image counts, in pixels
 
     /// Density per area with which a camera ray through a raster position drawn uniformly over the image meets a point.
     /// `importance`: raster area per area at the point across the ray. `cosine`: |cos| at the point.

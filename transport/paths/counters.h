@@ -8,16 +8,16 @@
 
 namespace raylex::transport {
 
-/// What was not simulated because no channel takes it, or too little (Law 4), by cause.
+/// Work that was left out because no channel takes its light, or too little of it (Law 4), by cause.
 enum class Pruned : std::uint8_t {
     paths,                       ///< ended: no word can be completed any more
     light_samples,               ///< not drawn: no light ends a word there
-    shadow_rays,                 ///< of light samples and joins that no channel accepts
+    shadow_rays,                 ///< of light samples and connections that no channel accepts
     rays_left_to_light_samples,  ///< last vertices where light samples find more for less,
     light_samples_left_to_rays,  ///< and the other way round
     lobes,                       ///< not drawn: no channel takes that side of an interface
     light_paths,                 ///< not begun or ended: no word leads on to where one is seen or joined
-    joins,                       ///< of its vertices with others or the camera, not looked at: no channel takes any
+    connections,                 ///< of light subpath vertices with others or the camera: no channel takes any
     weak_paths,                  ///< ended at random: channels are expected to receive little of them
     closures                     ///< of first hits of which AOVs ask for the geometry alone: no texture is looked up
 };

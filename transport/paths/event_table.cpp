@@ -175,7 +175,7 @@ void EventTable::find_scatterings_in_use(const EmbreeScene& geometry, const Medi
         if (instance.label >= 0) given_to_instances.insert(instance.label);
     for (const ShapeGeometry& shape : geometry.shapes()) {
         used.emplace(shape.label, shape.material);
-        // Which object an instance places is not asked: the others' materials may count too.
+        // The object that an instance places is not looked up: materials of other objects may be included.
         for (const std::int32_t label : given_to_instances) used.emplace(label, shape.material);
     }
     const auto use = [&](std::int32_t label, std::int32_t material) {

@@ -1,4 +1,4 @@
-// What path vertices are to the language: the classes of their events, looked up once per scene.
+// The classes of the events of path vertices in the language, looked up once per scene.
 #pragma once
 
 #include <algorithm>
@@ -26,16 +26,16 @@ struct SceneView {
     const MediumTable* media = nullptr;
     EffectSet general_code{};  ///< SceneDescription::general_code
     bool moves = false;        ///< is_moving(): camera rays draw a time
-    /// Of which each sample draws one; null where no index of refraction depends on it.
+    /// Each sample draws one of these; null where no index of refraction depends on the wavelength.
     const WavelengthDistribution* wavelengths = nullptr;
 
     /// Whether each sample draws a time for its rays.
     [[nodiscard]] bool asks_for_times() const { return moves || general_code.contains(Effect::motion); }
-    /// Whether paths ask for media: where there are any, or where that is forced.
+    /// Whether paths check for media: where there are any, or where the check is forced.
     [[nodiscard]] bool asks_for_media() const { return media->any() || general_code.contains(Effect::media); }
-    /// Whether hits and shadow rays are tested for what light passes straight through.
+    /// Whether hits and shadow rays are tested for cutouts and interfaces, which light passes.
     [[nodiscard]] bool tests_alpha() const { return geometry->has_alpha() || general_code.contains(Effect::alpha); }
-    /// 0 to 1, at a point of a shape that has a cutout.
+    /// Opacity from 0 to 1 at a point of a shape that has a cutout.
     [[nodiscard]] Real opacity(const ShapeGeometry& shape, const SurfacePoint& point) const {
         return std::clamp(
             textures->real(shape.alpha, {point.u, point.v, point.position, point.geometric_normal, nullptr, {}}),
@@ -43,23 +43,22 @@ struct SceneView {
     }
 };
 
-/// What surfaces say of themselves, as RenderMan's default options number it (lpe:user2 "...Albedo", lpe:user6
-/// "Normal"): U2, the albedo, and U6, the shading normal in camera space.
+/// User events of surfaces, numbered as in RenderMan's default options (lpe:user2 "...Albedo", lpe:user6 "Normal"): U2,
+/// the albedo, and U6, the shading normal in camera space.
 enum class UserLobe : std::uint8_t { albedo, normal };
 /// The events' lobe labels, by which lobe slots number them.
 inline constexpr std::array<const char*, 2> user_lobes{"albedo", "normal"};
 
-/// What events of this scene are to this render's channels: look-ups for the inner loop, filled once.
+/// Event classes of this scene for the channels of this render: look-ups for the inner loop, filled once.
 class EventTable {
   public:
     EventTable() = default;
-    /// Without `prunes` everything a scene can bring is simulated, whoever asks (to see what pruning saves).
+    /// Without `prunes` all light is simulated, even if no channel takes it (to measure what pruning saves).
     /// `regularizes`: the integrator's trait.
     EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots, bool prunes = true,
                bool regularizes = false);
 
-    /// A scattering by `lobe` at an object of this label, or inside a medium by medium_label(); there whatever the
-    /// lobe.
+    /// A scattering by `lobe` at an object of this label. Inside a medium (medium_label()) the lobe does not matter.
     [[nodiscard]] lpe::EventClass scatter(std::int32_t label, LobeId lobe) const {
         return scatter_[static_cast<std::size_t>(label) * lobe_count_ + lobe];
     }
@@ -67,13 +66,13 @@ class EventTable {
     [[nodiscard]] lpe::EventClass straight(std::int32_t label) const {
         return straight_[static_cast<std::size_t>(label)];
     }
-    /// What stands for a medium among the labels: behind those of the objects.
+    /// The label of a medium. These labels follow those of the objects.
     [[nodiscard]] std::int32_t medium_label(std::int32_t medium) const { return first_medium_label_ + medium; }
     /// The terminal O of light that a medium emits.
     [[nodiscard]] lpe::EventClass emission() const { return emission_; }
     /// The terminal: L, or B for infinite lights, with the light's group.
     [[nodiscard]] lpe::EventClass terminal(std::uint32_t light) const { return terminal_[light]; }
-    /// What a surface of this label says of itself, and the L without a group that ends such a word.
+    /// The user event of a surface of this label, and the L without a group that ends such a word.
     [[nodiscard]] lpe::EventClass user(std::int32_t label, UserLobe lobe) const {
         return user_[static_cast<std::size_t>(label) * user_lobes.size() + static_cast<std::size_t>(lobe)];
     }
@@ -83,7 +82,7 @@ class EventTable {
     [[nodiscard]] bool wants_user() const {
         return std::any_of(wants_user_.begin(), wants_user_.end(), [](bool wanted) { return wanted; });
     }
-    /// False when there is nothing to match: then moves may be skipped.
+    /// False if no channel has an expression: then moves may be skipped.
     [[nodiscard]] bool any() const { return any_; }
     [[nodiscard]] bool prunes() const { return prunes_; }
     /// The events of scattering by a material at an object of this label, or inside a medium by medium_label() and
@@ -92,13 +91,13 @@ class EventTable {
         const Row& row = row_of(label, material);
         return {by_kind_.data() + row.begin, row.count};
     }
-    /// Of those the first, which have a density: where light can be sampled and subpaths be joined.
+    /// The scatterings that have a density, where light can be sampled and subpaths connected. They come first.
     [[nodiscard]] std::span<const lpe::EventClass> with_density(std::int32_t label, std::int32_t material) const {
         const Row& row = row_of(label, material);
         return {by_kind_.data() + row.begin, row.with_density};
     }
     [[nodiscard]] const display::Foresight& foresight() const { return foresight_; }
-    /// What paths of this scene can bring; of scatterings nothing without prunes().
+    /// What channels can still take of paths of this scene; empty for scatterings without prunes().
     [[nodiscard]] display::Foresight::Alphabet alphabet() const;
 
   private:
@@ -127,8 +126,8 @@ class EventTable {
     display::Foresight foresight_;
 };
 
-/// The lobes by which paths leave a material: its own and, where closures are regularized (the integrator's trait),
-/// what becomes of those.
+/// The lobes by which paths leave a material: its own and, where closures are regularized (the integrator's trait), the
+/// lobes that these become.
 void append_lobes(const Material& material, bool regularizes, std::vector<LobeId>& lobes);
 /// Every event that EventTable asks a setup for and that this scene can produce: the columns of a path atlas.
 std::vector<lpe::Event> scene_events(const SceneView& scene, const lpe::LobeSlots& slots, bool regularizes);

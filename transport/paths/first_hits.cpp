@@ -10,7 +10,7 @@ namespace {
 
 namespace in = geoaovs::inputs;
 
-/// One column, or three, after the other: the pointers stay in registers.
+/// One or three columns, one after the other, so that the pointers stay in registers.
 template <class Value>
 void fill(std::span<const std::uint32_t> which, std::vector<float> (&columns)[3], Value value) {
     float *x = columns[0].data(), *y = columns[1].data(), *z = columns[2].data();
@@ -36,7 +36,7 @@ Vec3 camera_point(const PathContext& context, const Vec3& p) {
     return result;
 }
 
-/// The shading normal that bump and normal maps found.
+/// The shading normal after bump and normal maps.
 Vec3 plain_normal(const SceneView& scene, const Ray& ray, const Hit& hit, const SurfacePoint& point) {
     if (!scene.materials->turns_normals() || scene.materials->normal_detail(*scene.textures, point).empty())
         return point.shading_normal;

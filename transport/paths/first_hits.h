@@ -10,8 +10,8 @@
 
 namespace raylex::transport {
 
-/// First hits side by side: entry `which[i]` of every array is one. Those must not be empty that the render's AOVs
-/// read; to fill them all is always right.
+/// First hits side by side: entry `which[i]` of every array is one. Arrays that the AOVs of the render read must be
+/// filled. The others may be.
 struct FirstHits {
     std::span<const std::uint32_t> which;
     std::span<const std::uint32_t> rows;  ///< in the sample table
@@ -22,15 +22,15 @@ struct FirstHits {
     std::span<const Bsdf> bsdfs;
 };
 
-/// Geometric AOVs of the vertices `which`, by way of `batch`.
+/// Writes geometric AOVs of the vertices `which`. `batch`: memory.
 void write_first_hits(const PathContext& context, const VertexBatch& vertices, std::span<const std::uint32_t> which,
                       geoaovs::ShadingBatch& batch, display::DisplayServices& display);
 
-/// Makes `batch` these hits. Only the columns that the render's AOVs read are filled.
+/// Fills `batch` with these hits. Only the columns that the render's AOVs read are filled.
 void describe_first_hits(const PathContext& context, const FirstHits& first, geoaovs::ShadingBatch& batch);
 
-/// How far `position` lies from the nearest of the edges (start and end by turns), in pixels of the image; infinity
-/// when there is none. Edges that pass behind the camera are cut.
+/// Distance from `position` to the nearest edge, in pixels of the image; infinity without edges. `edges`: start and end
+/// in turns. Edges that pass behind the camera are cut.
 Real edge_distance(const PathContext& context, const Vec3& position, std::span<const Vec3> edges);
 
 }  // namespace raylex::transport

@@ -1,4 +1,4 @@
-// What a render hands to everything that follows paths: tables that last as long as the render, and the rays and
+// What everything that follows paths gets from a render: tables that last as long as the render, and the rays and
 // services of one call.
 #pragma once
 
@@ -11,8 +11,10 @@
 #include "display/services/samples/raster_splats.h"
 #include "geoaovs/geoaovs.h"
 #include "transport/paths/camera_view.h"
+#include "transport/paths/direction_sampler.h"
 #include "transport/paths/event_table.h"
-#include "transport/paths/path_plan.h"
+#include "transport/paths/plan/later_radiance.h"
+#include "transport/paths/plan/path_plan.h"
 #include "transport/samplers/pixel_sampler.h"
 
 namespace raylex::transport {
@@ -41,8 +43,9 @@ struct ServicesSetup {
 /// What paths are followed with; the pointers live as long as the render.
 struct PathContext {
     SceneView scene;
-    const EventTable* events = nullptr;  ///< path events as the channels see them
-    const PathPlan* plan = nullptr;      ///< null: no path is split, and no technique or light is left out
+    const EventTable* events = nullptr;            ///< path events as the channels see them
+    const PathPlan* plan = nullptr;                ///< null: no path is split, and no technique or light is left out
+    const DirectionSampler* directions = nullptr;  ///< null: closures draw the directions of paths themselves
     CameraView view;
     FirstHitSetup first_hits;
     ServicesSetup services;
@@ -74,6 +77,7 @@ struct ThreadServices {
     display::RasterSplats* raster = nullptr;   ///< for integrators with the trait raster_splats; else null
     const std::atomic<bool>* leave = nullptr;  ///< set when the render ends without waiting for batches; null: never
     bool left = false;                         ///< this batch is not finished: the engine drops its contributions
+    LaterRadiance* later = nullptr;  ///< camera subpaths report the vertices that they leave; null: nobody needs them
 
     /// Whether to leave the batch as it is and return at once. Call it in every loop that a scene can make endless; one
     /// call for each scattering event of a batch costs nothing that can be measured.

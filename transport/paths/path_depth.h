@@ -1,14 +1,14 @@
 // How long a path is for "maxdepth".
 //
 // An event is a scattering. Inside bodies of subsurface materials paths scatter hundreds of times where pbrt looks up
-// one event in a table. So scatterings in a body's medium count for nothing, a way through its surface is half an
-// event, and a reflection from within 1/64: of these 31 are free, which is all but 10^-7 of the light (a body of eta
-// 1.5 keeps 0.6 of what comes to its surface), and total reflection, which may have no end, has one. All else is a
-// whole event, things that stand in a body too.
+// one event in a table. So scatterings in a body's medium do not count, a passage through its surface counts 1/2, and a
+// reflection from within 1/64. 31 such reflections are free, which covers all but 10^-7 of the light (a body of eta 1.5
+// keeps 0.6 of the light that comes to its surface), and total reflection, which may never end, has a bound. Everything
+// else is a whole event, also at things that stand in a body.
 //
 // What a scattering counts follows from its own surface, or the medium around it, and its two directions, never from
-// the way that rays took before: all strategies count alike, those that join subpaths too, in bodies with holes or the
-// wrong way out. The medium of one that is open, or the wrong way out, may fill all of space, and where it absorbs
+// the way that rays took before: all strategies count alike, those that connect subpaths too, in bodies with holes or
+// the wrong way out. The medium of one that is open, or the wrong way out, may fill all of space, and where it absorbs
 // nothing a walk there has no end: a subpath has at most 65,536 scatterings, or "maxdepth" where that is more. A half
 // space that absorbs nothing has let 99.6 % of its light out by then: 2 / sqrt(pi n) is left after n steps of any
 // symmetric kind, the first of them inwards (Sparre Andersen 1954), surface and index apart.
@@ -25,19 +25,20 @@ namespace raylex::transport {
 /// Lengths are in 1/64 of an event.
 inline constexpr std::int32_t whole_event = 64;
 
-/// A vertex from which a path may go on or be joined: how long the path is that leads there, and what is around.
+/// A vertex from which a path may go on or be connected: the length of the path that leads there, and which sides are
+/// within bodies.
 struct VertexDepth {
-    std::int32_t before = 0;  ///< length of its subpath,
-    std::int32_t least = 0;   ///< and with the least that an event there may count
-    bool on_body = false;     ///< a body's surface or inside of its medium: else events are whole
+    std::int32_t before = 0;  ///< length of its subpath
+    std::int32_t least = 0;   ///< `before` plus the least that an event there may count
+    bool on_body = false;     ///< on a body's surface or in its medium. Elsewhere events are whole
     bool collision = false;
-    bool came_within = false;                        ///< the subpath came on the body's side,
-    bool front_within = false, back_within = false;  ///< which is where the geometric normal points or the other
+    bool came_within = false;                        ///< the subpath came from within the body
+    bool front_within = false, back_within = false;  ///< where the geometric normal points, and the other side
 };
 
 class DepthLimit {
   public:
-    /// max_depth: at most 10^6. Nothing scatters at 0, inside bodies neither.
+    /// max_depth: at most 10^6. At 0 nothing scatters, not even inside bodies.
     DepthLimit(const MediumTable& media, std::uint32_t max_depth)
         : media_(media),
           has_bodies_(media.any_bodies()),
@@ -71,7 +72,7 @@ class DepthLimit {
         if (vertex.on_body) vertex.least = before;
         return vertex;
     }
-    /// What it counts for a path that goes on in this direction.
+    /// The length of an event at the vertex for a path that goes on in `direction`.
     [[nodiscard]] std::int32_t event(const VertexDepth& vertex, const SurfacePoint& point,
                                      const Vec3& direction) const {
         if (!vertex.on_body) return whole_event;

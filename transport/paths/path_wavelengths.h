@@ -1,10 +1,10 @@
 // The wavelengths of a batch of subpaths, for scenes in which an index of refraction depends on them.
 //
-// Each sample has one (color/wavelengths.h), the same for its camera and its light subpath, drawn before anybody needs
-// it. A subpath is of all colours until it meets such an interface (Subpath::one_wavelength). From there on it is
-// refracted by the index of its wavelength, and all that it brings counts by the wavelength's weight, once for a whole
-// path however many subpaths make it. The weight stays out of throughputs: roulette, free flights and splits go by
-// them, and weights may be negative.
+// Each sample has one wavelength (color/wavelengths.h), shared by its camera and its light subpath. A subpath carries
+// all colours until it meets such an interface (Subpath::one_wavelength). From there on it is refracted by the index of
+// its wavelength, and its light is multiplied by the wavelength's weight, once for a whole path however many subpaths
+// make it. Throughputs leave the weight out: roulette, sampled distances and splits depend on them, and weights may be
+// negative.
 //
 // What an ideal interface reflects on the side of the lesser index goes one way at all wavelengths. It has the colour
 // of Fresnel's share at the mean index of each primary, as metals have (within 1e-4 of the mean over the wavelengths
@@ -29,18 +29,18 @@ class PathWavelengths {
         : scene_(scene), heroes_(scene.wavelengths != nullptr ? capacity : 0) {}
 
     [[nodiscard]] bool any() const { return scene_.wavelengths != nullptr; }
-    /// Of the samples of rows [0, samplers.size()).
+    /// Draws the wavelengths of rows [0, samplers.size()).
     void draw(std::span<const PixelSampler> samplers) {
         for (std::size_t row = 0; row < samplers.size(); ++row)
             heroes_[row] = scene_.wavelengths->draw(samplers[row].get_1d(wavelength_dimension));
     }
-    /// What a path of this row counts by that is of one wavelength.
+    /// The weight of the row's wavelength, for paths of one wavelength.
     [[nodiscard]] const Rgb& weight(std::uint32_t row) const { return heroes_[row].weight; }
     [[nodiscard]] Rgb throughput(std::uint32_t row, const Subpath& path) const {
         return path.one_wavelength ? path.beta * weight(row) : path.beta;
     }
 
-    /// Subpaths have come to vertices with closures of the mean index.
+    /// Subpaths have reached vertices, whose closures have the mean index.
     [[gnu::noinline]] void meet(VertexBatch& vertices, std::span<Subpath> paths) const {
         for (std::size_t j = 0; j < vertices.surfaces; ++j) {
             const SurfacePoint& point = vertices.points[j];
@@ -50,7 +50,7 @@ class PathWavelengths {
             paths[vertices.rows[j]].one_wavelength = true;
         }
     }
-    /// A subpath leaves vertex j by `s`, which is changed to what meet() has left undone.
+    /// A subpath leaves vertex j by `s`. Applies the index of its wavelength where meet() has left the mean index.
     template <TransportMode mode>
     [[gnu::noinline]] void leave(const VertexBatch& vertices, std::size_t j, Subpath& path, BsdfSample& s) const {
         if (j >= vertices.surfaces || !(s.pdf > 0)) return;

@@ -13,7 +13,7 @@ LightLanguage::LightLanguage(const display::LpeSetup& setup, const EventTable& e
 
 display::LightForesight::Ahead LightLanguage::ahead_of(lpe::EventClass terminal) const {
     const display::Foresight& forward = events_->foresight();
-    // Of channels alone: beauty takes every light.
+    // Beauty takes every light: this is for channels alone.
     if (foresees_ && (forward.terminals_ever() & forward.bit_of(terminal)) == 0) return {false, false, false};
     return foresight_.of(terminal);
 }
@@ -28,18 +28,19 @@ bool Record::is_live_in_medium(std::uint32_t row, std::int32_t medium) const {
     return takes_all(row) || is_live_lobe(row, events_->medium_label(medium), 0);
 }
 
-Record::Worth Record::worth_connecting(std::uint32_t row, std::int32_t label, const LobeList& lobes,
-                                       std::uint32_t light, const LightEnd* end, bool straight) const {
+Record::Liveness Record::liveness_of_connection(std::uint32_t row, std::int32_t label, const LobeList& lobes,
+                                                std::uint32_t light, const LightEnd* end, bool cutouts) const {
     display::Tracker ahead = after(row, label, lobes);
-    if (straight) return lpe_->live(ahead) ? Worth::a_ray : Worth::nothing;
+    if (cutouts) return lpe_->live(ahead) ? Liveness::if_visible : Liveness::dead;
     if (end != nullptr) reach(ahead, *end);
-    else if (!lpe_->live_after(ahead, events_->terminal(light))) return Worth::nothing;
+    else if (!lpe_->live_after(ahead, events_->terminal(light))) return Liveness::dead;
     else reach_light(ahead, light);
-    if (!lpe_->live(ahead)) return Worth::nothing;
-    return !lpe_->wants_emitter_samples() || lpe_->needs_visibility(ahead) ? Worth::a_ray : Worth::as_it_is;
+    if (!lpe_->live(ahead)) return Liveness::dead;
+    const bool needs_ray = !lpe_->wants_emitter_samples() || lpe_->needs_visibility(ahead);
+    return needs_ray ? Liveness::if_visible : Liveness::if_visible_or_not;
 }
 
-bool Record::worth_splatting(std::uint32_t row, const LightEnd& end) const {
+bool Record::is_live_splat(std::uint32_t row, const LightEnd& end) const {
     display::Tracker tracker = lpe_->begin(static_cast<int>(row));
     if (!events_->prunes()) return true;
     reach(tracker, end);

@@ -1,12 +1,12 @@
-// The record of paths: the one place that talks to the LPE services.
+// The record of paths: the one place that calls the LPE services.
 //
-// A record keeps, row by row, where each camera subpath stands in the language. Walks and integrators tell it what
-// happens (scattered by these lobes, arrived at that light) and ask two things: is it worth going on, is it worth
-// connecting? What channels exist, which are still to be reached (Law 4), how lobes share what they scatter (Law 5),
-// prefixes and holdouts are its business and the services'.
+// A record keeps, row by row, where each camera subpath stands in the language. Walks and integrators report what
+// happens (scattered by these lobes, arrived at that light) and check two things: is the subpath live, is a connection
+// live? The record and the services alone handle which channels exist, which can still be reached (Law 4), how lobes
+// share what they scatter (Law 5), prefixes and holdouts.
 //
-// Paths that begin at a light are told as the camera would have met them: a light record puts each vertex before those
-// that were read, and a join leads a camera subpath along the word to the light.
+// Words are read from the camera. So a light record puts each vertex of a light subpath before those that were read,
+// and a connection leads a camera subpath along the word to the light.
 #pragma once
 
 #include <array>
@@ -23,18 +23,18 @@
 
 namespace raylex::transport {
 
-/// The far end of a join: a vertex of a light subpath, as the camera's side meets it.
+/// The far end of a connection: a vertex of a light subpath, as the camera's side meets it.
 struct LightEnd {
     std::int32_t label = 0;
     LobeList lobes;  ///< of the scattering there towards the camera's side
     const display::LightWords* words = nullptr;
-    display::LightWord word;  ///< before it, from the light; good until the next batch of light subpaths
+    display::LightWord word;  ///< from the light to the vertex; valid until the next batch of light subpaths
 };
 
 /// Light that a path brings to the camera.
 struct Arrival {
-    Rgb value;                       ///< what beauty takes
-    Rgb emitted;                     ///< what leaves the emitter towards the path
+    Rgb value;                       ///< the contribution to beauty
+    Rgb emitted;                     ///< radiance that leaves the emitter towards the path
     Rgb unweighted;                  ///< `value` with nothing in the way, and without the MIS weight
     Real visibility = 1;             ///< fraction that arrives
     bool found_by_sampling = false;  ///< light sampling finds the same emitter there too
@@ -67,7 +67,7 @@ class Record {
     void scatter(std::uint32_t row, std::int32_t label, const LobeList& lobes) {
         scatter(trackers_[row], label, lobes);
     }
-    void pass_straight(std::uint32_t row, std::int32_t label) { pass_straight(trackers_[row], label); }
+    void pass_through(std::uint32_t row, std::int32_t label) { pass_through(trackers_[row], label); }
     /// Its first hit is a holdout.
     void hold_out(std::uint32_t row) { lpe_->hold_out(trackers_[row]); }
     /// It has arrived at an emitter whose event is `terminal`.
@@ -77,8 +77,8 @@ class Record {
     void reject(std::uint32_t row, const Rgb& throughput) const {
         lpe_->contribute(to_float(throughput), {}, trackers_[row]);
     }
-    /// What the surface says of itself, if a channel takes it: `throughput` leads there, `value()` is asked for only
-    /// then.
+    /// Reports a user event of the surface, if a channel takes it. `throughput`: up to the surface. `value()` is called
+    /// only then.
     template <class Value>
     void say(std::uint32_t row, std::int32_t label, UserLobe lobe, const Rgb& throughput, Value value) const;
 
@@ -105,23 +105,23 @@ class Record {
     [[nodiscard]] bool takes_all(std::uint32_t row) const {
         return lpe_->takes_all(trackers_[row]) || !events_->prunes();
     }
-    /// Whether it matters to anything but beauty.
+    /// Whether a channel other than beauty takes some of it.
     [[nodiscard]] bool channels_follow(std::uint32_t row) const { return lpe_->channels_follow(trackers_[row]); }
     /// Whether light that does not arrive is to be reported too.
     [[nodiscard]] bool wants_blocked_light() const { return lpe_->wants_emitter_samples(); }
 
-    /// What a connection is worth.
-    enum class Worth : std::uint8_t {
-        nothing,  ///< no channel takes it
-        a_ray,    ///< it depends on what is in the way
-        as_it_is  ///< it does not: report it without a ray
+    enum class Liveness : std::uint8_t {
+        dead,              ///< no channel takes the connection
+        if_visible,        ///< some channel takes what arrives: trace a shadow ray
+        if_visible_or_not  ///< channels take it whatever is in the way: report it without a ray
     };
-    /// Of the subpath of a row that beauty does not take whole, scattered at its vertex by these lobes towards a light,
-    /// or towards `end`. `straight`: there may be cutouts between, which leave events of their own.
-    [[nodiscard]] Worth worth_connecting(std::uint32_t row, std::int32_t label, const LobeList& lobes,
-                                         std::uint32_t light, const LightEnd* end, bool straight) const;
+    /// Whether a channel takes a connection of the subpath of a row, scattered at its vertex by these lobes towards a
+    /// light, or towards `end`. For rows that beauty does not take whole. `cutouts`: there may be some in between,
+    /// which leave events of their own.
+    [[nodiscard]] Liveness liveness_of_connection(std::uint32_t row, std::int32_t label, const LobeList& lobes,
+                                                  std::uint32_t light, const LightEnd* end, bool cutouts) const;
     /// Whether a channel takes the connection of `end` to the camera.
-    [[nodiscard]] bool worth_splatting(std::uint32_t row, const LightEnd& end) const;
+    [[nodiscard]] bool is_live_splat(std::uint32_t row, const LightEnd& end) const;
 
     void hold_out(display::Tracker& tracker) const { lpe_->hold_out(tracker); }
     // Connections move a tracker of their own: past the camera subpath's vertex, past what is in between, to the light.
@@ -130,7 +130,7 @@ class Record {
         scatter(tracker, label, lobes);
         return tracker;
     }
-    void pass_straight(display::Tracker& tracker, std::int32_t label) const {
+    void pass_through(display::Tracker& tracker, std::int32_t label) const {
         lpe_->move(tracker, events_->straight(label));
     }
     void reach(display::Tracker& tracker, const LightEnd& end) const {
@@ -143,7 +143,7 @@ class Record {
     }
     void add(const display::Tracker& at_light, display::Technique technique, const Arrival& arrival) const;
 
-    // Where the subpath of a row stands, to go on from there another time.
+    // Where the subpath of a row stands in the language. A branch of a split path begins there again.
     [[nodiscard]] const display::Tracker& tracker(std::uint32_t row) const { return trackers_[row]; }
     void go_back(std::uint32_t row, const display::Tracker& tracker) { trackers_[row] = tracker; }
 
@@ -171,12 +171,12 @@ class LightLanguage {
     LightLanguage& operator=(const LightLanguage&) = delete;
     /// Null where the channels' program is too large to be reversed.
     [[nodiscard]] const lpe::ReversedProgram* reversed() const { return reversed_ ? &*reversed_ : nullptr; }
-    /// Whether a path atlas wants to know the events as well.
+    /// Whether a path atlas reads the events as well.
     [[nodiscard]] bool keeps_paths() const { return keeps_paths_; }
-    /// Knows nothing where beauty is asked for, which takes all.
+    /// Empty with beauty, which takes everything.
     [[nodiscard]] const display::LightForesight& foresight() const { return foresight_; }
-    /// Of a light's word, as foresight() has it, and nothing of lights that no channel takes: those are known where
-    /// light words are not (channels packed into lanes, programs that are too large to be reversed).
+    /// What channels can still take of a light's word. Lights that no channel takes are known even where foresight()
+    /// is empty (channels packed into lanes, programs that are too large to be reversed).
     [[nodiscard]] display::LightForesight::Ahead ahead_of(lpe::EventClass terminal) const;
 
   private:
@@ -210,14 +210,14 @@ class LightRecord {
         LobeParts parts;
         word_[row] = lpe_->prepend(*words_, word_[row], lobe_parts(*events_, label, lobes, parts), key);
     }
-    void pass_straight(std::uint32_t row, std::int32_t label) {
+    void pass_through(std::uint32_t row, std::int32_t label) {
         if (words_) word_[row] = lpe_->prepend(*words_, word_[row], events_->straight(label));
     }
     /// Whether anything counts that the subpath may become by further scatterings (Law 4).
     [[nodiscard]] bool is_live(std::uint32_t row) const {
         return takes_all() || (words_ && language_->foresight().of(*words_, word_[row]).goes_on);
     }
-    /// What of it may once its current vertex scatters as the material there does.
+    /// What channels can still take of it once its current vertex scatters as the material there does.
     [[nodiscard]] display::LightForesight::Ahead ahead(std::uint32_t row, std::int32_t label,
                                                        std::int32_t material) const {
         if (takes_all()) return {};
@@ -242,7 +242,7 @@ class LightRecord {
                language_->foresight().joins(camera.tracker(row), events_->with_density(label, material), *end.words,
                                             end.word, events_->with_density(end.label, material_of_end));
     }
-    /// The word before the current vertex, which itself scatters from `lobes` when it is joined.
+    /// The word up to the current vertex. A connection sets the lobes.
     [[nodiscard]] LightEnd end(std::uint32_t row, std::int32_t label) const {
         LightEnd end;
         end.label = label;

@@ -12,19 +12,19 @@
 
 #include <cmath>
 
-#include "transport/materials/closures/closure.h"
+#include "transport/paths/direction_sampler.h"
 #include "transport/paths/subpath.h"
 
 namespace raylex::transport {
 
-/// What is scattered from `point.wo`'s side towards `to`, ready to be joined with a subpath of the other direction:
-/// times |cos| at the point, which leaves 1 / distance^2 of the geometry term, or for light subpaths that too.
-struct JoinedScattering {
-    BsdfEvaluation f;      ///< its pdf: with which the subpath would have gone there, per steradian
-    Real pdf_reverse = 0;  ///< with which one from there would have gone back
+/// Scattering from the side of `point.wo` towards a vertex of the other direction's subpath, times |cos| at the point.
+/// Of the geometry term only 1 / distance^2 is left.
+struct ConnectedScattering {
+    BsdfEvaluation f;      ///< pdf: density per steradian with which the subpath goes on to the other vertex
+    Real pdf_reverse = 0;  ///< density per steradian with which a subpath from the other vertex goes back
 };
 
-/// What a subpath remembers of the vertex that it leaves; its throughput is the caller's.
+/// The subpath leaves a vertex. The caller updates the throughput.
 template <TransportMode mode>
 inline void leave_vertex(Subpath& path, const SurfacePoint& point, const BsdfSample& s) {
     ++path.depth;
@@ -36,7 +36,18 @@ inline void leave_vertex(Subpath& path, const SurfacePoint& point, const BsdfSam
     path.pdf = s.pdf;
     path.from = point.position;
     path.from_normal = point.shading_normal;
-    path.from_infinity = false;
+}
+
+/// Turns the weight of a closure's sample for radiance into the weight for importance (Veach 1997, equation 5.19).
+inline void weigh_importance(const Bsdf& bsdf, const SurfacePoint& point, BsdfSample& s) {
+    const Real g_in = point.cosine(point.wo), g_out = point.cosine(s.wi);
+    if (!(g_in > 0)) {
+        s.pdf = 0;
+        return;
+    }
+    const Vec3& n = bsdf.frame().n;
+    const Real s_in = std::abs(dot(n, point.wo)), s_out = std::abs(dot(n, s.wi));
+    s.weight *= (s_in / s_out) * (g_out / g_in) * (s.transmitted ? s.eta * s.eta : 1.0f);
 }
 
 /// One sample of a closure for a subpath that came from point.wo, `pdf` being the density whatever the closure. u_lobe
@@ -50,12 +61,8 @@ template <TransportMode mode>
     if (s.pdf_is_proportional && !s.delta) s.pdf = bsdf.pdf(point.wo, s.wi);
     if constexpr (mode == TransportMode::importance) {
         const Real g_in = point.cosine(point.wo), g_out = point.cosine(s.wi);
-        if (!(g_in > 0)) {
-            s.pdf = 0;
-        } else if (bsdf.holds<LambertClosure>() || s.delta || s.pdf_is_proportional) {
-            const Vec3& n = bsdf.frame().n;
-            const Real s_in = std::abs(dot(n, point.wo)), s_out = std::abs(dot(n, s.wi));
-            s.weight *= (s_in / s_out) * (g_out / g_in) * (s.transmitted ? s.eta * s.eta : 1.0f);
+        if (bsdf.holds<LambertClosure>() || s.delta || s.pdf_is_proportional || !(g_in > 0)) {
+            weigh_importance(bsdf, point, s);
         } else {
             const BsdfEvaluation f = bsdf.evaluate(s.wi, point.wo);
             s.weight = f.value * (g_out / (g_in * drawn_with));
@@ -65,23 +72,48 @@ template <TransportMode mode>
     return s;
 }
 
-/// What is scattered, with the densities of both directions; without `both`, of the one that the camera's side
-/// would have drawn only.
+/// What is scattered, with the densities of both directions. Without `both`: only with the density of the direction
+/// that the camera's side would have drawn. `directions`: null where closures draw directions themselves.
 template <TransportMode mode, bool both = true>
-JoinedScattering evaluate_scattering(const Bsdf& bsdf, const SurfacePoint& point, const Vec3& to) {
+ConnectedScattering evaluate_scattering(const DirectionSampler* directions, const Bsdf& bsdf, const SurfacePoint& point,
+                                        const Vec3& to) {
     if constexpr (mode == TransportMode::radiance) {
-        JoinedScattering result{bsdf.evaluate(point.wo, to), 0};
-        if (both && !result.f.value.is_black()) result.pdf_reverse = bsdf.pdf(to, point.wo);
+        ConnectedScattering result{bsdf.evaluate(point.wo, to), 0};
+        if (result.f.value.is_black()) return result;
+        if (directions != nullptr) result.f.pdf = directions->pdf(bsdf, point, mode, point.wo, to);
+        if (both)
+            result.pdf_reverse = direction_density<TransportMode::importance>(directions, bsdf, point, to, point.wo);
         return result;
     } else {
         const Real g_in = point.cosine(point.wo);
         if (!(g_in > 0)) return {};
-        JoinedScattering result{bsdf.evaluate(to, point.wo), 0};
+        ConnectedScattering result{bsdf.evaluate(to, point.wo), 0};
         result.pdf_reverse = result.f.pdf;
+        if (directions != nullptr)
+            result.pdf_reverse = directions->pdf(bsdf, point, TransportMode::radiance, to, point.wo);
         result.f.value *= point.cosine(to) / g_in;
-        result.f.pdf = both && !result.f.value.is_black() ? bsdf.pdf(point.wo, to) : 0.0f;
+        result.f.pdf =
+            both && !result.f.value.is_black() ? direction_density<mode>(directions, bsdf, point, point.wo, to) : 0.0f;
         return result;
     }
+}
+
+/// One sample of another sampler than the closure, which has a density, for a subpath that came from point.wo.
+/// `transmitted` and `eta` of directions with a density stay unset: only roulette reads them.
+template <TransportMode mode>
+[[gnu::noinline]] BsdfSample sample_direction(const DirectionSampler& directions, const Bsdf& bsdf,
+                                              const SurfacePoint& point, Real u_lobe, const Vec2& u) {
+    BsdfSample s = directions.sample(bsdf, point, mode, u_lobe, u);
+    if (!(s.pdf > 0)) return s;
+    if (s.delta) {
+        if constexpr (mode == TransportMode::importance) weigh_importance(bsdf, point, s);
+        return s;
+    }
+    const ConnectedScattering scattering = evaluate_scattering<mode, false>(nullptr, bsdf, point, s.wi);
+    s.weight = scattering.f.value * (1 / s.pdf);
+    s.lobes = scattering.f.lobes;
+    s.transmitted = false;
+    return s;
 }
 
 }  // namespace raylex::transport

@@ -1,4 +1,8 @@
 // What a subpath carries from vertex to vertex, and which numbers of its sample each vertex takes.
+//
+// Subpath is what every stage reads: one cache line. What few renders need stands in arrays of the walk, by row, which
+// exist only where something reads them: SplitState where a plan changes paths, TechniqueShares where a plan has
+// shares, PartialMisWeights where the method reads densities, travelled distances where there are cutouts.
 #pragma once
 
 #include <cstdint>
@@ -10,68 +14,66 @@
 
 namespace raylex::transport {
 
-/// Below which throughput paths end at random unless asked otherwise. pbrt-v4's 1 ends a path in a white room nearly as
-/// soon as it may: a quarter costs 1.3 times the time and leaves less than half the squared error (experiments/docs/
-/// measured/methods.md), and from 0.1 to 0.5 the product of both changes little.
+/// The throughput below which paths end at random by default. pbrt-v4's 1 ends a path in a white room nearly as soon as
+/// it may. A quarter costs 1.3 times the time and leaves less than half the squared error (experiments/docs/
+/// measured/methods.md). From 0.1 to 0.5 the product of time and squared error changes little.
 inline constexpr Real default_roulette_below = Real(0.25);
 
 /// Sampler dimensions that the engine uses itself: pixel filter, lens, shutter time, wavelength.
 inline constexpr std::uint32_t filter_dimension = 0, lens_dimension = 1, time_dimension = 2, wavelength_dimension = 3,
                                first_free_dimension = 8;
 
-struct Subpath {
+struct alignas(64) Subpath {
     Rgb beta{1};  ///< throughput: product of scattering weights; of a light subpath the power it carries
-    /// What roulette sets beta against. A camera subpath's beta is multiplied by it: the product of eta^2 over
-    /// transmissions takes their radiance scaling out. A light subpath's beta is divided by it: its first power.
+    /// Roulette compares beta times this factor with the threshold for a camera subpath: the product of eta^2 over
+    /// transmissions, which cancels their scaling of radiance. For a light subpath beta over this: its first power.
     Real roulette_scale = 1;
     /// Density of the last direction, per steradian (from a light at infinity: per area across the beam). Of a specular
     /// direction: the probability of its lobe.
     Real pdf = 0;
-    Real cosine = 1;          ///< of that direction to the geometric normal where it was left; kept for densities only
-    Vec3 from;                ///< the vertex it left; the camera or the light at first
-    Vec3 from_normal;         ///< its shading normal; zero where there is no surface
-    Real travelled = 0;       ///< along the camera ray, over cutouts passed
-    std::uint32_t depth = 0;  ///< scattering events so far
-    std::int32_t length = 0;  ///< theirs, which "maxdepth" bounds (path_depth.h)
-    std::uint32_t segment = 0;  ///< rays so far, those beyond cutouts included: keys choices made once a ray
-    std::uint32_t light = 0;    ///< a light subpath's
-    std::int32_t medium = -1;   ///< what the next ray flies through; -1: nothing
-    std::uint8_t rays = 1;      ///< rays that leave the current vertex (splits.h)
-    bool all_lobes = false;     ///< one ray leaves the current vertex by each of its specular lobes
-    bool split = false;         ///< rays were split at an earlier vertex
-    std::uint8_t followed = 0;  ///< number of specular vertices behind the split at which all lobes were followed
-    // Techniques at the vertex that the ray leaves.
-    std::uint8_t lights = 0;  ///< number of the chooser (LiveLights) of its light sample
-    Real light_share = 1;     ///< probability of a light sample
-    Real ray_share = 1;       ///< probability of the ray, where its direction is not specular
-    bool specular = true;     ///< the last direction is the camera's or of a delta lobe: light sampling cannot find it
-    bool any_non_specular = false;  ///< of its scatterings
-    bool from_infinity = false;
-    bool one_wavelength = false;  ///< has met an interface whose index depends on it (path_wavelengths.h)
+    Vec3 from;                  ///< the vertex it left; the camera or the light at first
+    Vec3 from_normal;           ///< the shading normal there; zero where there is no surface
+    std::uint32_t depth = 0;    ///< number of scattering events so far
+    std::int32_t length = 0;    ///< their length, which "maxdepth" bounds (path_depth.h)
+    std::uint32_t segment = 0;  ///< number of rays so far, beyond cutouts too: keys choices made once a ray
+    std::int32_t medium = -1;   ///< which the next ray crosses; -1: none
+    /// Number of the chooser (LiveLights) of the light sample at the vertex that the ray leaves.
+    std::uint8_t lights = 0;
+    bool specular = true;  ///< the last direction is the camera's or a delta lobe's: light sampling cannot find it
+    bool any_non_specular = false;  ///< some scattering was not specular
+    bool one_wavelength = false;    ///< has met an interface whose index depends on the wavelength (path_wavelengths.h)
+};
+static_assert(sizeof(Real) > 4 || sizeof(Subpath) <= 64, "what every stage reads fits into a cache line");
 
-    /// The expected number of rays that leave the vertex in directions with a density.
-    [[nodiscard]] Real expected_rays() const { return ray_share * static_cast<Real>(rays); }
+/// How rays leave the vertices of a camera subpath (splits.h).
+struct SplitState {
+    std::uint8_t rays = 1;      ///< number of rays that leave the current vertex
+    bool all_lobes = false;     ///< one ray leaves the current vertex by each of its specular lobes
+    bool split = false;         ///< rays were split at this vertex or before
+    std::uint8_t followed = 0;  ///< number of specular vertices behind the split at which all lobes were followed
+
+    [[nodiscard]] std::uint32_t branches() const { return all_lobes ? 2 : rays; }
 };
 
-/// What each vertex of a subpath draws, from `first` + scattering events so far * `stride` on, and what each ray draws.
+/// Sampler dimensions of a subpath: those of a vertex begin at `first` + scattering events so far * `stride`.
 struct SubpathDimensions {
     std::uint32_t first, stride;
     std::uint32_t scatter, lobe, roulette, key;  ///< of a vertex
-    std::uint32_t cutouts, flights;              ///< one for each ray, far above every vertex's
-    std::uint32_t null_collisions;               ///< keys of what further numbers a ray draws in grids
-    std::uint32_t connections;                   ///< keys of what rays draw there that connect a vertex, by its depth
+    std::uint32_t cutouts, flights;              ///< of a ray, far above the dimensions of every vertex
+    std::uint32_t null_collisions;               ///< keys of further numbers of a ray, in grids
+    std::uint32_t connections;                   ///< keys of numbers of shadow rays, in grids, by the vertex's depth
 
     [[nodiscard]] constexpr std::uint32_t of(std::uint32_t depth, std::uint32_t which) const {
         return first + depth * stride + which;
     }
 };
-/// Of a camera subpath's vertex, plus scattering events so far: whether it takes a light sample at all.
+/// Plus scattering events so far: the number by which a vertex of a camera subpath takes a light sample or not.
 inline constexpr std::uint32_t light_technique_dimensions = 1u << 23;
-/// Beside those of SubpathDimensions: what a light sample from a vertex of a camera subpath takes, and the lens
-/// position to which a vertex of a light subpath is connected.
+/// Dimensions of a vertex beside those of SubpathDimensions: of the light sample of a camera subpath, and of the lens
+/// position to which a light subpath is connected.
 inline constexpr std::uint32_t light_choice_dimension = 0, light_sample_dimension = 1, camera_lens_dimension = 0;
 
-/// Where a light subpath begins: light_dimensions + one of these.
+/// Dimensions of the start of a light subpath: light_dimensions + one of these.
 enum EmissionDimension : std::uint32_t { emitter_dimension, origin_dimension, direction_dimension };
 inline constexpr std::uint32_t light_dimensions = 1u << 26;
 

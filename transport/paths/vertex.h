@@ -21,16 +21,16 @@ struct RayQueue {
         rays.resize(n);
     }
     void push(std::uint32_t row, const Ray& ray) { next(row) = ray; }
-    /// The ray of one more, to be filled in.
+    /// Adds a ray, which the caller fills in.
     Ray& next(std::uint32_t row) {
         rows[count] = row;
         return rays[count++];
     }
 };
 
-/// Entry j of every array is one subpath: surface hits first, then collisions with particles of media. Of the latter
-/// only rows, points (SurfacePoint::no_material), sources (the medium's label), bsdfs (the phase function) and time and
-/// cone of hits mean something.
+/// Entry j of every array is one subpath: surface hits first, then collisions with particles of media. Collisions have
+/// rows, points (SurfacePoint::no_material), sources (the medium's label), bsdfs (the phase function) and time and cone
+/// of hits. Their other entries are unset.
 struct VertexBatch {
     std::vector<std::uint32_t> rows;
     std::vector<Ray> rays;
@@ -60,7 +60,7 @@ struct VertexBatch {
     }
 };
 
-/// A ray that leaves vertex j, at the time and as wide as the one that led there.
+/// A ray that leaves vertex j, with the time and the cone of the ray that led there.
 inline Ray ray_from(const VertexBatch& vertices, std::size_t j, const Vec3& direction) {
     const SurfacePoint& point = vertices.points[j];
     Ray ray;

@@ -21,7 +21,7 @@ Walk<mode>::Walk(const PathContext& context, const WalkOptions& options, PathRec
       pairs_(paths_.size()),
       wavelengths_(scene_, paths_.size()) {
     const std::size_t capacity = paths_.size();
-    if (options.densities) sums_.resize(capacity);
+    if (options.densities) mis_weights_.resize(capacity);
     queue_.reserve(capacity);
     vertices_.reserve(capacity);
     if (has_footprints_) vertices_.footprints.resize(capacity);
@@ -32,7 +32,7 @@ Walk<mode>::Walk(const PathContext& context, const WalkOptions& options, PathRec
         namespace in = geoaovs::inputs;
         const geoaovs::Inputs inputs = context.first_hits.aovs->inputs();
         wants_first_hits_ = inputs != 0 || context.first_hits.pattern_channels;
-        // With beauty all of them are shaded for their light, and no test of each is needed.
+        // With beauty all first hits are shaded for their light, and no test of each is needed.
         skips_first_closures_ = wants_first_hits_ && !context.beauty && !context.first_hits.pattern_channels &&
                                 (inputs & (in::albedo | in::outside_ior)) == 0;
         light_can_be_hit_ = scene_.lights->any_to_hit() || scene_.media->any_emits();
@@ -90,35 +90,36 @@ void Walk<mode>::trace(display::DisplayServices& display) {
                       {v.sources.data(), v.count});
 }
 
-/// The densities of a vertex follow from those of the vertex before it. Densities of sampled distances in media are
-/// left out: a path of given vertices has them in every strategy, but for the transmittance along the segment that is
-/// connected (strategies.h).
+/// Densities of the vertex (Georgiev 2012, equations 31 to 33). Densities of sampled distances in media are left out: a
+/// path of given vertices has the same in every strategy, except for the transmittance of the segment that is
+/// connected.
 template <TransportMode mode>
 void Walk<mode>::arrive(std::uint32_t row, const SurfacePoint& point, Real time) {
     if (!options_.densities) return;
     const Subpath& path = paths_[row];
-    StrategySums& sums = sums_[row];
-    const double near = path.from_infinity ? 1 : 1 / static_cast<double>(length_squared(point.position - path.from));
+    PartialMisWeights& mis_weights = mis_weights_[row];
+    const bool from_infinity = mode == TransportMode::importance && path.depth == 0 && origins_[row].infinite;
+    const double near = from_infinity ? 1 : 1 / static_cast<double>(length_squared(point.position - path.from));
     const double pdf = path.specular ? 1 : static_cast<double>(path.pdf);
-    sums.arrive(pdf * static_cast<double>(point.cosine(point.wo)) * near,
-                path.from_infinity ? 1 : static_cast<double>(path.cosine) * near);
+    mis_weights.arrive(pdf * static_cast<double>(point.cosine(point.wo)) * near, near);
     if (path.depth > 0) return;
     if constexpr (mode == TransportMode::radiance)
-        sums.forward = context_.view.density(context_.view.camera->importance(point.position, path.from, time),
-                                             point.cosine(point.wo));
-    else sums.join = first_join(row, point);
+        mis_weights.forward = context_.view.density(context_.view.camera->importance(point.position, path.from, time),
+                                                    point.cosine(point.wo));
+    else mis_weights.connects = light_sample_ratio(row, point);
 }
 
 /// The strategy that connects at the light has the density of a light sample and not of an emission: the square of
 /// their ratio.
 template <TransportMode mode>
-StrategySums::Wide Walk<mode>::first_join(std::uint32_t row, const SurfacePoint& point) const {
+double Walk<mode>::light_sample_ratio(std::uint32_t row, const SurfacePoint& point) const {
     const LightSample& origin = origins_[row];
     const LightTable& lights = *scene_.lights;
     const auto sampled =
         static_cast<double>(lights.density(*options_.sampled, *scene_.geometry, point.position, origin));
     const bool area = lights.lights()[origin.light].is_area();
-    return StrategySums::squared(sampled * (area ? sums_[row].to_previous : 1) / sums_[row].previous);
+    return PartialMisWeights::squared(sampled * (area ? mis_weights_[row].to_previous : 1) /
+                                      mis_weights_[row].previous);
 }
 
 /// Alpha test and liveness: the vertices that stay need a closure.
@@ -135,9 +136,9 @@ void Walk<mode>::keep_live_vertices(display::DisplayServices& display) {
         SurfacePoint& point = v.points[j];
         const ShapeGeometry& shape = shapes[v.hits[j].shape];
         arrive(row, point, v.hits[j].time);
-        // Strategies that come there from the light find another point. They leave it alone, and have no weight here.
+        // Strategies that come there from the light find another point. They skip it, and have no weight here.
         if (mode == TransportMode::radiance && options_.densities && shape.faces_rays)
-            sums_[row].forward = std::numeric_limits<double>::infinity();
+            mis_weights_[row].forward = std::numeric_limits<double>::infinity();
         if (cutouts && shape.alpha >= 0 && passes_cutout(j, shape)) continue;
         bool live = true;
         if constexpr (mode == TransportMode::radiance) {
@@ -190,7 +191,7 @@ void Walk<mode>::record_first_hit(display::DisplayServices& display, std::size_t
     const EmbreeScene& geometry = *scene_.geometry;
     const VertexBatch& v = vertices_;
     const auto row = static_cast<int>(v.rows[j]);
-    display.write_distance(row, to_float(paths_[v.rows[j]].travelled + v.hits[j].t));
+    display.write_distance(row, to_float(travelled(v.rows[j]) + v.hits[j].t));
     const bool holdout = geometry.has_holdouts() && geometry.is_holdout(v.hits[j]);
     display.write_opacity(row, holdout ? 0.0f : 1.0f);
     display.write_surface(row, geometry.surface_number(v.hits[j]));
@@ -209,7 +210,7 @@ void Walk<mode>::meet_emitter(std::size_t j, const ShapeGeometry& shape) {
     if (!emitted.is_black()) emitters_.push_back({row, light, emitted, throughput(row), v.points[j], v.hits[j]});
 }
 
-/// For surfaces. Counts a path that ends because nothing counts that it may still meet.
+/// For surfaces. Counts a path that ends because no channel takes anything that it may still meet.
 template <TransportMode mode>
 bool Walk<mode>::is_live_vertex(std::size_t j) {
     const std::uint32_t row = vertices_.rows[j];
@@ -222,14 +223,14 @@ bool Walk<mode>::is_live_vertex(std::size_t j) {
     return false;
 }
 
-/// Whether a light subpath that began in the sky behind a portal has come through the portal: before that its light
-/// belongs to no light.
+/// Whether a light subpath that began in the sky behind a portal has come through the portal. Before that its light
+/// does not exist.
 template <TransportMode mode>
 bool Walk<mode>::is_through_portal(std::uint32_t row, const Vec3& point, const Vec3& forward) const {
     const Subpath& path = paths_[row];
     return mode == TransportMode::radiance || path.depth > 0 ||
-           scene_.lights->lights()[path.light].kind != LightKind::portal_environment ||
-           !scene_.lights->environment_radiance(path.light, point, -forward).is_black();
+           scene_.lights->lights()[origins_[row].light].kind != LightKind::portal_environment ||
+           !scene_.lights->environment_radiance(origins_[row].light, point, -forward).is_black();
 }
 
 /// Ray differentials at the vertices, where images are filtered.

@@ -22,12 +22,12 @@
 
 #include "transport/paths/counters.h"
 #include "transport/paths/footprints.h"
+#include "transport/paths/partial_mis_weights.h"
 #include "transport/paths/path_context.h"
 #include "transport/paths/path_depth.h"
 #include "transport/paths/path_wavelengths.h"
 #include "transport/paths/record.h"
 #include "transport/paths/scattering.h"
-#include "transport/paths/strategies.h"
 #include "transport/paths/vertex.h"
 #include "transport/samplers/sampler_batch.h"
 
@@ -36,7 +36,7 @@ namespace raylex::transport {
 struct WalkOptions {
     std::uint32_t max_depth = 5;  ///< scattering events of a whole path; a light subpath's connection is one of them
     Real roulette_below = default_roulette_below;  ///< 0: paths do not end at random
-    bool densities = false;                        ///< keep sums()
+    bool densities = false;                        ///< keep mis_weights()
     bool regularize = false;                       ///< closures behind a scattering that is not specular
     /// False: specular scatterings at the beginning of a camera subpath do not count; at most `max_depth` of them.
     bool counts_first_specular = true;
@@ -71,7 +71,7 @@ struct SurfaceArrival {
     Rgb throughput;
 };
 
-/// A light subpath whose power is no number.
+/// A light subpath whose power is NaN or infinite.
 struct InvalidPower {
     std::uint32_t row;
     Rgb power;
@@ -81,6 +81,8 @@ template <TransportMode mode>
 class Walk {
   public:
     using PathRecord = std::conditional_t<mode == TransportMode::radiance, Record, LightRecord>;
+    static constexpr TransportMode reverse_mode =
+        mode == TransportMode::radiance ? TransportMode::importance : TransportMode::radiance;
     static constexpr const SubpathDimensions& dimensions = subpath_dimensions<mode>;
 
     /// `context` must outlive the walk.
@@ -96,13 +98,13 @@ class Walk {
     void advance(display::DisplayServices& display);
     void scatter() { scatter_vertices<false>(0); }
 
-    // What the last advance() met.
+    // Results of the last advance().
     [[nodiscard]] const VertexBatch& vertices() const { return vertices_; }
     /// Indices into vertices(): surfaces that camera rays hit first.
     [[nodiscard]] std::span<const std::uint32_t> first_entries() const { return {first_entries_.data(), first_count_}; }
     [[nodiscard]] std::span<const EscapedRay> escaped() const { return escaped_; }
     [[nodiscard]] std::span<const EmitterHit> emitters() const { return emitters_; }
-    /// Empty unless the record wants blocked light.
+    /// Empty unless channels take blocked light.
     [[nodiscard]] std::span<const SurfaceArrival> arrivals() const { return arrivals_; }
     /// Light subpaths only: since begin().
     [[nodiscard]] std::span<const InvalidPower> invalid_powers() const { return invalid_powers_; }
@@ -111,14 +113,20 @@ class Walk {
     [[nodiscard]] std::uint64_t cut() const { return cut_; }
 
     [[nodiscard]] const Subpath& path(std::uint32_t row) const { return paths_[row]; }
-    /// The factor of light that the subpath of a row meets: beta, times the weight of its wavelength if it is of one.
-    /// For light subpaths: the power.
+    /// The factor of light that the subpath of a row meets: beta, times the weight of its wavelength if it has one. For
+    /// light subpaths: the power.
     [[nodiscard]] Rgb throughput(std::uint32_t row) const { return wavelengths_.throughput(row, paths_[row]); }
     /// The weight of a row's wavelength, for paths that are of one wavelength.
     [[nodiscard]] const Rgb& wavelength_weight(std::uint32_t row) const { return wavelengths_.weight(row); }
     /// At the current vertex; options.densities only.
-    [[nodiscard]] StrategySums& sums(std::uint32_t row) { return sums_[row]; }
-    [[nodiscard]] const StrategySums& sums(std::uint32_t row) const { return sums_[row]; }
+    [[nodiscard]] PartialMisWeights& mis_weights(std::uint32_t row) { return mis_weights_[row]; }
+    [[nodiscard]] const PartialMisWeights& mis_weights(std::uint32_t row) const { return mis_weights_[row]; }
+    /// Distance along the camera ray to where the ray of a row begins, over cutouts passed.
+    [[nodiscard]] Real travelled(std::uint32_t row) const { return travelled_.empty() ? 0 : travelled_[row]; }
+    /// With which the row's subpath uses its techniques at the vertex that its ray leaves.
+    [[nodiscard]] TechniqueShares technique_shares(std::uint32_t row) const {
+        return shares_.empty() ? TechniqueShares() : shares_[row];
+    }
     [[nodiscard]] const PixelSampler& sampler(std::uint32_t row) const { return samplers_[row]; }
     [[nodiscard]] const PathRecord& record() const { return record_; }
     [[nodiscard]] IntegratorCounters& counters() { return *counters_; }
@@ -130,10 +138,10 @@ class Walk {
                                                                                  direction, current);
     }
     [[nodiscard]] const DepthLimit& depth_limit() const { return depth_limit_; }
-    /// Whether a path is short enough for an event at vertex j, in some direction at least.
+    /// Whether a path is short enough for an event at vertex j in at least one direction.
     [[nodiscard]] bool may_scatter(std::size_t j) const { return may_scatter(j, j < vertices_.surfaces); }
     [[nodiscard]] VertexDepth vertex_depth(std::size_t j) const { return vertex_depth(j, j < vertices_.surfaces); }
-    /// The pair of numbers of vertex j that draw_pairs() drew last; good until the vertex is left.
+    /// The pair of numbers of vertex j that draw_pairs() drew last. Valid until the vertex is left.
     [[nodiscard]] Vec2 pair(std::size_t j) const {
         if (pairs_are_drawn_) return pairs_[j];
         const std::uint32_t row = vertices_.rows[j];
@@ -145,7 +153,7 @@ class Walk {
     void draw_pairs(std::uint32_t which);
     /// Counts a subpath that has ended.
     void finish(std::uint32_t row) { counters_->count_length(paths_[row].depth); }
-    /// `planned`: by context.plan; `branch` is the number of the ray that leaves each vertex (splits.h).
+    /// `planned`: follows context.plan. `branch`: number of the ray that leaves each vertex (splits.h).
     template <bool planned>
     void scatter_vertices(std::uint32_t branch);
 
@@ -153,9 +161,14 @@ class Walk {
     const SceneView scene_;
     const WalkOptions options_;
     PathRecord record_;
-    std::vector<Subpath> paths_;        // by row
-    std::vector<StrategySums> sums_;    // by row
-    std::vector<LightSample> origins_;  // by row: where light subpaths left their lights; options.densities only
+    // By row. Of these all but paths_ exist only where they are used (subpath.h).
+    std::vector<Subpath> paths_;
+    std::vector<PartialMisWeights> mis_weights_;
+    std::vector<SplitState> splits_;
+    std::vector<TechniqueShares> shares_;
+    std::vector<Real> travelled_;
+    LaterRadiance* later_ = nullptr;    // of camera subpaths; null: nobody asks for the vertices that they leave
+    std::vector<LightSample> origins_;  // where light subpaths left their lights
     VertexBatch vertices_;
 
   private:
@@ -165,7 +178,7 @@ class Walk {
         Real time;
         RayCone cone;
     };
-    /// A ray that passed a cutout and goes straight on with the next scatter().
+    /// A ray that passed a cutout. The next scatter() pushes `onward`.
     struct CutoutPass {
         std::uint32_t row;
         std::int32_t label, medium;  // medium: behind the cutout
@@ -189,7 +202,7 @@ class Walk {
     // advance()
     void trace(display::DisplayServices& display);
     void arrive(std::uint32_t row, const SurfacePoint& point, Real time);
-    [[nodiscard]] StrategySums::Wide first_join(std::uint32_t row, const SurfacePoint& point) const;
+    [[nodiscard]] double light_sample_ratio(std::uint32_t row, const SurfacePoint& point) const;
     void keep_live_vertices(display::DisplayServices& display);
     bool passes_cutout(std::size_t j, const ShapeGeometry& shape);
     void record_first_hit(display::DisplayServices& display, std::size_t j);
@@ -218,9 +231,9 @@ class Walk {
     bool survives_roulette(std::uint32_t row, std::uint32_t dimension);
     [[nodiscard]] Real planned_survival(std::uint32_t row) const;
     [[nodiscard]] std::uint64_t planned_state(std::uint32_t row) const;
-    static std::uint32_t take_branch(Subpath& path, const BsdfSample& s);
-    template <bool planned>
+    static std::uint32_t take_branch(Subpath& path, SplitState& split, const BsdfSample& s);
     bool goes_on(std::uint32_t row);
+    void pass_vertex(std::uint32_t row, const Vec3& direction);
     void reject(std::uint32_t row);
 
     const DepthLimit depth_limit_;

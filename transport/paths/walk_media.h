@@ -6,7 +6,7 @@
 
 namespace raylex::transport {
 
-/// A ray towards a hit or miss at `distance`. False if the subpath ends or collides before.
+/// A ray towards a hit or miss at `distance`. Returns false if the subpath ends or collides before.
 template <TransportMode mode>
 bool Walk<mode>::traverse_medium(std::uint32_t row, const Ray& ray, Real distance, display::DisplayServices& display) {
     const Subpath& path = paths_[row];
@@ -18,12 +18,12 @@ bool Walk<mode>::traverse_medium(std::uint32_t row, const Ray& ray, Real distanc
         return collide(row, ray, sample_free_flight(medium, path.beta, distance, u), display);
     const Rgb passed = transmittance(medium, distance);
     if (is_camera_ray(path) && passed.average() < 1)
-        display.add_sample(static_cast<int>(row), {to_float(path.travelled + sample_absorption(medium, distance, u)),
+        display.add_sample(static_cast<int>(row), {to_float(travelled(row) + sample_absorption(medium, distance, u)),
                                                    RgbD(Rgb(1) - passed), true});
     return attenuate(row, passed);
 }
 
-/// Through a grid. A function of its own, so that homogeneous media pay one test for grids.
+/// Crosses a grid. A function of its own, so that homogeneous media pay one test for grids.
 template <TransportMode mode>
 [[gnu::noinline]] bool Walk<mode>::traverse_grid(std::uint32_t row, const Ray& ray, Real distance,
                                                  display::DisplayServices& display) {
@@ -42,11 +42,11 @@ template <TransportMode mode>
     Real lost_at = 0;
     const Rgb passed = medium.grid->transmittance(segment, FlightNumbers(key, 2), lost_at);
     if (passed.average() < 1)
-        display.add_sample(static_cast<int>(row), {to_float(path.travelled + lost_at), RgbD(Rgb(1) - passed), true});
+        display.add_sample(static_cast<int>(row), {to_float(travelled(row) + lost_at), RgbD(Rgb(1) - passed), true});
     return attenuate(row, medium.grid->transmittance(segment, FlightNumbers(key)));
 }
 
-/// Whether anything counts that the medium scatters along this ray: if not, the medium only attenuates light.
+/// Whether a channel takes light that the medium scatters along this ray. If not, the medium only attenuates light.
 template <TransportMode mode>
 bool Walk<mode>::may_collide(std::uint32_t row) const {
     const Subpath& path = paths_[row];
@@ -62,7 +62,7 @@ bool Walk<mode>::allows_collision(std::uint32_t row) const {
     return depth_limit_.allows(depth_limit_.at_collision(paths_[row].length, paths_[row].medium).least);
 }
 
-/// False: nothing is left of the path, which ends.
+/// Returns false if nothing is left of the path, which ends.
 template <TransportMode mode>
 bool Walk<mode>::attenuate(std::uint32_t row, const Rgb& transmittance) {
     Subpath& path = paths_[row];
@@ -72,7 +72,7 @@ bool Walk<mode>::attenuate(std::uint32_t row, const Rgb& transmittance) {
     return false;
 }
 
-/// False: the subpath ends or collides.
+/// Returns false if the subpath ends or collides.
 template <TransportMode mode>
 bool Walk<mode>::collide(std::uint32_t row, const Ray& ray, const FreeFlight& flight,
                          display::DisplayServices& display) {
@@ -80,7 +80,7 @@ bool Walk<mode>::collide(std::uint32_t row, const Ray& ray, const FreeFlight& fl
     path.beta *= flight.weight;
     if (!flight.collided) return true;
     if (is_camera_ray(path)) {
-        display.write_distance(static_cast<int>(row), to_float(path.travelled + flight.distance), true);
+        display.write_distance(static_cast<int>(row), to_float(travelled(row) + flight.distance), true);
         display.write_opacity(static_cast<int>(row), raylex::Rgb(1));
     }
     const Vec3 position = ray.origin + ray.direction * flight.distance;
@@ -89,7 +89,7 @@ bool Walk<mode>::collide(std::uint32_t row, const Ray& ray, const FreeFlight& fl
     return false;
 }
 
-/// `emitted` is the radiance that the medium sends back along the ray of a camera subpath. No other strategy finds it.
+/// `emitted`: the radiance that the medium sends back along the ray of a camera subpath. No other strategy finds it.
 template <TransportMode mode>
 void Walk<mode>::report_emission(std::uint32_t row, const Rgb& emitted) const {
     const Subpath& path = paths_[row];

@@ -1,8 +1,8 @@
-// How a walk (walk.cpp, which alone includes this) leaves its vertices: closures, roulette, branches, the next rays.
+// How a walk leaves its vertices: directions, roulette, branches, the next rays. Only walk.cpp includes this file.
 #pragma once
 
 #include "transport/math/make_at.h"
-#include "transport/paths/splits.h"
+#include "transport/paths/plan/splits.h"
 #include "transport/paths/walk.h"
 
 namespace raylex::transport {
@@ -24,8 +24,8 @@ template <TransportMode mode>
 void Walk<mode>::pass_cutouts() {
     for (const CutoutPass& pass : passes_) {
         Subpath& path = paths_[pass.row];
-        record_.pass_straight(pass.row, pass.label);
-        path.travelled += pass.t;
+        record_.pass_through(pass.row, pass.label);
+        if constexpr (mode == TransportMode::radiance) travelled_[pass.row] += pass.t;
         path.medium = pass.medium;
         ++path.segment;
         push(pass.row, pass.onward);
@@ -33,18 +33,18 @@ void Walk<mode>::pass_cutouts() {
     passes_.clear();
 }
 
-/// The chance by which a planned roulette lets the path of a row go on; 0: throughput decides.
+/// The probability with which a planned roulette lets the path of a row go on; 0: throughput decides.
 template <TransportMode mode>
 Real Walk<mode>::planned_survival(std::uint32_t row) const {
     const Subpath& path = paths_[row];
     Real strength = path.beta.max() * path.roulette_scale;
-    if (path.split) strength /= static_cast<Real>(context_.plan->splits.rays);
-    if (!path.specular) strength /= path.ray_share;  // the throughput behind the choice between techniques
+    if (splits_[row].split) strength /= static_cast<Real>(context_.plan->splits.rays);
+    if (!path.specular) strength /= technique_shares(row).ray;  // the throughput behind the choice between techniques
     return context_.plan->roulette.chance(planned_state(row), strength);
 }
 
-/// The state by which a plan tells paths apart. A specular direction is a state of its own: no light sample shares its
-/// light, so such a path is worth more.
+/// The state by which a plan distinguishes paths. A specular direction is a state of its own: no light sample shares
+/// its light, so more depends on such a path.
 template <TransportMode mode>
 std::uint64_t Walk<mode>::planned_state(std::uint32_t row) const {
     if constexpr (mode == TransportMode::importance) return 0;
@@ -67,13 +67,14 @@ bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
                                                                 : path.beta.max() / path.roulette_scale;
         if (throughput < options_.roulette_below) keep = throughput / options_.roulette_below;
     }
-    if (!path.specular) {  // a specular direction no other technique finds
-        keep *= path.ray_share;
-        path.pdf *= path.ray_share;
+    const bool shared = !shares_.empty() && !path.specular;  // no other technique finds a specular direction
+    if (shared) {
+        keep *= shares_[row].ray;
+        path.pdf *= shares_[row].ray;
     }
     if (!(keep < 1)) return true;
     if (samplers_[row].get_random(dimension) >= keep) {
-        if (!path.specular && path.ray_share < 1) counters_->count(Pruned::rays_left_to_light_samples);
+        if (shared && shares_[row].ray < 1) counters_->count(Pruned::rays_left_to_light_samples);
         else if (chance > 0) counters_->count(Pruned::weak_paths);
         return false;
     }
@@ -84,21 +85,21 @@ bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
 /// Takes the share of a branch. Roulette sees the branch as strong as the unsplit path. Returns the number of rays that
 /// compete for the same light in multiple importance sampling; 1 where each ray follows another lobe.
 template <TransportMode mode>
-std::uint32_t Walk<mode>::take_branch(Subpath& path, const BsdfSample& s) {
-    const std::uint32_t rays = path.rays;
-    if (path.all_lobes) {  // every lobe is followed, so none counts for others
+std::uint32_t Walk<mode>::take_branch(Subpath& path, SplitState& split, const BsdfSample& s) {
+    const std::uint32_t rays = split.rays;
+    if (split.all_lobes) {  // every lobe is followed, so none counts for others
         path.beta *= s.pdf;
         path.roulette_scale /= s.pdf;
     } else if (rays > 1) {
         path.beta *= 1 / static_cast<Real>(rays);
         path.roulette_scale *= static_cast<Real>(rays);
     }
-    path.rays = 1;
-    path.all_lobes = false;
+    split.rays = 1;
+    split.all_lobes = false;
     return rays;
 }
 
-/// Subtracts what does not count of the event at vertex j, which the path has left. False: the path is too long for it.
+/// Corrects the length of the event at vertex j, which the path has left. Returns false if the path is too long for it.
 template <TransportMode mode>
 [[gnu::noinline]] bool Walk<mode>::stays_short(std::size_t j, const Vec3& direction) {
     Subpath& path = paths_[vertices_.rows[j]];
@@ -126,9 +127,8 @@ bool Walk<mode>::may_be_scattered(std::size_t j) {
     return true;
 }
 
-/// Whether anything counts that the next ray may meet.
+/// Whether a channel takes anything that the next ray may meet.
 template <TransportMode mode>
-template <bool planned>
 bool Walk<mode>::goes_on(std::uint32_t row) {
     const Subpath& path = paths_[row];
     if constexpr (mode == TransportMode::radiance) {
@@ -139,13 +139,23 @@ bool Walk<mode>::goes_on(std::uint32_t row) {
         counters_->count(pruned_paths);
         return false;
     }
-    if constexpr (planned)
-        if (context_.plan->watch != nullptr)
-            context_.plan->watch->leaves(row, planned_state(row), path.beta.max() * path.roulette_scale, path.split);
     return true;
 }
 
-/// The throughput is no number: it is counted and logged (Law 6).
+template <TransportMode mode>
+[[gnu::noinline]] void Walk<mode>::pass_vertex(std::uint32_t row, const Vec3& direction) {
+    const Subpath& path = paths_[row];
+    later_->pass({.row = row,
+                  .depth = path.depth,
+                  .state = planned_state(row),
+                  .throughput = path.beta.max() * path.roulette_scale,
+                  .split = !splits_.empty() && splits_[row].split,
+                  .position = path.from,
+                  .direction = direction,
+                  .pdf = path.pdf});
+}
+
+/// Counts and logs a throughput that is NaN or infinite (Law 6).
 template <TransportMode mode>
 void Walk<mode>::reject(std::uint32_t row) {
     if constexpr (mode == TransportMode::radiance) record_.reject(row, paths_[row].beta);
@@ -177,25 +187,28 @@ void Walk<mode>::scatter_vertices(std::uint32_t branch) {
     counters_->scattering_rays += queue_.count - passed_on;
 }
 
-/// False: the path ends.
+/// Returns false if the path ends.
 template <TransportMode mode>
 template <bool planned>
 bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t branch) {
     const VertexBatch& v = vertices_;
     const std::uint32_t row = v.rows[j];
     Subpath& path = paths_[row];
-    if (planned && path.rays == 0) return false;
+    if (planned && splits_[row].rays == 0) return false;
     const PixelSampler& sampler = samplers_[row];
     const Bsdf& bsdf = v.bsdfs[j];
     const SurfacePoint& point = v.points[j];
     const std::uint32_t depth = path.depth;
-    Real u_lobe = bsdf.chooses_lobes() ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
-    if (planned && path.all_lobes) u_lobe = lobe_number(branch);
-    BsdfSample s = sample_scattering<mode>(bsdf, point, u_lobe, pair(j));
+    const DirectionSampler* directions = bsdf.has_density() ? context_.directions : nullptr;
+    const bool draws_lobe = bsdf.chooses_lobes() || directions != nullptr;
+    Real u_lobe = draws_lobe ? sampler.get_1d(dimensions.of(depth, dimensions.lobe)) : 0.0f;
+    if (planned && splits_[row].all_lobes) u_lobe = lobe_number(branch);
+    BsdfSample s = directions == nullptr ? sample_scattering<mode>(bsdf, point, u_lobe, pair(j))
+                                         : sample_direction<mode>(*directions, bsdf, point, u_lobe, pair(j));
     if (wavelengths_.any()) wavelengths_.leave<mode>(v, j, path, s);
     if (!(s.pdf > 0) || s.weight.is_black()) return false;
     path.beta *= s.weight;
-    const std::uint32_t rays = planned ? take_branch(path, s) : 1;
+    const std::uint32_t rays = planned ? take_branch(path, splits_[row], s) : 1;
     leave_vertex<mode>(path, point, s);
     const bool counts_whole = !depth_limit_.has_bodies() && options_.counts_first_specular;
     if (!counts_whole && !stays_short(j, s.wi)) return false;
@@ -206,12 +219,13 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
         return false;
     }
     if (path.beta.is_black() || !survives_roulette<planned>(row, dimensions.of(depth, dimensions.roulette)) ||
-        !goes_on<planned>(row))
+        !goes_on(row))
         return false;
     if (rays > 1 && !path.specular) path.pdf *= static_cast<Real>(rays);
+    if (mode == TransportMode::radiance && later_ != nullptr) pass_vertex(row, s.wi);
     if (options_.densities) {
-        sums_[row].leave(s.delta, s.delta ? 1.0 : static_cast<double>(bsdf.pdf(s.wi, point.wo)));
-        path.cosine = point.cosine(s.wi);
+        const Real reverse = s.delta ? 1 : direction_density<reverse_mode>(directions, bsdf, point, s.wi, point.wo);
+        mis_weights_[row].leave(s.delta, static_cast<double>(reverse), static_cast<double>(point.cosine(s.wi)));
     }
     if (in_media_) path.medium = medium_towards(j, s.wi);
     Ray& onward = queue_.next(row);

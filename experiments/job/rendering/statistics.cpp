@@ -141,7 +141,7 @@ std::string statistics_json(const RunRecord& record) {
                       {"light_samples_left_to_rays", pruned(transport::Pruned::light_samples_left_to_rays)},
                       {"lobes", pruned(transport::Pruned::lobes)},
                       {"light_paths", pruned(transport::Pruned::light_paths)},
-                      {"joins", pruned(transport::Pruned::joins)},
+                      {"joins", pruned(transport::Pruned::connections)},
                       {"weak_paths", pruned(transport::Pruned::weak_paths)},
                       {"closures", pruned(transport::Pruned::closures)}};
     json["samples"] = {{"camera", statistics.camera_samples},

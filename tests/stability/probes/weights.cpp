@@ -6,13 +6,13 @@
 #include "tests/stability/probes/counted_numbers.h"
 #include "tests/stability/probes/probes.h"
 #include "transport/math/sampling.h"
-#include "transport/paths/strategies.h"
+#include "transport/paths/partial_mis_weights.h"
 
 namespace raylex::experiments {
 namespace {
 
+using transport::PartialMisWeights;
 using transport::Real;
-using transport::StrategySums;
 
 Result<ProbeResult> power_heuristic_sum(const ProbeInput& input) {
     const auto a = static_cast<Real>(input.number("a")), b = static_cast<Real>(input.number("b"));
@@ -47,42 +47,42 @@ PathDensities random_path(CountedNumbers& numbers, std::size_t vertices, double 
 }
 
 /// Returns the sums at the light subpath's vertex `last`, made vertex by vertex as in a walk.
-StrategySums from_light(const PathDensities& path, std::size_t last) {
-    StrategySums sums;
+PartialMisWeights from_light(const PathDensities& path, std::size_t last) {
+    PartialMisWeights sums;
     sums.previous = path.from_light[0];
     sums.tail = 1;  // the light can be hit
     for (std::size_t k = 1; k <= last; ++k) {
         sums.arrive(path.from_light[k], 1);
         if (k == 1) {
             const double ratio = path.light_sample / path.from_light[0];
-            sums.join = ratio * ratio;
+            sums.connects = ratio * ratio;
         }
-        if (k < last) sums.leave(path.specular[k], path.from_camera[k - 1]);
+        if (k < last) sums.leave(path.specular[k], path.from_camera[k - 1], 1);
     }
     return sums;
 }
 
 /// Returns the sums at the camera subpath's vertex `last`, counted from the light.
-StrategySums from_camera(const PathDensities& path, std::size_t last) {
-    StrategySums sums;
-    sums.join = 1;
+PartialMisWeights from_camera(const PathDensities& path, std::size_t last) {
+    PartialMisWeights sums;
+    sums.connects = 1;
     for (std::size_t k = path.size() - 2;; --k) {
         sums.arrive(path.from_camera[k], 1);
         if (k == last) return sums;
-        sums.leave(path.specular[k], path.from_light[k + 1]);
+        sums.leave(path.specular[k], path.from_light[k + 1], 1);
     }
 }
 
 /// Returns the weight of the strategy with s vertices from the light.
 double weight(const PathDensities& path, std::size_t s) {
     const std::size_t n = path.size();
-    StrategySums::Wide others = 0;
+    double others = 0;
     if (s == 0) {
         others = from_camera(path, 0).others_at_light(path.light_sample / path.from_camera[0], path.from_light[0],
                                                       path.from_light[1]);
     } else if (s == 1) {
-        const StrategySums::Wide hit = StrategySums::squared(path.from_camera[0] / path.light_sample),
-                                 emitted = StrategySums::squared(path.from_light[0] / path.light_sample);
+        const double hit = PartialMisWeights::squared(path.from_camera[0] / path.light_sample),
+                     emitted = PartialMisWeights::squared(path.from_light[0] / path.light_sample);
         others = hit + emitted * from_camera(path, 1).others(path.from_light[1], n > 3 ? path.from_light[2] : 1);
     } else {
         others = from_light(path, s - 1).others(path.from_camera[s - 1], path.from_camera[s - 2]);

@@ -225,9 +225,9 @@ TEST_CASE("what no word joins is not traced from the lights", "[render][pruning]
     CHECK(direct.shadow_rays <= direct.camera_samples);
     // Of two scatterings one is the light path's, and only the camera's first vertex is joined with it.
     const auto second = statistics("bdpt", "C<RD>{2}L");
-    CHECK(count(second, transport::Pruned::joins) > 0);
+    CHECK(count(second, transport::Pruned::connections) > 0);
     CHECK(count(second, transport::Pruned::light_samples) > 0);  // none from the camera's first vertex
-    CHECK(count(statistics("bdpt", "C<RD><.S>+L"), transport::Pruned::joins) > 0);
+    CHECK(count(statistics("bdpt", "C<RD><.S>+L"), transport::Pruned::connections) > 0);
 }
 
 TEST_CASE("light paths begin at live lights alone: less noise from as many", "[render][pruning][law4]") {

@@ -1,7 +1,7 @@
 // Roulette by what channels may still receive (Law 4): the table, the pilot that fills it, and that nothing is biased.
 #include "transport/replicates.h"
 
-#include "transport/paths/roulette.h"
+#include "transport/paths/plan/roulette.h"
 
 using namespace render_test;
 using transport::Pruned;

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "tests/transport/materials_support.h"
-#include "transport/paths/strategies.h"
+#include "transport/paths/partial_mis_weights.h"
 
 using raylex::test::Random;
-using raylex::transport::StrategySums;
+using raylex::transport::PartialMisWeights;
 
 namespace {
 
@@ -48,35 +48,35 @@ PathDensities random_path(Random& random, std::size_t length, double spread, boo
 }
 
 /// Sums at the light subpath's vertex `last`, made vertex by vertex as a walk makes them.
-StrategySums from_light(const PathDensities& path, std::size_t last) {
-    StrategySums sums;
+PartialMisWeights from_light(const PathDensities& path, std::size_t last) {
+    PartialMisWeights sums;
     sums.previous = path.from_light[0];
     sums.tail = path.can_be_hit ? 1 : 0;
     for (std::size_t k = 1; k <= last; ++k) {
         sums.arrive(path.from_light[k], 1);
-        if (k == 1) sums.join = std::pow(path.light_sample / path.from_light[0], 2);
-        if (k < last) sums.leave(path.specular[k], path.from_camera[k - 1]);
+        if (k == 1) sums.connects = std::pow(path.light_sample / path.from_light[0], 2);
+        if (k < last) sums.leave(path.specular[k], path.from_camera[k - 1], 1);
     }
     return sums;
 }
 
 /// Sums at the camera subpath's vertex `last`, counted from the light.
-StrategySums from_camera(const PathDensities& path, std::size_t last) {
-    StrategySums sums;
-    sums.join = 1;
+PartialMisWeights from_camera(const PathDensities& path, std::size_t last) {
+    PartialMisWeights sums;
+    sums.connects = 1;
     for (std::size_t k = path.size() - 2;; --k) {
         sums.arrive(path.from_camera[k], 1);
         if (k == last) return sums;
-        sums.leave(path.specular[k], path.from_light[k + 1]);
+        sums.leave(path.specular[k], path.from_light[k + 1], 1);
     }
 }
 
-long double weight(const PathDensities& path, std::size_t s) {
+double weight(const PathDensities& path, std::size_t s) {
     const std::size_t n = path.size();
     if (s == 0)
         return 1 / (1 + from_camera(path, 0).others_at_light(path.light_sample / path.from_camera[0],
                                                              path.from_light[0], path.from_light[1]));
-    StrategySums::Wide others = 0;
+    double others = 0;
     if (s == 1) {
         others = (path.can_be_hit ? std::pow(path.from_camera[0] / path.light_sample, 2) : 0) +
                  std::pow(path.from_light[0] / path.light_sample, 2) *
@@ -106,8 +106,7 @@ TEST_CASE("the weights of all strategies of a path sum to 1, at lengths of 2 to 
                         if (path.joins(s)) all += std::exp(2 * (path.density(s) - largest));
                     for (std::size_t s = 0; s < n; ++s) {
                         if (!path.joins(s)) continue;
-                        const double expected = std::exp(2 * (path.density(s) - largest)) / all,
-                                     w = static_cast<double>(weight(path, s));
+                        const double expected = std::exp(2 * (path.density(s) - largest)) / all, w = weight(path, s);
                         CAPTURE(with_specular, spread, n, s);
                         // Products of up to n ratios, each rounded a few times.
                         CHECK(w == Approx(expected).epsilon(1e-13 * static_cast<double>(8 * n)).margin(1e-60));
@@ -117,18 +116,37 @@ TEST_CASE("the weights of all strategies of a path sum to 1, at lengths of 2 to 
                 }
 }
 
+TEST_CASE("weights stay exact where the sums of a side leave the range of double and come back", "[bdpt][mis]") {
+    // Ratios of e^24 towards one end, then of e^-24: halfway the products of their squares are e^(48 x 600) = 1e12500.
+    constexpr std::size_t half = 600;
+    PathDensities path;
+    for (std::size_t i = 0; i < 2 * half; ++i) {
+        path.from_light.push_back(i < half ? 1e-6 : 1e5);
+        path.from_camera.push_back(i < half ? 1e5 : i + 1 == 2 * half ? 1 : 1e-6);
+        path.specular.push_back(false);
+    }
+    double largest = -1e300, all = 0;
+    for (std::size_t s = 0; s < path.size(); ++s) largest = std::max(largest, path.density(s));
+    for (std::size_t s = 0; s < path.size(); ++s) all += std::exp(2 * (path.density(s) - largest));
+    for (std::size_t s = 0; s < path.size(); ++s) {
+        CAPTURE(s);
+        // Up to 1,200 logarithms of about 12 are added: each rounds at 2^-53 of a sum of up to 14,000.
+        CHECK(weight(path, s) == Approx(std::exp(2 * (path.density(s) - largest)) / all).epsilon(1e-8).margin(1e-60));
+    }
+}
+
 TEST_CASE("densities of zero and beyond all range leave weights that are numbers", "[bdpt][mis]") {
     for (const double tiny : {0.0, 1e-300, 1e-30})
         for (const double huge : {1e30, 1e300}) {
-            StrategySums sums;
-            sums.join = 1;
+            PartialMisWeights sums;
+            sums.connects = 1;
             for (int i = 0; i < 300; ++i) {
                 sums.arrive(i % 2 == 0 ? tiny : huge, huge);
-                const StrategySums::Wide others = sums.others(i % 3 == 0 ? 0 : huge, huge);
+                const double others = sums.others(i % 3 == 0 ? 0 : huge, huge);
                 CHECK(others >= 0);
                 CHECK(std::isfinite(others));
                 CHECK(std::isfinite(sums.others_at_light(huge, huge, huge)));
-                sums.leave(i % 5 == 0, i % 7 == 0 ? 0 : huge);
+                sums.leave(i % 5 == 0, i % 7 == 0 ? 0 : huge, 1);
             }
         }
 }

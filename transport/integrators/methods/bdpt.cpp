@@ -18,8 +18,8 @@ struct LightVertex : LightSubpathVertex {
     std::uint32_t previous = none;  ///< of the same subpath
 };
 
-/// Memory of a thread for the light subpaths of a batch, whose vertices wait for camera subpaths. A light subpath is
-/// cut behind its share, some 2,300 scatterings, those inside bodies included.
+/// Memory of a thread for the vertices of the light subpaths of a batch, which wait for camera subpaths. A light
+/// subpath is cut when it has used its share, after some 2,300 scatterings, those inside bodies included.
 constexpr std::size_t light_vertices_budget = std::size_t{256} << 20;
 
 struct BdptThread final : IntegratorThread {
@@ -47,7 +47,7 @@ class Bdpt final : public Integrator {
         IntegratorTraits traits;
         traits.emitter_samples = traits.light_samples = traits.holdouts = traits.user_events = true;
         traits.media = traits.first_hits = traits.cutouts = true;
-        // As many mirrors first.
+        // As many mirrors may come first.
         traits.max_depth = std::uint64_t{parameters_.depth.max_depth} * (parameters_.count_mirrors ? 1 : 2);
         traits.saved_state = SavedState::none;
         traits.raster_splats = traits.pixel_samples = true;
@@ -60,13 +60,12 @@ class Bdpt final : public Integrator {
         return success();
     }
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override {
-        WalkOptions options;
-        options.max_depth = parameters_.depth.max_depth;
-        options.roulette_below = parameters_.depth.roulette_below;
-        options.densities = true;
-        options.counts_first_specular = parameters_.count_mirrors;
-        options.sampled = &direct_light_.chooser();
-        options.most_scatterings = most_scatterings();
+        const WalkOptions options{.max_depth = parameters_.depth.max_depth,
+                                  .roulette_below = parameters_.depth.roulette_below,
+                                  .densities = true,
+                                  .counts_first_specular = parameters_.count_mirrors,
+                                  .most_scatterings = most_scatterings(),
+                                  .sampled = &direct_light_.chooser()};
         WalkOptions of_camera = options;
         of_camera.first_depth = parameters_.first_depth;
         return std::make_unique<BdptThread>(context_, emitters_, options, of_camera);
@@ -146,13 +145,13 @@ void Bdpt::keep_light_vertices(BdptThread& thread) const {
     }
 }
 
-/// s = 0: light that camera subpaths have met by themselves.
+/// s = 0: lights that camera subpaths have met by themselves.
 void Bdpt::report_lights(CameraSubpaths& camera) const {
     const SceneView& scene = context_.scene;
     const LightTable& lights = *scene.lights;
     for (const EscapedRay& e : camera.escaped()) {
         const Subpath& path = camera.path(e.row);
-        camera.sums(e.row).arrive(path.specular ? 1 : static_cast<double>(path.pdf), static_cast<double>(path.cosine));
+        camera.mis_weights(e.row).arrive(path.specular ? 1 : path.pdf, 1);
         for (const std::uint32_t light : lights.environments()) {
             LightSample at;
             at.light = light;
@@ -177,48 +176,50 @@ void Bdpt::report_lights(CameraSubpaths& camera) const {
 }
 
 /// `light_pdf`: the density with which a light sample finds the light. Light leaves `at` in the direction `towards`.
+/// The weight is Georgiev's (2012, equation 43).
 void Bdpt::report(const CameraSubpaths& camera, std::uint32_t row, const Rgb& throughput, const Rgb& emitted,
                   const LightSample& at, Real light_pdf, const Vec3& towards) const {
     if ((throughput * emitted).is_black()) return;
     const Subpath& path = camera.path(row);
     Real weight = 1;
-    if (path.depth > 0) {  // what the camera sees directly no other strategy finds
+    if (path.depth > 0) {  // no other strategy finds what the camera sees directly
         EmissionDensity emission;
         if (emitters_.any())
             emission =
                 context_.scene.lights->emission_density(emitters_.chooser(), *context_.scene.geometry, at, towards);
-        const double pdf = path.specular ? 1 : static_cast<double>(path.pdf);
-        weight = StrategySums::weight(camera.sums(row).others_at_light(static_cast<double>(light_pdf) / pdf,
-                                                                       static_cast<double>(emission.position),
-                                                                       static_cast<double>(emission.direction)));
+        const double pdf = path.specular ? 1 : path.pdf;
+        weight = PartialMisWeights::weight(
+            camera.mis_weights(row).others_at_light(light_pdf / pdf, emission.position, emission.direction));
     }
     camera.report(row, at.light, throughput, emitted, weight, !path.specular && light_pdf > 0);
 }
 
-/// s = 1. The other strategies: the camera subpath meets the light by itself, or light subpaths begin there.
+/// s = 1. The other strategies: the camera subpath meets the light by itself (Georgiev 2012, equation 44), or light
+/// subpaths begin there (equation 45).
 Real Bdpt::weight_of_light_sample(const CameraSubpaths& camera, std::size_t j, const LightSample& sample,
                                   const BsdfEvaluation& f) const {
     const VertexBatch& v = camera.vertices();
     const SurfacePoint& point = v.points[j];
     const LightTable& lights = *context_.scene.lights;
     const Light& light = lights.lights()[sample.light];
-    const double pdf = static_cast<double>(sample.pdf);
-    const StrategySums::Wide met = light.is_delta() ? 0 : StrategySums::squared(static_cast<double>(f.pdf) / pdf);
-    if (!emitters_.any()) return StrategySums::weight(met);
+    const double pdf = sample.pdf;
+    const double met = light.is_delta() ? 0 : PartialMisWeights::squared(f.pdf / pdf);
+    if (!emitters_.any()) return PartialMisWeights::weight(met);
     const EmissionDensity emission =
         lights.emission_density(emitters_.chooser(), *context_.scene.geometry, sample, -sample.wi);
-    const double near = sample.infinite ? 1 : 1 / static_cast<double>(length_squared(sample.target - point.position));
+    const double near = sample.infinite ? 1 : 1.0 / length_squared(sample.target - point.position);
     const double light_cosine = light.is_area() ? std::abs(dot(sample.target_normal, sample.wi)) : 1;
     const double to_light = light.is_area() ? light_cosine * near : 1;
-    const double begun = to_light > 0 ? static_cast<double>(emission.position) / (pdf * to_light) : 0;
-    const double cosine = static_cast<double>(point.cosine(sample.wi));
-    const auto pdf_reverse = static_cast<double>(v.bsdfs[j].pdf(sample.wi, point.wo));
-    return StrategySums::weight(
-        met + StrategySums::squared(begun) *
-                  camera.sums(v.rows[j]).others(static_cast<double>(emission.direction) * cosine * near, pdf_reverse));
+    const double begun = to_light > 0 ? emission.position / (pdf * to_light) : 0;
+    const double cosine = point.cosine(sample.wi);
+    const auto pdf_reverse =
+        direction_density<TransportMode::importance>(context_.directions, v.bsdfs[j], point, sample.wi, point.wo);
+    const double w_camera = PartialMisWeights::squared(begun) *
+                            camera.mis_weights(v.rows[j]).others(emission.direction * cosine * near, pdf_reverse);
+    return PartialMisWeights::weight(met + w_camera);
 }
 
-/// s, t >= 2: vertex j of the camera subpath with all vertices of the light subpath of its row.
+/// s, t >= 2: connects vertex j of the camera subpath with all vertices of the light subpath of its row.
 void Bdpt::connect_vertices(BdptThread& thread, std::size_t j) const {
     CameraSubpaths& camera = thread.camera;
     const VertexBatch& v = camera.vertices();
@@ -239,28 +240,25 @@ void Bdpt::connect_vertices(BdptThread& thread, std::size_t j) const {
         if (limit.has_bodies() && !limit.allows(length.before + limit.event(length, point, direction) +
                                                 y.length.before + limit.event(y.length, y.point, -direction)))
             continue;
-        const JoinedScattering x = evaluate_scattering<TransportMode::radiance>(v.bsdfs[j], point, direction);
+        const ConnectedScattering x =
+            evaluate_scattering<TransportMode::radiance>(context_.directions, v.bsdfs[j], point, direction);
         if (x.f.value.is_black()) continue;
-        const JoinedScattering z = evaluate_scattering<TransportMode::importance>(y.bsdf, y.point, -direction);
+        const ConnectedScattering z =
+            evaluate_scattering<TransportMode::importance>(context_.directions, y.bsdf, y.point, -direction);
         if (z.f.value.is_black()) continue;
-        const double near = 1 / static_cast<double>(d2);
-        const double at_camera = static_cast<double>(point.cosine(direction)) * near,
-                     at_light = static_cast<double>(y.point.cosine(direction)) * near;
-        VertexJoin join;
-        join.j = j;
-        join.f = &x.f;
-        join.weight = StrategySums::weight(
-            camera.sums(row).others(static_cast<double>(z.f.pdf) * at_camera, static_cast<double>(x.pdf_reverse)) +
-            y.sums.others(static_cast<double>(x.f.pdf) * at_light, static_cast<double>(z.pdf_reverse)));
-        join.unweighted = path.beta * x.f.value * z.f.value * y.power * (1 / d2);
-        if (path.one_wavelength || y.one_wavelength) join.unweighted *= thread.light.wavelength_weight(row);
-        join.end = y.end;
-        join.end.lobes = z.f.lobes;
-        join.light_vertices = y.depth + 2;
-        join.shadow_ray =
+        const double near = 1.0 / d2;
+        const double at_camera = point.cosine(direction) * near, at_light = y.point.cosine(direction) * near;
+        const double w_light = y.mis_weights.others(x.f.pdf * at_light, z.pdf_reverse);  // Georgiev 2012, equation 40
+        const double w_camera = camera.mis_weights(row).others(z.f.pdf * at_camera, x.pdf_reverse);  // equation 41
+        VertexConnection connection{.j = j, .f = &x.f, .end = y.end, .light_vertices = y.depth + 2};
+        connection.end.lobes = z.f.lobes;
+        connection.unweighted = path.beta * x.f.value * z.f.value * y.power * (1 / d2);
+        if (path.one_wavelength || y.one_wavelength) connection.unweighted *= thread.light.wavelength_weight(row);
+        connection.weight = PartialMisWeights::weight(w_camera + w_light);
+        connection.shadow_ray =
             segment_to(offset_ray_origin(point.position, point.geometric_normal, v.sources[j].offset.here, direction),
                        y.point.position, y.point.geometric_normal, y.offset);
-        thread.connections.add_join(camera, join);
+        thread.connections.add_connection(camera, connection);
     }
 }
 

@@ -6,17 +6,17 @@
 //     s = 1          by a light sample, drawn anew for each vertex (next event estimation);
 //     t = 1          when a light subpath's vertex is connected to the camera: a splat through the pixel filter;
 //     s, t >= 2      by connecting two vertices;
-// t = 0 is left out: no ray meets a pinhole, and hardly any a lens. Light that the camera sees directly is found by s =
-// 0 alone. Each strategy has the weight of the power heuristic over all that could have made the path
-// (paths/strategies.h).
+// t = 0 is left out: no ray meets a pinhole, and hardly any a lens. Only s = 0 finds light that the camera sees
+// directly. Each strategy has the weight of the power heuristic over all strategies that could have made the path
+// (paths/partial_mis_weights.h).
 //
 // Path strings. The camera subpath's tracker goes on over the connection and back along the light subpath's events to
-// its light, so that every channel takes exact shares whatever found the path (Law 5).
+// its light. So every channel takes exact shares whatever found the path (Law 5).
 //
-// Media: collisions are vertices like others, with a phase function for a closure and 1 for a cosine. Light subpaths
-// begin in the medium around their light. Light that media emit is found by camera subpaths alone (s = 0).
+// Media. Collisions are vertices like others, with a phase function for a closure and 1 for a cosine. Light subpaths
+// begin in the medium around their light. Camera subpaths alone find light that media emit (s = 0).
 //
-// The prefixes nothruput, unoccluded and shadows look at lights found and sampled by camera subpaths (s < 2), as with
+// The prefixes nothruput, unoccluded and shadows apply to lights that camera subpaths meet or sample (s < 2), as with
 // `path`.
 #pragma once
 
@@ -30,7 +30,7 @@ struct BdptParameters {
     bool count_mirrors = true;      ///< WalkOptions::counts_first_specular
 };
 
-/// The integrator itself, for integrators that are made of it.
+/// For integrators that use this one.
 std::unique_ptr<Integrator> make_bdpt_integrator(const BdptParameters& parameters);
 
 /// The registry's entry: parameters maxdepth, countmirrors, roulette, rrthreshold.

@@ -1,7 +1,5 @@
 #include "transport/integrators/methods/light_tracer.h"
 
-#include <algorithm>
-
 #include "transport/integrators/methods/path.h"
 #include "transport/paths/subpaths/light_subpaths.h"
 
@@ -13,45 +11,38 @@ struct LightTracerThread final : IntegratorThread {
         : IntegratorThread(options.max_depth), light(context, emitters, options), connections(context) {}
     LightSubpaths light;
     CameraConnections connections;
-    std::unique_ptr<IntegratorThread> camera;  // of the camera rays' part
+    std::unique_ptr<IntegratorThread> camera;
 };
 
 class LightTracer final : public Integrator {
   public:
-    explicit LightTracer(const DepthParameters& parameters) : parameters_(parameters) {
-        PathParameters seen;
-        seen.max_depth = 0;
-        camera_ = make_path_integrator(seen);
-    }
+    explicit LightTracer(const WalkOptions& options) : options_(options) {}
     [[nodiscard]] IntegratorTraits traits() const override {
         IntegratorTraits traits;
-        traits.max_depth = parameters_.max_depth;
+        traits.max_depth = options_.max_depth;
         traits.holdouts = traits.user_events = traits.media = traits.first_hits = traits.cutouts = true;
-        traits.saved_state = SavedState::none;
         traits.raster_splats = true;
+        traits.saved_state = SavedState::none;
         return traits;
     }
     Status prepare(const IntegratorContext& context) override {
         context_ = context;
-        emitters_ = LightEmitters(context_, parameters_.max_depth);
+        emitters_ = LightEmitters(context_, options_.max_depth);
         return camera_->prepare(context);
     }
     [[nodiscard]] std::vector<std::string> omissions() const override;
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override {
-        WalkOptions options;
-        options.max_depth = parameters_.max_depth;
-        options.roulette_below = parameters_.roulette_below;
-        auto thread = std::make_unique<LightTracerThread>(context_, emitters_, options);
+        auto thread = std::make_unique<LightTracerThread>(context_, emitters_, options_);
         thread->camera = camera_->make_thread_state();
         return thread;
     }
     void integrate(const CameraBatch& batch, IntegratorThread& thread, ThreadServices& services) const override;
 
   private:
-    DepthParameters parameters_;
+    const WalkOptions options_;
     IntegratorContext context_;
     LightEmitters emitters_;
-    std::unique_ptr<Integrator> camera_;  // what camera rays find by themselves
+    std::unique_ptr<Integrator> camera_ = make_path_integrator({{.max_depth = 0}});  // what the camera sees directly
 };
 
 void LightTracer::integrate(const CameraBatch& batch, IntegratorThread& state, ThreadServices& services) const {
@@ -73,33 +64,24 @@ void LightTracer::integrate(const CameraBatch& batch, IntegratorThread& state, T
 }
 
 std::vector<std::string> LightTracer::omissions() const {
-    std::vector<LobeId> lobes;
-    bool curves = false;
-    for (const ShapeGeometry& shape : context_.scene.geometry->shapes()) {
-        if (shape.interface) continue;
-        context_.scene.materials->material(static_cast<std::size_t>(shape.material))->append_lobes(lobes);
-        curves = curves || shape.faces_rays;
-    }
-    const bool singular = std::any_of(lobes.begin(), lobes.end(),
-                                      [](LobeId lobe) { return lobe_kinds()[lobe].scatter == lpe::Scatter::singular; });
+    if (options_.max_depth == 0) return {};
+    const SceneView& scene = context_.scene;
+    const UnconnectedSurfaces unconnected = unconnected_surfaces(scene);
+    const std::pair<bool, const char*> causes[] = {
+        {scene.media->any_emits(),
+         "finds light that media emit only where the camera sees it directly: C.+O is missing from the image"},
+        {context_.events->wants_user(),
+         "asks surfaces what they say of themselves (user events) only where the camera sees them directly: C.+U is "
+         "missing from such layers"},
+        {unconnected.curves,
+         "sees flat curves and tubes from where light comes, not from the camera: they look otherwise than with "
+         "'path' or 'bdpt'"},
+        {unconnected.specular,
+         "does not find what the camera sees by a mirror or through smooth glass: paths whose first scattering is "
+         "singular (C<.S>.* in the osl dialect) are missing from the image"}};
     std::vector<std::string> omitted;
-    if (context_.scene.media->any_emits() && parameters_.max_depth > 0)
-        omitted.emplace_back(
-            "integrator 'lighttracer' finds light that media emit only where the camera sees it directly: "
-            "C.+O is missing from the image");
-    if (context_.events->wants_user() && parameters_.max_depth > 0)
-        omitted.emplace_back(
-            "integrator 'lighttracer' asks surfaces what they say of themselves (user events) only where the camera "
-            "sees them directly: C.+U is missing from such layers");
-    if (curves && parameters_.max_depth > 0)
-        omitted.emplace_back(
-            "integrator 'lighttracer' sees flat curves and tubes from where light comes, not from the camera: "
-            "they look otherwise than with 'path' or 'bdpt'");
-    if (!singular || parameters_.max_depth == 0) return omitted;
-    omitted.emplace_back(
-        "integrator 'lighttracer' does not find what the camera sees by a mirror or through smooth glass: paths whose "
-        "first "
-        "scattering is singular (C<.S>.* in the osl dialect) are missing from the image");
+    for (const auto& [applies, text] : causes)
+        if (applies) omitted.push_back(std::string("integrator 'lighttracer' ") + text);
     return omitted;
 }
 
@@ -114,7 +96,8 @@ Registry<IntegratorFactory>::Entry light_tracer_entry() {
             IntegratorParameters read(entity);
             const DepthParameters parameters = read_depth_parameters(read, max_depth);
             if (read.error()) return *read.error();
-            return std::unique_ptr<Integrator>(std::make_unique<LightTracer>(parameters));
+            return std::unique_ptr<Integrator>(std::make_unique<LightTracer>(
+                WalkOptions{.max_depth = parameters.max_depth, .roulette_below = parameters.roulette_below}));
         }};
 }
 

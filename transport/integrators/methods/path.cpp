@@ -27,39 +27,24 @@ class PathIntegrator final : public Integrator {
     }
     [[nodiscard]] PlanRequest plan_request() const override {
         if (parameters_.strategy != PathStrategy::mis || parameters_.max_depth == 0) return {};
-        return {[p = parameters_] { return make_path_integrator(p); },
-                light_choice(),
-                by_receiver(),
-                parameters_.splits,
-                parameters_.channel_roulette,
-                parameters_.roulette_below};
+        return {.make_trial = [p = parameters_] { return make_path_integrator(p); },
+                .light_choice = light_choice(parameters_.light_selection, parameters_.strategy),
+                .lights_by_receiver = parameters_.light_selection == LightSelection::receiver,
+                .splits = parameters_.splits,
+                .roulette = parameters_.channel_roulette,
+                .roulette_below = parameters_.roulette_below};
     }
     Status prepare(const IntegratorContext& context) override {
         context_ = context;
-        direct_light_ = DirectLight(context_, light_choice(), by_receiver(), parameters_.strategy);
+        direct_light_ = DirectLight(context_, parameters_.light_selection, parameters_.strategy);
         return success();
     }
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override {
-        WalkOptions options;
-        options.max_depth = parameters_.max_depth;
-        options.roulette_below = parameters_.roulette_below;
-        options.regularize = parameters_.regularize;
-        options.first_depth = parameters_.first_depth;
-        return std::make_unique<PathThread>(context_, options);
+        return std::make_unique<PathThread>(context_, parameters_);
     }
     void integrate(const CameraBatch& batch, IntegratorThread& thread, ThreadServices& services) const override;
 
   private:
-    [[nodiscard]] bool by_receiver() const { return parameters_.light_selection == LightSelection::receiver; }
-    [[nodiscard]] LightChoice light_choice() const {
-        const bool all = parameters_.strategy == PathStrategy::light;
-        if (parameters_.light_selection == LightSelection::uniform)
-            return all ? LightChoice::light_sampling_uniform : LightChoice::mis_uniform;
-        return all ? LightChoice::light_sampling : LightChoice::mis;
-    }
-    void report(const CameraSubpaths& camera, std::uint32_t row, std::uint32_t light, const Rgb& throughput,
-                const Rgb& emitted, Real light_pdf) const;
-
     PathParameters parameters_;
     IntegratorContext context_;
     DirectLight direct_light_;
@@ -69,36 +54,34 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
     auto& thread = static_cast<PathThread&>(state);
     CameraSubpaths& camera = thread.camera;
     const LightTable& lights = *context_.scene.lights;
+    // `light_pdf`: of a light sample at the vertex before, for the same direction; 0 where it cannot find the emitter.
+    const auto report = [&](std::uint32_t row, std::uint32_t light, const Rgb& throughput, const Rgb& emitted,
+                            Real light_pdf) {
+        Real weight = 1;
+        if (light_pdf > 0)  // Veach 1997, equation 9.13
+            weight = parameters_.strategy == PathStrategy::light ? 0 : power_heuristic(camera.path(row).pdf, light_pdf);
+        if (weight > 0) camera.report(row, light, throughput, emitted, weight, light_pdf > 0);
+    };
     camera.begin(batch, services, thread.counters);
     while (camera.advance(services)) {
         for (const EscapedRay& e : camera.escaped())
             for (const std::uint32_t light : lights.environments())
-                report(camera, e.row, light, camera.throughput(e.row),
+                report(e.row, light, camera.throughput(e.row),
                        lights.environment_radiance(light, camera.path(e.row).from, e.direction),
-                       direct_light_.density(camera.path(e.row), light, e.direction));
+                       direct_light_.density(camera, e, light));
         for (const EmitterHit& e : camera.emitters())
-            report(camera, e.row, e.light, e.throughput, e.emitted, direct_light_.density(camera.path(e.row), e));
+            report(e.row, e.light, e.throughput, e.emitted, direct_light_.density(camera, e));
         direct_light_.report_hidden_environments(camera);
         direct_light_.sample(camera, thread.connections,
                              [&](std::size_t j, const LightSample& sample, const BsdfEvaluation& f) {
                                  if (sample.delta || parameters_.strategy != PathStrategy::mis) return Real(1);
                                  // The walk multiplies path.pdf by the same factor once the ray is drawn.
-                                 const Subpath& path = camera.path(camera.vertices().rows[j]);
-                                 return power_heuristic(sample.pdf, path.expected_rays() * f.pdf);
+                                 const Real rays = camera.expected_rays(camera.vertices().rows[j]);
+                                 return power_heuristic(sample.pdf, rays * f.pdf);  // Veach 1997, equation 9.13
                              });
         thread.connections.report(camera);
         camera.scatter();
     }
-}
-
-/// Reports an emitter that the ray has met. `light_pdf`: the density of a light sample at the vertex before, for the
-/// same direction; 0 where it cannot find the emitter.
-void PathIntegrator::report(const CameraSubpaths& camera, std::uint32_t row, std::uint32_t light, const Rgb& throughput,
-                            const Rgb& emitted, Real light_pdf) const {
-    Real weight = 1;
-    if (light_pdf > 0)
-        weight = parameters_.strategy == PathStrategy::light ? 0 : power_heuristic(camera.path(row).pdf, light_pdf);
-    if (weight > 0) camera.report(row, light, throughput, emitted, weight, light_pdf > 0);
 }
 
 Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::optional<std::int64_t> max_depth) {

@@ -6,10 +6,23 @@
 
 namespace raylex::transport {
 
+UnconnectedSurfaces unconnected_surfaces(const SceneView& scene) {
+    UnconnectedSurfaces found;
+    std::vector<LobeId> lobes;
+    for (const ShapeGeometry& shape : scene.geometry->shapes()) {
+        if (shape.interface) continue;
+        scene.materials->material(static_cast<std::size_t>(shape.material))->append_lobes(lobes);
+        found.curves = found.curves || shape.faces_rays;
+    }
+    for (const LobeId lobe : lobes)
+        found.specular = found.specular || lobe_kinds()[lobe].scatter == lpe::Scatter::singular;
+    return found;
+}
+
 void CameraConnections::add(const LightSubpathVertex& vertex, const SurfacePoint& point, const Bsdf& bsdf,
                             const Rgb& throughput, const DepthLimit& limit, const PixelSampler& sampler,
                             IntegratorCounters& counters) {
-    if (!vertex.ahead.seen) return counters.count(Pruned::joins);
+    if (!vertex.ahead.seen) return counters.count(Pruned::connections);
     const CameraView view = context_.view;
     const SubpathDimensions& dimensions = subpath_dimensions<TransportMode::importance>;
     const Vec2 lens =
@@ -22,12 +35,13 @@ void CameraConnections::add(const LightSubpathVertex& vertex, const SurfacePoint
     if (!reached(seen.x, view.filter_radius.x, view.width) || !reached(seen.y, view.filter_radius.y, view.height))
         return;
     const Vec3 way = seen.position - point.position;
-    // A camera no farther from the surface's plane than rounding may have moved that sees it edge-on: nothing. What the
-    // rounded cosine would give instead no other strategy finds, and near the camera it adds up.
+    // A camera closer to the plane of the surface than rounding may have moved the plane sees the surface edge-on:
+    // nothing. No other strategy finds what the rounded cosine would give, and near the camera it adds up.
     if (abs_dot(way, point.geometric_normal) < vertex.offset.here) return;
     const Vec3 to_camera = normalize(way);
     if (!limit.allows(vertex.length.before + limit.event(vertex.length, point, to_camera))) return;
-    const JoinedScattering scattering = evaluate_scattering<TransportMode::importance, false>(bsdf, point, to_camera);
+    const ConnectedScattering scattering =
+        evaluate_scattering<TransportMode::importance, false>(context_.directions, bsdf, point, to_camera);
     const BsdfEvaluation& f = scattering.f;
     if (f.value.is_black()) return;
     const Real image_share = 1 / (static_cast<Real>(view.width) * static_cast<Real>(view.height));
@@ -35,15 +49,16 @@ void CameraConnections::add(const LightSubpathVertex& vertex, const SurfacePoint
     Rgb value = unweighted;
     if (vertex.weighted) {
         const Real cosine = point.cosine(to_camera);
-        value *= StrategySums::weight(
-            vertex.sums.others(view.density(seen.importance, cosine), static_cast<double>(scattering.pdf_reverse)));
+        value *= PartialMisWeights::weight(  // t = 1: Georgiev 2012, equation 46
+            vertex.mis_weights.others(view.density(seen.importance, cosine),
+                                      static_cast<double>(scattering.pdf_reverse)));
     }
     if (value.is_black()) return;
     pending_.push_back({vertex.row, seen.x, seen.y, vertex.depth + 2, vertex.holdout, value, unweighted, vertex.key,
                         vertex.end, segment_to(seen.position, point.position, point.geometric_normal, vertex.offset)});
     pending_.back().end.lobes = f.lobes;
     pending_.back().from_camera.time = vertex.time;
-    // From the surface: what bounds the intersector's rounding there would not do for a ray that comes from afar.
+    // From the surface: the bound of the intersector's rounding there does not hold for a ray that comes from afar.
     Ray ray;
     ray.origin = offset_ray_origin(point.position, point.geometric_normal, vertex.offset.here, to_camera);
     ray.direction = seen.position - ray.origin;
@@ -52,13 +67,14 @@ void CameraConnections::add(const LightSubpathVertex& vertex, const SurfacePoint
     shadow_rays_.push_back(ray);
 }
 
-/// Leaves out what no channel accepts (Law 4): without beauty, and without cutouts, whose events come before.
+/// Leaves out connections that no channel accepts (Law 4). Only without beauty, and without cutouts, whose events come
+/// before those of `end`.
 void CameraConnections::drop_dead(ThreadServices& services, IntegratorCounters& counters) {
     Record record(*context_.events);
     record.begin(services.lpe);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < pending_.size(); ++i) {
-        if (!record.worth_splatting(pending_[i].row, pending_[i].end)) {
+        if (!record.is_live_splat(pending_[i].row, pending_[i].end)) {
             counters.count(Pruned::shadow_rays);
             continue;
         }
@@ -92,9 +108,9 @@ void CameraConnections::splat(std::span<const display::CameraRow> rows, ThreadSe
         arrival.found_by_sampling = true;
         if (scene.tests_alpha() || scene.asks_for_media()) {
             Rgb transmittance(1);
-            arrival.visibility =
-                straight_transmittance({scene, record, counters, false, FlightNumbers(p.key)}, p.from_camera, 1,
-                                       scene.media->camera(), tracker, transmittance);
+            arrival.visibility = pass_through_transmittance(
+                {.scene = scene, .record = record, .counters = counters, .numbers = FlightNumbers(p.key)},
+                p.from_camera, 1, scene.media->camera(), tracker, transmittance);
             arrival.value *= transmittance * arrival.visibility;
             arrival.unweighted *= transmittance;
         }

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "transport/paths/counters.h"
+#include "transport/paths/partial_mis_weights.h"
 #include "transport/paths/path_context.h"
 #include "transport/paths/path_depth.h"
 #include "transport/paths/record.h"
-#include "transport/paths/strategies.h"
 
 namespace raylex::transport {
 
@@ -20,14 +20,21 @@ struct LightSubpathVertex {
     OffsetBound offset{};         ///< SurfaceSource::offset
     bool holdout = false;         ///< the camera sees a holdout there
     bool one_wavelength = false;  ///< Subpath's
-    bool weighted = false;        ///< other strategies exist: `sums` gives the weight of multiple importance sampling
-    Rgb power;                    ///< Subpath::beta
-    LightEnd end;                 ///< without the lobes of the connection
+    bool weighted = false;  ///< other strategies exist: `mis_weights` gives the weight of multiple importance sampling
+    Rgb power;              ///< Subpath::beta
+    LightEnd end;           ///< without the lobes of the connection
     display::LightForesight::Ahead ahead;  ///< what a channel can still take of it
-    StrategySums sums;
+    PartialMisWeights mis_weights;
     Real time = 0;          ///< of its subpath's rays
     std::uint32_t key = 0;  ///< keys the numbers of its connection in grid media
 };
+
+/// Which surfaces light subpaths do not connect to the camera as the camera sees them.
+struct UnconnectedSurfaces {
+    bool specular = false;  ///< mirrors and smooth glass have no density towards the camera
+    bool curves = false;    ///< flat curves and tubes face the ray that meets them
+};
+UnconnectedSurfaces unconnected_surfaces(const SceneView& scene);
 
 class CameraConnections {
   public:

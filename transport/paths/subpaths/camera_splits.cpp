@@ -1,4 +1,4 @@
-// Splitting of camera subpaths: which vertices are kept, and how subpaths go on from them again.
+// Splitting of camera subpaths: which vertices are kept, and how subpaths go back to them.
 #include "transport/paths/subpaths/camera_subpaths.h"
 
 namespace raylex::transport {
@@ -13,32 +13,34 @@ bool has_two_lobes(const Bsdf& bsdf, const Vec3& wo) {
 
 }  // namespace
 
-/// Sets at how many rays the subpath leaves vertex j. Called before light is sampled there.
+/// Sets the number of rays that leave vertex j. Called before light is sampled there.
 void CameraSubpaths::split(std::size_t j) {
     const VertexBatch& v = vertices_;
     const std::uint32_t row = v.rows[j];
-    Subpath& path = paths_[row];
+    SplitState& split = splits_[row];
     const SplitPlan& splits = context_.plan->splits;
     if (!may_scatter(j) || record_.takes_all(row)) return;
     if (v.bsdfs[j].has_density()) {
-        if (path.split || !record_.ahead(row, v.sources[j].label, v.points[j].material).scatters) return;
-        path.split = true;
-        path.rays = splits.rays;
-    } else if (path.split && path.followed < splits.both_lobes && has_two_lobes(v.bsdfs[j], v.points[j].wo)) {
-        ++path.followed;
-        path.all_lobes = true;
+        if (split.split || !record_.ahead(row, v.sources[j].label, v.points[j].material).scatters) return;
+        split.split = true;
+        split.rays = splits.rays;
+    } else if (split.split && split.followed < splits.both_lobes && has_two_lobes(v.bsdfs[j], v.points[j].wo)) {
+        ++split.followed;
+        split.all_lobes = true;
     }
 }
 
 void SplitVertices::drop_finished() {
     std::size_t kept = 0, surfaces = 0;
     for (std::size_t k = 0; k < vertices.count; ++k) {
-        if (branches(paths[k]) <= next) continue;
+        if (splits[k].branches() <= next) continue;
         if (k < vertices.surfaces) ++surfaces;
         if (kept != k) {
             vertices.keep(k, kept);
             vertices.bsdfs[kept] = vertices.bsdfs[k];
             paths[kept] = paths[k];
+            splits[kept] = splits[k];
+            shares[kept] = shares[k];
             trackers[kept] = trackers[k];
             samplers[kept] = samplers[k];
         }
@@ -48,23 +50,15 @@ void SplitVertices::drop_finished() {
     vertices.surfaces = surfaces;
 }
 
-void CameraSubpaths::follow_only(std::uint32_t row) {
-    const SplitPlan& splits = context_.plan->splits;
-    if (splits.only == SplitPlan::Only::none) paths_[row].rays = 0;
-    else
-        branch_samplers_[row] =
-            branch_samplers_[row].branch(splits.only == SplitPlan::Only::first ? 0 : 1, splits.rays);
-}
-
 void CameraSubpaths::keep_split_vertices() {
     const VertexBatch& v = vertices_;
     SplitVertices* level = nullptr;
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
-        const Subpath& path = paths_[row];
-        if (SplitVertices::branches(path) == 1) continue;
-        if (context_.plan->splits.only != SplitPlan::Only::all && !path.all_lobes) {
-            follow_only(row);
+        SplitState& split = splits_[row];
+        if (split.branches() == 1) continue;
+        if (context_.plan->splits.ends_paths && !split.all_lobes) {
+            split.rays = 0;
             continue;
         }
         if (level == nullptr) {
@@ -82,10 +76,12 @@ void CameraSubpaths::keep_split_vertices() {
         level->vertices.points[k] = v.points[j];
         level->vertices.sources[k] = v.sources[j];
         level->vertices.bsdfs[k] = v.bsdfs[j];
-        level->paths[k] = path;
+        level->paths[k] = paths_[row];
+        level->splits[k] = split;
+        level->shares[k] = technique_shares(row);
         level->trackers[k] = record_.tracker(row);
         level->samplers[k] = branch_samplers_[row];
-        if (!path.all_lobes) branch_samplers_[row] = branch_samplers_[row].branch(0, path.rays);
+        if (!split.all_lobes) branch_samplers_[row] = branch_samplers_[row].branch(0, split.rays);
     }
 }
 
@@ -101,8 +97,10 @@ bool CameraSubpaths::go_back() {
         for (std::size_t k = 0; k < level.vertices.count; ++k) {
             const std::uint32_t row = level.vertices.rows[k];
             paths_[row] = level.paths[k];
+            splits_[row] = level.splits[k];
+            if (!shares_.empty()) shares_[row] = level.shares[k];
             record_.go_back(row, level.trackers[k]);
-            branch_samplers_[row] = level.samplers[k].branch(branch, SplitVertices::branches(level.paths[k]));
+            branch_samplers_[row] = level.samplers[k].branch(branch, level.splits[k].branches());
         }
         counters().branches += level.vertices.count;
         std::swap(vertices_, level.vertices);

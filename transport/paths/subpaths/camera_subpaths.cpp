@@ -7,11 +7,11 @@
 namespace raylex::transport {
 namespace {
 
-/// A pilot bounds the depth of its paths, and where it watches them they do not end at random.
+/// A pilot bounds the depth of its paths, and may follow them until they end by themselves.
 WalkOptions bounded(WalkOptions options, const PathPlan* plan) {
     if (plan == nullptr) return options;
     options.max_depth = std::min(options.max_depth, plan->most_depth);
-    if (plan->watch != nullptr) options.roulette_below = 0;
+    if (plan->follows_whole_paths) options.roulette_below = 0;
     return options;
 }
 
@@ -22,11 +22,17 @@ CameraSubpaths::CameraSubpaths(const PathContext& context, WalkOptions options)
            Record(*context.events, static_cast<std::size_t>(context.batch_capacity))),
       planned_(context.plan != nullptr && context.plan->changes_paths()),
       live_lobes_(!options.densities && !context.beauty && context.events->prunes()) {
-    if (planned_) branch_samplers_.resize(paths_.size());
+    if (planned_) {
+        branch_samplers_.resize(paths_.size());
+        splits_.resize(paths_.size());
+    }
+    if (context.plan != nullptr && context.plan->shares.any()) shares_.resize(paths_.size());
+    if (scene_.tests_alpha()) travelled_.resize(paths_.size());
 }
 
 void CameraSubpaths::begin(const CameraBatch& batch, ThreadServices& services, IntegratorCounters& counters) {
     levels_in_use_ = 0;
+    later_ = services.later;
     std::span<const PixelSampler> samplers = batch.samplers;
     if (planned_) {
         std::copy(samplers.begin(), samplers.end(), branch_samplers_.begin());
@@ -34,6 +40,9 @@ void CameraSubpaths::begin(const CameraBatch& batch, ThreadServices& services, I
     }
     Walk::begin(samplers, counters);
     record_.begin(services.lpe, batch.rays.size());
+    std::fill(splits_.begin(), splits_.end(), SplitState());
+    std::fill(shares_.begin(), shares_.end(), TechniqueShares());
+    std::fill(travelled_.begin(), travelled_.end(), Real(0));
     for (std::size_t i = 0; i < batch.rays.size(); ++i) {
         const auto row = static_cast<std::uint32_t>(i);
         Subpath& path = paths_[row];
@@ -46,8 +55,8 @@ void CameraSubpaths::begin(const CameraBatch& batch, ThreadServices& services, I
             if (batch.weights[i] > 0) path.roulette_scale = 1 / batch.weights[i];
         }
         if (options_.densities) {
-            sums_[row] = StrategySums();
-            sums_[row].join = 1;  // of the first vertex with the camera: t = 1
+            mis_weights_[row] = PartialMisWeights();
+            mis_weights_[row].connects = 1;  // the first vertex with the camera: t = 1
         }
         push(row, batch.rays[i]);
     }
@@ -59,7 +68,7 @@ bool CameraSubpaths::advance(ThreadServices& services) {
     if (record_.events().wants_user()) report_surfaces();
     if (live_lobes_) keep_live_lobes();
     write_first_hits(context_, vertices_, first_entries(), first_hits_, services.display);
-    if (planned_ && (context_.plan->splits.any() || context_.plan->watch != nullptr))
+    if (planned_ && (context_.plan->splits.any() || context_.plan->follows_whole_paths))
         for (std::size_t j = 0; j < vertices_.count; ++j) split(j);
     return true;
 }

@@ -1,6 +1,6 @@
-// Subpaths from the camera, one a row, side by side: a walk that begins with camera rays, writes what each camera ray
-// leaves behind (distance, opacity, surface, geometric AOVs), reports the user events of surfaces, and splits paths
-// where the render's plan does. An integrator adds the light that the subpaths meet.
+// Subpaths from the camera, one a row, side by side: a walk that begins with camera rays, writes distance, opacity,
+// surface and geometric AOVs of first hits, reports the user events of surfaces, and splits paths where the plan of the
+// render does. An integrator adds the light that the subpaths meet.
 //
 //     camera.begin(batch, services, counters);
 //     while (camera.advance(services)) {
@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "transport/paths/first_hits.h"
-#include "transport/paths/splits.h"
+#include "transport/paths/plan/splits.h"
 #include "transport/paths/walk.h"
 
 namespace raylex::transport {
@@ -30,28 +30,32 @@ class CameraSubpaths : public Walk<TransportMode::radiance> {
     CameraSubpaths(const PathContext& context, WalkOptions options);
 
     void begin(const CameraBatch& batch, ThreadServices& services, IntegratorCounters& counters);
-    /// One ray of each subpath. False: no subpath goes on, or `services` say to leave.
+    /// Traces one ray of each subpath. False: no subpath goes on, or services.leaving().
     bool advance(ThreadServices& services);
     void scatter();
 
-    /// How the row's subpath looks for light from its vertex; see Subpath.
+    /// Sets among which lights (Subpath::lights) and with which techniques the row's subpath looks for light from its
+    /// vertex.
     void choose_techniques(std::uint32_t row, std::uint8_t lights, const TechniqueShares& shares) {
-        Subpath& path = paths_[row];
-        path.lights = lights;
-        path.light_share = shares.light;
-        path.ray_share = shares.ray;
+        paths_[row].lights = lights;
+        if (!shares_.empty()) shares_[row] = shares;
     }
-    /// Draws the numbers of light samples from all vertices; pair(j) gives them.
+    /// The expected number of rays that leave the vertex of a row in directions with a density.
+    [[nodiscard]] Real expected_rays(std::uint32_t row) const {
+        const Real rays = splits_.empty() ? 1 : static_cast<Real>(splits_[row].rays);
+        return shares_.empty() ? rays : shares_[row].ray * rays;
+    }
+    /// Draws the numbers of light samples of all vertices; pair(j) returns them.
     void draw_light_pairs() { draw_pairs(light_sample_dimension); }
-    /// Whether vertex j can be connected with light: something scatters there, and a path one event longer is not too
-    /// long. In bodies it depends on the direction: call the second overload as well.
+    /// Whether vertex j can be connected with light: its closure has a density, and a path one event longer is not too
+    /// long. In bodies the length depends on the direction: call the second overload as well.
     [[nodiscard]] bool can_connect(std::size_t j) const { return vertices().bsdfs[j].has_density() && may_scatter(j); }
     [[nodiscard]] bool can_connect(std::size_t j, const Vec3& direction) const {
         if (!depth_limit().has_bodies()) return true;
         const VertexDepth vertex = vertex_depth(j);
         return depth_limit().allows(vertex.before + depth_limit().event(vertex, vertices().points[j], direction));
     }
-    /// Whether anything counts that connections of vertex j may bring (Law 4).
+    /// Whether a channel takes light that connections of vertex j may bring (Law 4).
     [[nodiscard]] bool needs_connections(std::size_t j) const {
         const VertexBatch& v = vertices();
         return record_.is_live(v.rows[j], v.sources[j].label, v.points[j].material);
@@ -68,8 +72,7 @@ class CameraSubpaths : public Walk<TransportMode::radiance> {
   private:
     void split(std::size_t j);
     void keep_split_vertices();
-    void follow_only(std::uint32_t row);
-    /// Subpaths go on from vertices that were kept, when nothing else goes on. False: all is done.
+    /// When no subpath goes on, subpaths go back to vertices that were kept. Returns false if there are none.
     bool go_back();
     void report_surfaces();
     void keep_live_lobes();

@@ -38,7 +38,7 @@ void Connections::add_light_sample(const CameraSubpaths& subpaths, std::size_t j
     pending.technique = {1, path.depth + 2};
     pending.value = value;
     pending.lobes = f.lobes;
-    if (!record.takes_all(row) && !is_worth_a_ray(record)) return;
+    if (!record.takes_all(row) && !needs_shadow_ray(record)) return;
     Ray& ray = shadow_rays_.emplace_back();
     make_at(ray, [&] {
         return shadow_ray(v.points[j].position, v.points[j].geometric_normal, v.sources[j].offset.here, sample);
@@ -46,36 +46,37 @@ void Connections::add_light_sample(const CameraSubpaths& subpaths, std::size_t j
     ray.time = v.hits[j].time;
 }
 
-void Connections::add_join(const CameraSubpaths& subpaths, const VertexJoin& join) {
+void Connections::add_connection(const CameraSubpaths& subpaths, const VertexConnection& connection) {
     const VertexBatch& v = subpaths.vertices();
-    const std::uint32_t row = v.rows[join.j];
+    const std::uint32_t row = v.rows[connection.j];
     const Record& record = subpaths.record();
-    const Rgb value = join.unweighted * join.weight;
-    if (record.wants_blocked_light()) blockable_.push_back({Rgb(), join.unweighted});
+    const Rgb value = connection.unweighted * connection.weight;
+    if (record.wants_blocked_light()) blockable_.push_back({Rgb(), connection.unweighted});
     else if (value.is_black()) return;
-    ends_.push_back(join.end);
+    ends_.push_back(connection.end);
     Pending& pending = pending_.emplace_back();
     pending.row = row;
     pending.light = no_light;
-    pending.label = v.sources[join.j].label;
-    pending.medium = in_media_ ? subpaths.medium_towards(join.j, join.shadow_ray.direction) : -1;
+    pending.label = v.sources[connection.j].label;
+    pending.medium = in_media_ ? subpaths.medium_towards(connection.j, connection.shadow_ray.direction) : -1;
     pending.end = static_cast<std::uint32_t>(ends_.size() - 1);
-    pending.technique = {join.light_vertices, subpaths.path(row).depth + 2};
+    pending.technique = {connection.light_vertices, subpaths.path(row).depth + 2};
     pending.value = value;
-    pending.lobes = join.f->lobes;
-    if (!record.takes_all(row) && !is_worth_a_ray(record)) return;
-    shadow_rays_.push_back(join.shadow_ray);
-    shadow_rays_.back().time = v.hits[join.j].time;
+    pending.lobes = connection.f->lobes;
+    if (!record.takes_all(row) && !needs_shadow_ray(record)) return;
+    shadow_rays_.push_back(connection.shadow_ray);
+    shadow_rays_.back().time = v.hits[connection.j].time;
 }
 
-bool Connections::is_worth_a_ray(const Record& record) {
+bool Connections::needs_shadow_ray(const Record& record) {
     const Pending& p = pending_.back();
     const LightEnd* end = p.end == no_end ? nullptr : &ends_[p.end];
-    const Record::Worth worth =
-        record.worth_connecting(p.row, p.label, p.lobes, p.light, end, scene_.geometry->has_alpha());
-    if (worth == Record::Worth::a_ray || (worth == Record::Worth::as_it_is && scene_.media->any())) return true;
-    ++not_worth_;
-    if (worth == Record::Worth::as_it_is) {
+    using Liveness = Record::Liveness;
+    const Liveness live =
+        record.liveness_of_connection(p.row, p.label, p.lobes, p.light, end, scene_.geometry->has_alpha());
+    if (live == Liveness::if_visible || (live == Liveness::if_visible_or_not && scene_.media->any())) return true;
+    ++rays_left_out_;
+    if (live == Liveness::if_visible_or_not) {
         display::Tracker tracker = record.after(p.row, p.label, p.lobes);
         const Rgb unweighted = blockable_.back().unweighted;
         Arrival arrival{p.value, {}, unweighted, 1, end != nullptr};
@@ -87,7 +88,7 @@ bool Connections::is_worth_a_ray(const Record& record) {
     return false;
 }
 
-/// From behind what is in between; `arrival` is whole but for what blocked light wants.
+/// `tracker` has moved past everything in between. `arrival` lacks the emitted radiance alone.
 void Connections::report_one(const Record& record, std::size_t i, Arrival& arrival, display::Tracker& tracker) const {
     const Pending& p = pending_[i];
     if (p.end == no_end) record.reach_light(tracker, p.light);
@@ -99,7 +100,7 @@ void Connections::report_one(const Record& record, std::size_t i, Arrival& arriv
 void Connections::report(CameraSubpaths& subpaths) {
     const std::size_t count = pending_.size();
     IntegratorCounters& counters = subpaths.counters();
-    counters.pruned[static_cast<std::size_t>(Pruned::shadow_rays)] += std::exchange(not_worth_, 0);
+    counters.pruned[static_cast<std::size_t>(Pruned::shadow_rays)] += std::exchange(rays_left_out_, 0);
     if (count == 0) return;
     const Record& record = subpaths.record();
     const EmbreeScene& geometry = *scene_.geometry;
@@ -107,7 +108,7 @@ void Connections::report(CameraSubpaths& subpaths) {
     blocked_.resize(std::max(blocked_.size(), count));
     geometry.occluded(shadow_rays_, {blocked_.data(), count});
     const bool blockable = record.wants_blocked_light();
-    const bool straight = scene_.tests_alpha() || in_media_;
+    const bool attenuates = scene_.tests_alpha() || in_media_;
     for (std::size_t i = 0; i < count; ++i) {
         if (blocked_[i] && !blockable) continue;
         const Pending& pending = pending_[i];
@@ -117,18 +118,18 @@ void Connections::report(CameraSubpaths& subpaths) {
                         blockable ? blockable_[i].unweighted : Rgb(),
                         blocked_[i] ? 0.0f : 1.0f,
                         pending.end != no_end};
-        if (straight && (!blocked_[i] || in_media_)) {
+        if (attenuates && (!blocked_[i] || in_media_)) {
             Rgb transmittance(1);
-            // Behind what blocks it, for the media there: what is in the way of light that is not blocked counts too.
+            // Channels of blocked light take what the media let pass, also those behind the surface that blocks it.
             const bool to_the_end = in_media_ && blockable;
-            StraightWalk walk{scene_, record, counters, to_the_end};
+            PassThroughRay walk{.scene = scene_, .record = record, .counters = counters, .to_the_end = to_the_end};
             if (in_grids_)
                 walk.numbers = FlightNumbers(subpaths.sampler(pending.row)
                                                  .key(subpath_dimensions<TransportMode::radiance>.connections +
                                                       subpaths.path(pending.row).depth),
                                              pending.technique.s);
-            arrival.visibility = straight_transmittance(walk, shadow_rays_[i], arrival.visibility, pending.medium,
-                                                        tracker, transmittance);
+            arrival.visibility = pass_through_transmittance(walk, shadow_rays_[i], arrival.visibility, pending.medium,
+                                                            tracker, transmittance);
             if (!(arrival.visibility > 0) && !blockable) continue;
             arrival.value *= arrival.visibility;
             if (in_media_) {

@@ -1,5 +1,4 @@
-// Connections from camera subpaths to light: shadow rays in batches, with what cutouts and media on the way let
-// through.
+// Connections from camera subpaths to light: shadow rays in batches, attenuated by cutouts and media on the way.
 #pragma once
 
 #include <span>
@@ -10,15 +9,15 @@
 
 namespace raylex::transport {
 
-/// A vertex of a camera subpath joined with one of a light subpath.
-struct VertexJoin {
-    std::size_t j = 0;                  ///< in the camera subpaths' vertices
+/// A vertex of a camera subpath connected with one of a light subpath.
+struct VertexConnection {
+    std::size_t j = 0;                  ///< index into the vertices of the camera subpaths
     const BsdfEvaluation* f = nullptr;  ///< the scattering there
-    Rgb unweighted;                     ///< that it brings to the camera if nothing is in between
-    Real weight = 1;                    ///< of it, by multiple importance sampling
-    LightEnd end;
-    std::uint32_t light_vertices = 2;  ///< made from the light: s of its technique
-    Ray shadow_ray;                    ///< from vertex j
+    Rgb unweighted{};                   ///< contribution if nothing is in between, before `weight`
+    Real weight = 1;                    ///< of multiple importance sampling
+    LightEnd end{};
+    std::uint32_t light_vertices = 2;  ///< s: number of vertices made from the light
+    Ray shadow_ray{};                  ///< from vertex j
 };
 
 class Connections {
@@ -27,13 +26,13 @@ class Connections {
         : scene_(scene), in_media_(scene.asks_for_media()), in_grids_(scene.media->any_grids()) {}
     void clear();
 
-    /// A light sample, `f` being what its vertex scatters towards it: throughput x f x radiance x weight / pdf. Left
-    /// out if nothing comes of it (Law 4).
+    /// Adds a light sample: throughput x f x radiance x weight / pdf. `f`: the scattering of vertex j towards the
+    /// light. Left out if no channel takes it (Law 4).
     void add_light_sample(const CameraSubpaths& subpaths, std::size_t j, const LightSample& sample,
                           const BsdfEvaluation& f, Real weight);
-    void add_join(const CameraSubpaths& subpaths, const VertexJoin& join);
-    /// Traces all shadow rays, reports what arrives, and forgets it. Adds the rays that were left out to
-    /// Pruned::shadow_rays.
+    void add_connection(const CameraSubpaths& subpaths, const VertexConnection& connection);
+    /// Traces all shadow rays, reports the light that arrives, and forgets the connections. Adds the rays that were
+    /// left out to Pruned::shadow_rays.
     void report(CameraSubpaths& subpaths);
 
   private:
@@ -49,8 +48,8 @@ class Connections {
     struct Blockable {
         Rgb emitted, unweighted;
     };
-    /// Whether the last of pending_ is to be traced; it is reported or dropped if not.
-    bool is_worth_a_ray(const Record& record);
+    /// Whether to trace a ray for the last of pending_. If not, it was reported or dropped.
+    bool needs_shadow_ray(const Record& record);
     void report_one(const Record& record, std::size_t i, Arrival& arrival, display::Tracker& tracker) const;
 
     const SceneView scene_;
@@ -60,7 +59,7 @@ class Connections {
     std::vector<LightEnd> ends_;
     std::vector<Ray> shadow_rays_;
     std::vector<std::uint8_t> blocked_;
-    std::uint64_t not_worth_ = 0;  // shadow rays since the last report
+    std::uint64_t rays_left_out_ = 0;  // since the last report
 };
 
 }  // namespace raylex::transport

@@ -4,8 +4,17 @@
 
 namespace raylex::transport {
 
-DirectLight::DirectLight(const PathContext& context, LightChoice choice, bool by_receiver, PathStrategy strategy)
+LightChoice light_choice(LightSelection selection, PathStrategy strategy) {
+    const bool all = strategy == PathStrategy::light;
+    if (selection == LightSelection::uniform)
+        return all ? LightChoice::light_sampling_uniform : LightChoice::mis_uniform;
+    return all ? LightChoice::light_sampling : LightChoice::mis;
+}
+
+DirectLight::DirectLight(const PathContext& context, LightSelection selection, PathStrategy strategy)
     : context_(&context), strategy_(strategy) {
+    const LightChoice choice = light_choice(selection, strategy);
+    const bool by_receiver = selection == LightSelection::receiver;
     if (context.plan != nullptr && context.plan->lights && context.plan->lights->is_of(choice, by_receiver))
         lights_ = context.plan->lights;
     else lights_ = std::make_shared<const LiveLights>(context.scene, *context.events, choice, by_receiver);
@@ -53,17 +62,20 @@ bool DirectLight::draw(CameraSubpaths& camera, std::size_t j, LightSample& sampl
     return strategy_ != PathStrategy::scattering || sample.delta;
 }
 
-Real DirectLight::density(const Subpath& path, const EmitterHit& hit) const {
+Real DirectLight::density(const CameraSubpaths& camera, const EmitterHit& hit) const {
+    const Subpath& path = camera.path(hit.row);
     if (path.specular || strategy_ == PathStrategy::scattering) return 0;
     const SceneView& scene = context_->scene;
-    return path.light_share * scene.lights->density((*lights_)[path.lights], *scene.geometry, hit.light,
-                                                    {path.from, path.from_normal}, hit.point, hit.hit);
+    return camera.technique_shares(hit.row).light * scene.lights->density((*lights_)[path.lights], *scene.geometry,
+                                                                          hit.light, {path.from, path.from_normal},
+                                                                          hit.point, hit.hit);
 }
 
-Real DirectLight::density(const Subpath& path, std::uint32_t light, const Vec3& direction) const {
+Real DirectLight::density(const CameraSubpaths& camera, const EscapedRay& ray, std::uint32_t light) const {
+    const Subpath& path = camera.path(ray.row);
     if (path.specular || strategy_ == PathStrategy::scattering) return 0;
-    return path.light_share *
-           context_->scene.lights->environment_density((*lights_)[path.lights], light, path.from, direction);
+    return camera.technique_shares(ray.row).light *
+           context_->scene.lights->environment_density((*lights_)[path.lights], light, path.from, ray.direction);
 }
 
 void DirectLight::report_hidden_environments(const CameraSubpaths& camera) const {

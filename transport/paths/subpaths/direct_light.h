@@ -17,14 +17,19 @@ namespace raylex::transport {
 /// leaves all but delta lights to scattering.
 enum class PathStrategy : std::uint8_t { mis, light, scattering };
 
+/// How the light of a light sample is chosen: by what each can send to the receiver, where there are many; by emitted
+/// power (one choice in ten is uniform); or with the same probability for each.
+enum class LightSelection : std::uint8_t { receiver, power, uniform };
+
+LightChoice light_choice(LightSelection selection, PathStrategy strategy);
+
 /// Tables for a whole render, shared by all threads. Every vertex samples among the lights whose light some channel can
 /// still accept (Law 4). At a last vertex the plan's shares decide whether it takes a light sample.
 class DirectLight {
   public:
     DirectLight() = default;
-    /// `by_receiver`: where there are many lights they are chosen by what each can send to the vertex. `context` must
-    /// outlive the object.
-    DirectLight(const PathContext& context, LightChoice choice, bool by_receiver, PathStrategy strategy);
+    /// `context` must outlive the object.
+    DirectLight(const PathContext& context, LightSelection selection, PathStrategy strategy);
     /// For bdpt, whose weights need the same choice of lights at every vertex: among the lights that connections may
     /// meet by `language` (null: all).
     DirectLight(const PathContext& context, const LightLanguage* language);
@@ -37,10 +42,10 @@ class DirectLight {
     void sample(CameraSubpaths& camera, Connections& connections, Weight weight) const;
     /// The density, per steradian, with which a light sample from where the subpath was scattered finds the emitter
     /// that the subpath has met; 0 where light sampling does not find it.
-    [[nodiscard]] Real density(const Subpath& path, const EmitterHit& hit) const;
+    [[nodiscard]] Real density(const CameraSubpaths& camera, const EmitterHit& hit) const;
     /// The density, per steradian, with which a light sample from where the subpath was scattered finds the infinite
-    /// light in `direction`; 0 where light sampling does not find it.
-    [[nodiscard]] Real density(const Subpath& path, std::uint32_t light, const Vec3& direction) const;
+    /// light behind the escaped ray; 0 where light sampling does not find it.
+    [[nodiscard]] Real density(const CameraSubpaths& camera, const EscapedRay& ray, std::uint32_t light) const;
     /// For channels that take blocked light: where a ray hits a surface, reports with visibility 0 the infinite lights
     /// behind the surface that light sampling never finds.
     void report_hidden_environments(const CameraSubpaths& camera) const;
@@ -64,7 +69,9 @@ void DirectLight::sample(CameraSubpaths& camera, Connections& connections, Weigh
     for (std::size_t j = 0; j < v.count; ++j) {
         LightSample light;
         if (!camera.can_connect(j) || !draw(camera, j, light)) continue;
-        const BsdfEvaluation f = v.bsdfs[j].evaluate(v.points[j].wo, light.wi);
+        const BsdfEvaluation f =
+            evaluate_scattering<TransportMode::radiance, false>(context_->directions, v.bsdfs[j], v.points[j], light.wi)
+                .f;
         if (!f.value.is_black()) connections.add_light_sample(camera, j, light, f, weight(j, light, f));
     }
 }

@@ -22,7 +22,7 @@ LightSubpaths::LightSubpaths(const PathContext& context, const LightEmitters& em
     : Walk(context, options,
            LightRecord(*context.events, emitters.language(), static_cast<std::size_t>(context.batch_capacity))),
       emitters_(emitters) {
-    if (options.densities) origins_.resize(paths_.size());
+    origins_.resize(paths_.size());
 }
 
 void LightSubpaths::begin(const CameraBatch& batch, ThreadServices& services, IntegratorCounters& counters) {
@@ -60,7 +60,7 @@ void LightSubpaths::start(std::uint32_t row, const EmissionSample& s, Real time)
     }
     path.beta = power;
     path.roulette_scale = power.max();
-    path.light = s.from.light;
+    origins_[row] = s.from;
     path.specular = false;
     path.from = light.is_area() ? s.from.target : s.origin;
     record_.leave_light(row, s.from.light);
@@ -73,13 +73,12 @@ void LightSubpaths::start(std::uint32_t row, const EmissionSample& s, Real time)
         const EmissionDensity density =
             scene_.lights->emission_density(emitters_.chooser(), *scene_.geometry, s.from, s.direction);
         path.pdf = density.direction;
-        path.cosine = light.is_area() ? std::abs(dot(s.from.target_normal, s.direction)) : 1;
-        path.from_infinity = s.from.infinite;
-        origins_[row] = s.from;
-        StrategySums& sums = sums_[row];
-        sums = StrategySums();
-        sums.previous = static_cast<double>(density.position);
-        sums.tail = light.is_delta() ? 0 : 1;  // camera subpaths find what is not a delta light by themselves
+        PartialMisWeights& mis_weights = mis_weights_[row];
+        mis_weights = PartialMisWeights();
+        mis_weights.previous = static_cast<double>(density.position);
+        if (light.is_area())
+            mis_weights.to_previous = static_cast<double>(std::abs(dot(s.from.target_normal, s.direction)));
+        mis_weights.tail = light.is_delta() ? 0 : 1;  // camera subpaths find what is not a delta light by themselves
     }
     Ray ray;
     ray.origin = s.origin;
@@ -118,7 +117,7 @@ LightSubpathVertex LightSubpaths::vertex(std::size_t j) const {
     vertex.ahead = record_.ahead(row, v.sources[j].label, v.points[j].material);
     vertex.time = v.hits[j].time;
     vertex.key = scene_.media->any_grids() ? sampler(row).key(dimensions.connections + vertex.depth) : 0;
-    if (options_.densities) vertex.sums = sums_[row];
+    if (options_.densities) vertex.mis_weights = mis_weights_[row];
     vertex.weighted = options_.densities;
     return vertex;
 }

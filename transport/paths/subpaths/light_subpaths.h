@@ -16,7 +16,7 @@
 
 namespace raylex::transport {
 
-/// Where light subpaths begin, for a whole render: the lights of which a channel can still take something.
+/// The lights from which light subpaths begin, for a whole render: those of which a channel can take something.
 class LightEmitters {
   public:
     LightEmitters() = default;
@@ -45,14 +45,14 @@ class LightSubpaths : public Walk<TransportMode::importance> {
     /// `context` and `emitters` must outlive the subpaths.
     LightSubpaths(const PathContext& context, const LightEmitters& emitters, const WalkOptions& options);
 
-    /// Each at the time of the camera ray of its sample. LightEnds of the batch before are no longer good.
+    /// Begins one subpath for each camera ray, at its time. LightEnds of the batch before become invalid.
     void begin(const CameraBatch& batch, ThreadServices& services, IntegratorCounters& counters);
-    /// One ray of each subpath. False: no subpath goes on, or `services` say to leave.
+    /// Traces one ray of each subpath. False: no subpath goes on, or services.leaving().
     bool advance(ThreadServices& services);
 
     /// Vertex j, to be connected with the camera or with camera subpaths. Points into vertices().
     [[nodiscard]] LightSubpathVertex vertex(std::size_t j) const;
-    /// Whether anything counts of a connection of the camera's vertex j with `vertex`, which has this material. Counts
+    /// Whether a channel takes a connection of the camera's vertex j with `vertex`, which has this material. Counts
     /// connections that are left out.
     [[nodiscard]] bool may_connect(CameraSubpaths& camera, std::size_t j, const LightSubpathVertex& vertex,
                                    std::int32_t material) const {
@@ -60,7 +60,7 @@ class LightSubpaths : public Walk<TransportMode::importance> {
         if (record_.is_live_connection(camera.record(), v.rows[j], v.sources[j].label, v.points[j].material, vertex.end,
                                        material))
             return true;
-        camera.counters().count(Pruned::joins);
+        camera.counters().count(Pruned::connections);
         return false;
     }
 

@@ -6,8 +6,8 @@ namespace raylex::transport {
 
 namespace {
 
-/// What may be ahead of paths of one state, and of several: words of state, branches of a tracker and packed channels
-/// each bring their own. All unions of these sets while there are few, and what none goes beyond.
+/// Sets of terminals that may lie ahead of a path in one state, or in several: a tracker holds several states, for
+/// branches and for packed channels. Returns the unions of these sets, up to `most`, and a set that contains them all.
 std::vector<std::uint64_t> sets_of_terminals(const display::Foresight& foresight, std::size_t most) {
     std::vector<std::uint64_t> sets;
     const auto add = [&](std::uint64_t set) {
@@ -37,7 +37,7 @@ LiveLights::LiveLights(const SceneView& scene, const EventTable& events, LightCh
         for (std::uint32_t light = 0; light < count; ++light)
             wanted[light] = (terminals & events.foresight().bit_of(events.terminal(light))) != 0;
         const auto lights_of_set = static_cast<std::size_t>(std::count(wanted.begin(), wanted.end(), 1));
-        if (lights_of_set == count) continue;  // `all` will do
+        if (lights_of_set == count) continue;  // the same as `all`
         LightChooser chooser = make(wanted);
         if (chooser.empty()) {
             sets_.push_back({terminals, lights_of_set, none});

@@ -1,4 +1,4 @@
-// Which lights a vertex's light sample goes to: those that a channel can still take (Law 4).
+// The lights among which a vertex draws its light sample: those whose light a channel can still take (Law 4).
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace raylex::transport {
 
 class LiveLights {
   public:
-    /// Numbers of choosers: among all lights, among none.
+    /// Numbers of two choosers: among all lights, and among none.
     static constexpr std::uint8_t all = 0, none = 1;
 
     LiveLights() = default;

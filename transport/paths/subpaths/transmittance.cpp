@@ -19,8 +19,8 @@ Real emitter_opacity(const SceneView& scene, const LightSample& sample, const Ve
     return scene.opacity(shape, point[0]);
 }
 
-Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std::int32_t medium,
-                            display::Tracker& tracker, Rgb& through) {
+Real pass_through_transmittance(const PassThroughRay& walk, Ray ray, Real visible, std::int32_t medium,
+                                display::Tracker& tracker, Rgb& through) {
     const EmbreeScene& geometry = *walk.scene.geometry;
     const bool finite_end = ray.t_max < infinity;
     const Vec3 end = ray.origin + ray.direction;
@@ -48,7 +48,7 @@ Real straight_transmittance(const StraightWalk& walk, Ray ray, Real visible, std
         geometry.surfaces(rays, hits, point, source);
         const ShapeGeometry& shape = geometry.shapes()[hit.shape];
         visible *= 1 - walk.scene.opacity(shape, point[0]);
-        if (visible > 0) walk.record.pass_straight(tracker, source[0].label);
+        if (visible > 0) walk.record.pass_through(tracker, source[0].label);
         else if (!walk.to_the_end) return 0;
         if (shape.border) medium = shape.medium_towards(point[0].geometric_normal, ray.direction, medium);
         ray.origin =

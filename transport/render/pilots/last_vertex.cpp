@@ -6,6 +6,7 @@
 
 #include "transport/cameras/camera.h"
 #include "transport/math/sampling.h"
+#include "transport/paths/subpaths/camera_subpaths.h"
 #include "transport/paths/subpaths/transmittance.h"
 
 namespace raylex::transport {
@@ -13,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t pilot_grid = 16, pilot_samples = 32;
 
-/// What one technique finds from a vertex.
+/// Light that one technique finds from a vertex.
 struct Found {
     double value = 0;         ///< without the MIS weight
     Real own = 0, other = 0;  ///< densities, of the technique and of the other one
@@ -27,8 +28,8 @@ struct PilotPath {
 struct Moments {
     double second = 0, by_light = 0, by_ray = 0;
 
-    /// Both techniques' samples estimate them, weighed as if each were always taken: what one of them hardly finds, and
-    /// would be noisy in, the other shows.
+    /// Samples of both techniques estimate the integrals, weighted as if both were always taken: where one technique
+    /// finds little and is noisy, the other gives the estimate.
     void add(const Found& found, bool is_light, const TechniqueShares& shares) {
         if (!(found.value > 0)) return;
         const double f = found.value * double{found.own};
@@ -63,7 +64,7 @@ class Pilot {
           table_(context.services.channels, 1, 0),
           lpe_(context.services.on(table_)) {}
 
-    /// False where the shares of last vertices do not apply to what the camera sees first.
+    /// Returns false if the vertices that the camera sees first are not last ones.
     bool run() {
         for (std::uint32_t y = 0; y < pilot_grid; ++y)
             for (std::uint32_t x = 0; x < pilot_grid; ++x)
@@ -72,7 +73,7 @@ class Pilot {
         return true;
     }
 
-    /// Whether some channel takes what a medium scatters towards the camera: such vertices are not the pilot's.
+    /// Whether some channel takes light that a medium scatters towards the camera. The pilot has no such vertices.
     [[nodiscard]] bool media_scatter() {
         record_.begin(lpe_, 1);
         for (std::int32_t medium = 0; medium < static_cast<std::int32_t>(scene_.media->size()); ++medium)
@@ -128,8 +129,8 @@ class Pilot {
     std::uint64_t rays_ = 0;
 };
 
-/// To the surface where the ray ends: as for paths, a cutout is passed by chance, after which `pass` is called. False:
-/// it ends at none.
+/// Follows the ray to the surface where it ends. As for paths, a cutout is passed by chance; then calls `pass`. Returns
+/// false if the ray ends at no surface.
 template <class Pass>
 bool Pilot::travel(Journey& journey, FlightNumbers numbers, Pass pass) {
     Ray& ray = journey.ray;
@@ -167,7 +168,7 @@ bool Pilot::trace(std::uint32_t x, std::uint32_t y, std::uint32_t s) {
          (static_cast<Real>(y) + at.y) * static_cast<Real>(context_.view.height) / pilot_grid,
          numbers.get_2d(lens_dimension), sample_time(scene_, numbers)});
     PilotPath& path = paths_.emplace_back();
-    if (!travel(first_, FlightNumbers(numbers.key(5), 1), [&] { record_.pass_straight(0, first_.source.label); }))
+    if (!travel(first_, FlightNumbers(numbers.key(5), 1), [&] { record_.pass_through(0, first_.source.label); }))
         return true;
     SurfacePoint& point = first_.point;
     const display::Foresight::Ahead ahead = record_.ahead(0, first_.source.label, point.material);
@@ -189,7 +190,8 @@ Found Pilot::sample_light(const LightChooser& chooser, const PixelSampler& numbe
                                numbers.get_2d(9), sample))
         return {};
     if (scene_.tests_alpha()) sample.radiance *= emitter_opacity(scene_, sample, point.position);
-    const BsdfEvaluation f = bsdf_.evaluate(point.wo, sample.wi);
+    const BsdfEvaluation f =
+        evaluate_scattering<TransportMode::radiance, false>(context_.directions, bsdf_, point, sample.wi).f;
     if (f.value.is_black()) return {};
     Ray ray = shadow_ray(point.position, point.geometric_normal, first_.source.offset.here, sample);
     ray.time = first_.ray.time;
@@ -201,8 +203,9 @@ Found Pilot::sample_light(const LightChooser& chooser, const PixelSampler& numbe
     Real visible = 1;
     if (scene_.tests_alpha() || scene_.media->any()) {
         display::Tracker tracker = record_.tracker(0);
-        visible = straight_transmittance({scene_, record_, counters_, false, FlightNumbers(numbers.key(5), 2)}, ray,
-                                         visible, medium_towards(first_, sample.wi), tracker, through);
+        visible = pass_through_transmittance(
+            {.scene = scene_, .record = record_, .counters = counters_, .numbers = FlightNumbers(numbers.key(5), 2)},
+            ray, visible, medium_towards(first_, sample.wi), tracker, through);
     }
     return {double{(f.value * sample.radiance * through).average() * visible} / double{sample.pdf}, sample.pdf,
             sample.delta ? 0 : f.pdf};
@@ -210,8 +213,12 @@ Found Pilot::sample_light(const LightChooser& chooser, const PixelSampler& numbe
 
 Found Pilot::sample_ray(const LightChooser& chooser, const PixelSampler& numbers, std::uint64_t terminals) {
     const SurfacePoint& point = first_.point;
-    const BsdfSample s =
-        sample_scattering<TransportMode::radiance>(bsdf_, point, numbers.get_1d(11), numbers.get_2d(10));
+    const Real u_lobe = numbers.get_1d(11);
+    const Vec2 u = numbers.get_2d(10);
+    constexpr TransportMode mode = TransportMode::radiance;
+    const BsdfSample s = context_.directions == nullptr
+                             ? sample_scattering<mode>(bsdf_, point, u_lobe, u)
+                             : sample_direction<mode>(*context_.directions, bsdf_, point, u_lobe, u);
     if (!(s.pdf > 0) || s.weight.is_black() || s.delta) return {};
     Journey onward;
     onward.ray.origin = offset_ray_origin(point.position, point.geometric_normal, first_.source.offset.here, s.wi);
@@ -245,8 +252,8 @@ Found Pilot::sample_ray(const LightChooser& chooser, const PixelSampler& numbers
         lights.density(chooser, *scene_.geometry, light, {point.position, point.shading_normal}, there, onward.hit)};
 }
 
-/// Whether light samples can be left out: a ray can find all of the lights that some channel takes. Asked of the lights
-/// and not of what a pilot met: a spot may be seen by few pixels.
+/// Whether light samples can be left out: rays can find all lights that some channel takes. Checks the lights and not
+/// the pilot's samples, because few pixels may see a spot light.
 bool rays_find_all(const IntegratorContext& context) {
     const display::Foresight& foresight = context.events->foresight();
     const std::uint64_t live = foresight.terminals_ever();

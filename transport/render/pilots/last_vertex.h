@@ -6,13 +6,13 @@
 
 namespace raylex::transport {
 
-/// The shares with the least product of cost (rays) and mean relative variance, where nothing but a light can follow
-/// the first vertex (Law 4), by a pilot of a few thousand paths of one scattering: both cost a ray, and often one finds
-/// nearly all of the light. Each of a fixed set of shares is judged by the same samples: its variance is two integrals
+/// The shares with the least product of cost (rays) and mean relative variance, where only a light can follow the first
+/// vertex (Law 4). Both techniques cost a ray, and often one finds nearly all of the light. A pilot of a few thousand
+/// paths of one scattering compares a fixed set of shares by the same samples. The variance of each is two integrals
 /// over directions (Veach 1997, section 9.2, with fractional numbers of samples), which the samples of both techniques
-/// estimate together. Cutouts and media on the way count as they do for paths, the events of cutouts apart. {1, 1}
-/// where others do not save 5 %, where a vertex is met that more can follow, and where media emit, are inside bodies,
-/// or scatter for some channel. The rays that it traces are added to `rays`.
+/// estimate together. Cutouts and media on the way attenuate as they do for paths; events of cutouts are left out.
+/// Returns {1, 1} where other shares do not save 5 %, where more than a light can follow some vertex, and where media
+/// emit, are inside bodies, or scatter for some channel. Adds the rays that it traces to `rays`.
 TechniqueShares choose_techniques(const IntegratorContext& context, const LiveLights& lights, std::uint64_t& rays);
 
 }  // namespace raylex::transport

@@ -7,13 +7,24 @@
 #include "transport/paths/subpaths/camera_subpaths.h"
 
 namespace raylex::transport {
+namespace {
 
-PathTrial PathTrials::make(const SplitPlan& splits, PathWatch* watch) const {
+std::vector<display::ChannelId> expression_channels(std::span<const display::ChannelDefinition> channels) {
+    std::vector<display::ChannelId> expressions;
+    for (std::size_t i = 0; i < channels.size(); ++i)
+        if (channels[i].style == display::ChannelStyle::expression && display::takes_samples(channels[i]))
+            expressions.push_back(static_cast<display::ChannelId>(i));
+    return expressions;
+}
+
+}  // namespace
+
+PathTrial PathTrials::make(const SplitPlan& splits, bool follows_whole_paths) const {
     PathTrial trial{std::make_unique<PathPlan>(), request_.make_trial()};
     trial.plan->shares = shares_;
     trial.plan->lights = lights_;
     trial.plan->splits = splits;
-    trial.plan->watch = watch;
+    trial.plan->follows_whole_paths = follows_whole_paths;
     trial.plan->most_depth = PilotPaths::most_depth;
     IntegratorContext context = context_;
     context.scene.general_code = {};  // the cost of effects that are forced on changes no choice, as it changes no bit
@@ -32,12 +43,8 @@ PilotPaths::PilotPaths(const IntegratorContext& context)
     : context_(context),
       table_(context.services.channels, context.batch_capacity),
       display_(table_),
-      lpe_(context.services.on(table_)) {
-    for (std::size_t i = 0; i < context.services.channels.size(); ++i)
-        if (context.services.channels[i].style == display::ChannelStyle::expression &&
-            display::takes_samples(context.services.channels[i]))
-            channels_.push_back(static_cast<display::ChannelId>(i));
-}
+      lpe_(context.services.on(table_)),
+      later_(table_, expression_channels(context.services.channels)) {}
 
 std::uint32_t PilotPaths::most_rounds(std::uint32_t most) const {
     constexpr std::uint64_t samples_of_image = 16;  // of each pixel
@@ -51,7 +58,7 @@ void PilotPaths::begin(std::uint32_t round) {
     samplers_.clear();
     for (std::uint32_t y = 0; y < grid; ++y)
         for (std::uint32_t x = 0; x < grid; ++x) {
-            // Not the image's own numbers: what is chosen must not depend on them.
+            // Other numbers than the image's: the plan must not depend on those.
             const PixelSampler numbers(SamplerKind::sobol, ~context_.services.seed, static_cast<std::int32_t>(x),
                                        static_cast<std::int32_t>(y), round);
             const Vec2 at = numbers.get_2d(filter_dimension);
@@ -80,6 +87,8 @@ void PilotPaths::integrate(const Integrator& integrator, IntegratorThread& threa
     const std::span<const display::CameraRow> rows{rows_.data() + first, count};
     table_.begin(rows);
     ThreadServices services{display_, lpe_};
+    later_.begin();
+    services.later = &later_;
     CameraBatch batch{{rays_.data() + first, count}, {samplers_.data() + first, count}, rows};
     if (!weights_.empty()) batch.weights = {weights_.data() + first, count};
     integrator.integrate(batch, thread, services);

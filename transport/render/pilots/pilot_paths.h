@@ -1,4 +1,4 @@
-// Paths through a coarse grid over the image, followed before a render to learn what it had better do.
+// Paths through a coarse grid over the image, followed before a render to choose its plan.
 #pragma once
 
 #include <memory>
@@ -21,8 +21,8 @@ class PathTrials {
     /// All with the shares and lights of `plan`. The first two references must outlive the object.
     PathTrials(const IntegratorContext& context, const PlanRequest& request, const PathPlan& plan)
         : context_(context), request_(request), shares_(plan.shares), lights_(plan.lights) {}
-    /// Paths are bounded by PilotPaths::most_depth. With a watch they do not end at random.
-    [[nodiscard]] PathTrial make(const SplitPlan& splits, PathWatch* watch = nullptr) const;
+    /// Paths are bounded by PilotPaths::most_depth.
+    [[nodiscard]] PathTrial make(const SplitPlan& splits, bool follows_whole_paths = false) const;
 
   private:
     const IntegratorContext& context_;
@@ -31,7 +31,7 @@ class PathTrials {
     const std::shared_ptr<const LiveLights> lights_;
 };
 
-/// In scattering rays with what is done where they hit, as measured on cornell-grey and caustic-ball.
+/// Costs relative to a scattering ray with the shading of its hit, measured on cornell-grey and caustic-ball.
 inline constexpr double camera_ray_cost = 1.3, shadow_ray_cost = 0.7;
 double pilot_cost(const IntegratorCounters& counters);
 inline std::uint64_t pilot_rays(const IntegratorCounters& counters) {
@@ -47,29 +47,22 @@ class PilotPaths {
     PilotPaths(const PilotPaths&) = delete;
     PilotPaths& operator=(const PilotPaths&) = delete;
 
-    /// Expression channels, of which value() tells.
-    [[nodiscard]] const std::vector<display::ChannelId>& channels() const { return channels_; }
-    /// Whether values without throughput are asked for, which count paths as they are drawn: one of each sample.
+    /// The number of expression channels.
+    [[nodiscard]] std::size_t channels() const { return later_.channels().size(); }
+    /// Whether channels take values without throughput, which count paths as they are drawn: one for each sample.
     [[nodiscard]] bool count_alike() const { return lpe_.wants_emitter_samples(); }
-    /// `most`, or fewer where the image is so small that they would be more than some samples of each pixel.
+    /// `most`, or fewer for an image so small that they would exceed 16 samples of each pixel.
     [[nodiscard]] std::uint32_t most_rounds(std::uint32_t most) const;
-    /// One path through each pixel of the grid, by numbers of their own for each round.
+    /// Draws one path through each pixel of the grid, with numbers of its own for each round.
     void begin(std::uint32_t round);
-    /// Follows them, calling visit(first, count) for each batch: it is of the pixels from `first` on.
+    /// Follows them, and calls visit(pixel, path) for each.
     template <class Visit>
     void follow(const Integrator& integrator, IntegratorThread& thread, Visit visit) {
         for (std::size_t first = 0; first < rows_.size(); first += capacity()) {
             const std::size_t count = std::min(capacity(), rows_.size() - first);
             integrate(integrator, thread, first, count);
-            visit(first, count);
+            later_.end(count, [&](std::size_t row, const LaterRadiance::Path& path) { visit(first + row, path); });
         }
-    }
-    /// What a channel (in the order of channels()) has received from a row of the batch so far, the mean of its
-    /// colours.
-    [[nodiscard]] double value(std::size_t channel, std::size_t row) const {
-        if (!table_.touched(channels_[channel])) return 0;
-        const double* values = table_.values(channels_[channel]) + 3 * row;
-        return (values[0] + values[1] + values[2]) / 3;
     }
 
   private:
@@ -80,7 +73,7 @@ class PilotPaths {
     display::SampleTable table_;
     display::DisplayServices display_;
     display::LpeServices lpe_;
-    std::vector<display::ChannelId> channels_;
+    LaterRadiance later_;
     std::vector<display::CameraRow> rows_;
     std::vector<CameraSample> camera_samples_;
     std::vector<Ray> rays_;

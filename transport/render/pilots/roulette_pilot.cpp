@@ -13,13 +13,13 @@ constexpr std::size_t cells = std::size_t{PilotPaths::grid} * PilotPaths::grid;
 
 /// A path that leaves a vertex.
 struct Departure {
-    std::uint32_t row = 0, state = 0;  // state: its number
+    std::uint32_t state = 0;  // its number
     double throughput = 0;
     bool split = false;
-    std::size_t values = 0;  // what channels had received by then, from there on
+    std::size_t behind = 0;  // in values_: what channels received from then on
 };
 
-/// Of all departures in one state.
+/// Sums over all departures in one state.
 struct StateSums {
     double squares = 0, departures_behind = 0;
     std::uint32_t departures = 0, finds = 0;
@@ -31,31 +31,25 @@ struct Product {
     double cost = 0, variance = 0;  // the variance that roulette adds
 };
 
-class RoulettePilot final : public PathWatch {
+class RoulettePilot {
   public:
     RoulettePilot(const IntegratorContext& context, const PathTrials& trials, const SplitChoice& splits, Real below)
         : paths_(context),
-          trial_(trials.make({}, this)),
+          trial_(trials.make({}, true)),
           thread_(trial_.integrator->make_thread_state()),
           rays_(splits.plan.rays),
           noise_(splits.noise),
           below_(static_cast<double>(below)),
-          channels_(paths_.channels().size()) {}
+          channels_(paths_.channels()) {}
 
     [[nodiscard]] RouletteTable run();
     [[nodiscard]] std::uint64_t rays() const { return pilot_rays(thread_->counters); }
-
-    void leaves(std::uint32_t row, std::uint64_t state, Real throughput, bool split) override {
-        const auto number = numbers_.try_emplace(state, static_cast<std::uint32_t>(numbers_.size())).first->second;
-        batch_.push_back({row, number, static_cast<double>(throughput), split, values_.size()});
-        for (std::size_t c = 0; c < channels_; ++c) values_.push_back(paths_.value(c, row));
-    }
 
   private:
     static constexpr std::uint32_t first_rounds = 8, most_rounds = 32;
     static constexpr std::uint64_t most_rays = 80'000;
     static constexpr std::size_t most_values = std::size_t{1} << 21;  // 16 MB
-    /// A mean square is known to a third then, and strength by its root.
+    /// After so many finds a mean square is known to a third.
     static constexpr std::uint32_t enough_finds = 32;
     static constexpr double promising = 0.95, worthwhile = 0.9;
     /// Of the strength that is best where what roulette adds to the variance is little.
@@ -66,17 +60,17 @@ class RoulettePilot final : public PathWatch {
 
     struct Path {
         std::size_t first, count;  // of departures_
-        std::size_t cell, values;  // in the end
+        std::size_t cell, values;  // values: in values_, what channels received of it
     };
     [[nodiscard]] bool dear_enough() const { return rays() >= most_rays || values_.size() >= most_values; }
     void follow(std::uint32_t round);
-    void keep(std::size_t first, std::size_t count);
+    void keep(std::size_t cell, const LaterRadiance::Path& path);
     void weigh();
     void find_states();
     [[nodiscard]] Product follow_by(double strength) const;
     [[nodiscard]] double chance(const Departure& departure, double throughput, std::size_t depth,
                                 double strength) const;
-    /// The strength with the least products; 0: throughput alone does as well.
+    /// The strength with the least products of cost and variance; 0: throughput alone does as well.
     [[nodiscard]] double find_best();
 
     PilotPaths paths_;
@@ -85,7 +79,7 @@ class RoulettePilot final : public PathWatch {
     const double rays_, noise_, below_;
     const std::size_t channels_;
     std::map<std::uint64_t, std::uint32_t> numbers_;  // of states
-    std::vector<Departure> batch_, departures_;       // departures_: path after path
+    std::vector<Departure> departures_;               // path after path
     std::vector<double> values_;
     std::vector<Path> followed_;
     std::vector<double> weights_;  // [channel][cell], of squares
@@ -96,19 +90,21 @@ class RoulettePilot final : public PathWatch {
 
 void RoulettePilot::follow(std::uint32_t round) {
     paths_.begin(round);
-    paths_.follow(*trial_.integrator, *thread_, [&](std::size_t first, std::size_t count) { keep(first, count); });
+    paths_.follow(*trial_.integrator, *thread_,
+                  [&](std::size_t cell, const LaterRadiance::Path& path) { keep(cell, path); });
 }
 
-void RoulettePilot::keep(std::size_t first, std::size_t count) {
-    std::stable_sort(batch_.begin(), batch_.end(),
-                     [](const Departure& a, const Departure& b) { return a.row < b.row; });
-    auto next = batch_.begin();
-    for (std::size_t row = 0; row < count; ++row) {
-        Path& path = followed_.emplace_back(Path{departures_.size(), 0, first + row, values_.size()});
-        for (; next != batch_.end() && next->row == row; ++next, ++path.count) departures_.push_back(*next);
-        for (std::size_t c = 0; c < channels_; ++c) values_.push_back(paths_.value(c, row));
+void RoulettePilot::keep(std::size_t cell, const LaterRadiance::Path& path) {
+    const std::size_t first = departures_.size();
+    for (std::size_t i = 0; i < path.vertices.size(); ++i) {
+        const PassedVertex& vertex = path.vertices[i];
+        const auto number = static_cast<std::uint32_t>(numbers_.size());
+        departures_.push_back({numbers_.try_emplace(vertex.state, number).first->second,
+                               static_cast<double>(vertex.throughput), vertex.split, values_.size()});
+        for (std::size_t c = 0; c < channels_; ++c) values_.push_back(path.behind(i, c));
     }
-    batch_.clear();
+    followed_.push_back({first, path.vertices.size(), cell, values_.size()});
+    values_.insert(values_.end(), path.received, path.received + channels_);
 }
 
 /// Squares count relative to the mean of their cell, where that is more than the image's: few paths know a dim cell.
@@ -141,7 +137,7 @@ void RoulettePilot::find_states() {
             const Departure& departure = departures_[path.first + i];
             double square = 0;
             for (std::size_t c = 0; c < channels_; ++c) {
-                const double behind = (values_[path.values + c] - values_[departure.values + c]) / departure.throughput;
+                const double behind = values_[departure.behind + c] / departure.throughput;
                 square += weights_[c * cells + path.cell] * behind * behind;
             }
             StateSums& state = states_[departure.state];

@@ -1,4 +1,4 @@
-// Which paths end at random, by what the requested channels may still receive of them.
+// The probabilities with which paths go on, by what the requested channels may still receive of them.
 #pragma once
 
 #include "transport/render/pilots/pilot_paths.h"
@@ -6,13 +6,12 @@
 
 namespace raylex::transport {
 
-/// From a pilot of some thousand paths that do not end at random, by the states in which they leave their vertices: the
-/// mean square of what channels receive behind, relative to their means, and what following it costs. A path is to go
-/// on with a chance in proportion to its throughput and to the root of the ratio of the two, which spreads a variance
-/// over a cost best (Rath et al. 2022, "EARS", section 3). Cost and variance of the paths of the pilot are known under
-/// any such rule, so the proportion is the one with the least product. Empty, which leaves roulette to throughput
-/// alone (`below`, as WalkOptions::roulette_below), where that does not save a tenth. The rays that it traces are added
-/// to `rays`.
+/// A pilot follows some thousand paths that do not end at random. For each state in which paths leave vertices it
+/// measures the mean square of what channels receive behind the vertex, relative to their means, and the cost of
+/// following the path. The best probability of going on is proportional to throughput and to the root of the ratio of
+/// the two (Rath et al. 2022, "EARS", section 3). Cost and variance of the pilot's paths are known under any such rule,
+/// so the factor with the least product is chosen. Returns an empty table, which leaves roulette to throughput alone
+/// (`below`: WalkOptions::roulette_below), if the table would not save a tenth. Adds the rays that it traces to `rays`.
 RouletteTable choose_roulette(const IntegratorContext& context, const PathTrials& trials, const SplitChoice& splits,
                               Real below, std::uint64_t& rays);
 

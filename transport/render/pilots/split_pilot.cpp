@@ -17,28 +17,27 @@ constexpr std::array<std::uint8_t, 5> ray_counts{1, 2, 4, 8, 16};
 constexpr std::uint8_t most_both_lobes = 2;
 constexpr double dearest_lobes = 1.15;  // than one of each pair
 
-/// What one way to follow paths brings: [channel][pixel of the grid] of the last round.
+/// One way to follow paths.
 struct SplitTrial {
     PathTrial path;
     std::unique_ptr<IntegratorThread> thread;
-    std::vector<double> found;
     [[nodiscard]] double cost() const { return pilot_cost(thread->counters); }
     [[nodiscard]] std::uint64_t rays() const { return pilot_rays(thread->counters); }
 };
 
-/// Of one channel: sums over rounds, and over pixels in the end.
+/// Sums of one channel, over rounds and in the end over pixels.
 struct Sums {
     std::vector<double> pixel, pixel_squares;  // of a round's mean of two rays
     double both = 0, difference = 0;           // products and squared differences of two rays
     std::uint32_t finds = 0;
 };
 
-/// Of all channels, each relative to its mean.
+/// Variances of all channels, each relative to its mean.
 struct Variances {
     double before = 0, behind = 0;
 };
 
-/// Of a path, before its split and of each ray behind it.
+/// Costs of a path up to its split, and of each ray behind it.
 struct Costs {
     double before = 0, behind = 0;
     [[nodiscard]] double of(std::uint8_t rays) const { return before + rays * behind; }
@@ -48,22 +47,25 @@ class SplitPilot {
   public:
     SplitPilot(const IntegratorContext& context, const PathTrials& trials) : trials_(trials), paths_(context) {}
 
-    /// Values without throughput count paths as they are drawn: one of each sample.
+    /// Whether values count paths as they are drawn: then splits must not change their number.
     [[nodiscard]] bool counts_paths() const { return paths_.count_alike(); }
     void run();
-    /// Of n rays, after run().
+    /// Of a plan with so many rays, after run().
     [[nodiscard]] double cost_times_variance(std::uint8_t rays) const { return costs_.of(rays) * variance(rays); }
     [[nodiscard]] double variance(std::uint8_t rays) const { return variances_.before + variances_.behind / rays; }
-    /// Where `both_lobes` specular vertices reflect and transmit.
+    /// Costs where both lobes of up to `both_lobes` specular vertices are followed.
     [[nodiscard]] Costs costs(std::uint8_t both_lobes);
     [[nodiscard]] const Costs& costs() const { return costs_; }
-    /// That were traced so far.
+    /// Number of rays traced so far.
     [[nodiscard]] std::uint64_t rays() const { return rays_; }
 
   private:
-    [[nodiscard]] SplitTrial make(std::uint8_t both_lobes, SplitPlan::Only only) const;
-    void follow(SplitTrial& trial);
-    void add(const SplitTrial& none, const SplitTrial& first, const SplitTrial& second);
+    [[nodiscard]] SplitTrial make(std::uint8_t both_lobes, bool ends_paths) const;
+    template <class Visit>
+    void follow(SplitTrial& trial, Visit visit) {
+        paths_.follow(*trial.path.integrator, *trial.thread, visit);
+    }
+    void add(std::size_t pixel, const LaterRadiance::Path& path);
     [[nodiscard]] std::uint32_t finds() const;
     void find_variances();
 
@@ -76,36 +78,34 @@ class SplitPilot {
     std::uint64_t rays_ = 0;
 };
 
-SplitTrial SplitPilot::make(std::uint8_t both_lobes, SplitPlan::Only only) const {
+SplitTrial SplitPilot::make(std::uint8_t both_lobes, bool ends_paths) const {
     SplitTrial trial;
-    trial.path = trials_.make({2, both_lobes, only});
+    trial.path = trials_.make({.rays = 2, .both_lobes = both_lobes, .ends_paths = ends_paths});
     trial.thread = trial.path.integrator->make_thread_state();
-    trial.found.resize(paths_.channels().size() * grid * grid);
     return trial;
 }
 
-void SplitPilot::follow(SplitTrial& trial) {
-    paths_.follow(*trial.path.integrator, *trial.thread, [&](std::size_t first, std::size_t count) {
-        for (std::size_t c = 0; c < paths_.channels().size(); ++c)
-            for (std::size_t i = 0; i < count; ++i) trial.found[c * grid * grid + first + i] = paths_.value(c, i);
-    });
-}
-
-void SplitPilot::add(const SplitTrial& none, const SplitTrial& first, const SplitTrial& second) {
-    for (std::size_t c = 0; c < paths_.channels().size(); ++c)
-        for (std::size_t pixel = 0; pixel < std::size_t{grid} * grid; ++pixel) {
-            const std::size_t at = c * grid * grid + pixel;
-            // Each ray carries half of what lies behind.
-            const double before = none.found[at], a = 2 * first.found[at] - before, b = 2 * second.found[at] - before;
-            Sums& sums = sums_[c];
-            sums.finds += a != before ? 1 : 0;
-            sums.finds += b != before ? 1 : 0;
-            sums.both += a * b;
-            sums.difference += (a - b) * (a - b);
-            const double mean = (a + b) / 2;
-            sums.pixel[pixel] += mean;
-            sums.pixel_squares[pixel] += mean * mean;
-        }
+/// What two rays bring that a path was split into: each as if it were alone, with all that lies behind.
+void SplitPilot::add(std::size_t pixel, const LaterRadiance::Path& path) {
+    std::size_t split = 0;
+    while (split < path.vertices.size() && !path.vertices[split].split) ++split;
+    for (std::size_t c = 0; c < paths_.channels(); ++c) {
+        const double before = split < path.vertices.size() ? path.before(split, c) : path.received[c];
+        std::array<double, 2> found{before, before};
+        std::size_t ray = 0;
+        for (std::size_t i = split; i < path.vertices.size(); ++i)
+            if (path.vertices[i].depth == path.vertices[split].depth)
+                found[ray++] += 2 * path.behind(i, c);  // each ray carries half of what lies behind
+        const auto [a, b] = found;
+        Sums& sums = sums_[c];
+        sums.finds += a != before ? 1 : 0;
+        sums.finds += b != before ? 1 : 0;
+        sums.both += a * b;
+        sums.difference += (a - b) * (a - b);
+        const double mean = (a + b) / 2;
+        sums.pixel[pixel] += mean;
+        sums.pixel_squares[pixel] += mean * mean;
+    }
 }
 
 std::uint32_t SplitPilot::finds() const {
@@ -116,32 +116,31 @@ std::uint32_t SplitPilot::finds() const {
 }
 
 void SplitPilot::run() {
-    SplitTrial none = make(0, SplitPlan::Only::none), first = make(0, SplitPlan::Only::first),
-               second = make(0, SplitPlan::Only::second);
-    sums_.assign(paths_.channels().size(), Sums{std::vector<double>(grid * grid), std::vector<double>(grid * grid)});
+    SplitTrial none = make(0, true), both = make(0, false);
+    sums_.assign(paths_.channels(), Sums{std::vector<double>(grid * grid), std::vector<double>(grid * grid)});
     const std::uint32_t most = std::max(paths_.most_rounds(most_rounds), fewest_rounds);
     for (rounds_ = 0; rounds_ < most; ++rounds_) {
-        const std::uint64_t rays = none.rays() + first.rays() + second.rays();
+        const std::uint64_t rays = 2 * none.rays() + both.rays();  // as if each of the two were followed alone
         if (rounds_ >= fewest_rounds && (finds() >= enough_finds || rays >= most_pilot_rays)) break;
         paths_.begin(rounds_);
-        for (SplitTrial* each : {&none, &first, &second}) follow(*each);
-        add(none, first, second);
+        follow(none, [](std::size_t, const LaterRadiance::Path&) {});
+        follow(both, [&](std::size_t pixel, const LaterRadiance::Path& path) { add(pixel, path); });
     }
-    for (const SplitTrial* each : {&none, &first, &second}) rays_ += each->rays();
+    rays_ = none.rays() + both.rays();
     const double paths = double{grid} * grid * rounds_;
     costs_.before = none.cost() / paths;
-    costs_.behind = (first.cost() + second.cost()) / (2 * paths) - costs_.before;
+    costs_.behind = (both.cost() - none.cost()) / (2 * paths);
     find_variances();
 }
 
 Costs SplitPilot::costs(std::uint8_t both_lobes) {
-    SplitTrial trial = make(both_lobes, SplitPlan::Only::first);
+    SplitTrial trial = make(both_lobes, false);
     for (std::uint32_t round = 0; round < fewest_rounds; ++round) {
         paths_.begin(round);
-        follow(trial);
+        follow(trial, [](std::size_t, const LaterRadiance::Path&) {});
     }
     rays_ += trial.rays();
-    return {costs_.before, trial.cost() / (double{grid} * grid * fewest_rounds) - costs_.before};
+    return {costs_.before, (trial.cost() / (double{grid} * grid * fewest_rounds) - costs_.before) / 2};
 }
 
 void SplitPilot::find_variances() {

@@ -1,4 +1,4 @@
-// Into how many rays paths are split.
+// The number of rays into which paths are split.
 #pragma once
 
 #include "transport/render/pilots/pilot_paths.h"
@@ -7,14 +7,14 @@ namespace raylex::transport {
 
 struct SplitChoice {
     SplitPlan plan;
-    double noise = 1;  ///< the variance of what the channels receive, over that of paths that are not split
+    double noise = 1;  ///< variance of the channels over the variance without splits
 };
 
 /// The plan with the least product of cost (rays) and variance of the requested channels, each relative to its mean, by
 /// a pilot of some thousand paths that are split in two. With cost c and variance v, before and behind the split, n
 /// rays make (c_before + n c_behind) (v_before + v_behind / n) (Arvo and Kirk 1990; Rath et al. 2022, "EARS", section
 /// 3): v_behind is half of the mean square by which the two rays differ. Every doubling has to save a tenth more. Both
-/// lobes of specular vertices are followed where that costs little. The rays that it traces are added to `rays`.
+/// lobes of specular vertices are followed where that costs little. Adds the rays that it traces to `rays`.
 SplitChoice choose_splits(const IntegratorContext& context, const PathTrials& trials, std::uint64_t& rays);
 
 }  // namespace raylex::transport

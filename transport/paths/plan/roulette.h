@@ -1,5 +1,5 @@
-// Roulette by what the requested channels may still receive of a path, where beauty does not ask for it (the dual of
-// splitting: Bolin and Meyer 1997; Rath et al. 2022, "EARS"). Paths are told apart by where their trackers stand.
+// Russian roulette by what the requested channels may still receive of a path, for renders without beauty. The dual of
+// splitting (Bolin and Meyer 1997; Rath et al. 2022, "EARS"). The state of a path is where its tracker stands.
 #pragma once
 
 #include <algorithm>
@@ -11,15 +11,15 @@
 
 namespace raylex::transport {
 
-/// From states of paths to how strong their throughput is for roulette.
+/// Maps states of paths to factors of their throughput for roulette.
 class RouletteTable {
   public:
-    static constexpr std::size_t most_states = 256;  ///< others are for plain roulette
-    /// However little is expected: nothing that could count is starved, and no survivor stands for more than 8.
+    static constexpr std::size_t most_states = 256;  ///< other states are left to plain roulette
+    /// Whatever is expected: no light is found too rarely, and no survivor stands for more than 8 paths.
     static constexpr Real least_chance = Real(0.125);
 
     [[nodiscard]] bool empty() const { return count_ == 0; }
-    /// `state`: not 0, and not there yet. False: there is no room.
+    /// `state`: not 0, and not in the table. Returns false if the table is full.
     bool add(std::uint64_t state, Real strength) {
         if (count_ == most_states) return false;
         std::size_t at = place_of(state);
@@ -28,7 +28,7 @@ class RouletteTable {
         ++count_;
         return true;
     }
-    /// With which chance a path of this throughput goes on; 0: the state is not known.
+    /// The probability with which a path of this throughput goes on; 0: the state is not in the table.
     [[nodiscard]] Real chance(std::uint64_t state, Real throughput) const {
         const std::size_t at = place_of(state);
         if (state == 0 || states_[at] != state) return 0;
@@ -45,17 +45,6 @@ class RouletteTable {
     std::array<std::uint64_t, slots> states_{};
     std::array<Real, slots> strengths_{};
     std::size_t count_ = 0;
-};
-
-/// Sees paths leave their vertices, for pilots that learn what such a table is to hold.
-class PathWatch {
-  public:
-    /// The path of a row goes on in this state. `throughput` is as roulette sees it, `split` whether rays may have been
-    /// split before.
-    virtual void leaves(std::uint32_t row, std::uint64_t state, Real throughput, bool split) = 0;
-
-  protected:
-    ~PathWatch() = default;
 };
 
 }  // namespace raylex::transport

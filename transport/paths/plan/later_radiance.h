@@ -1,0 +1,84 @@
+// Radiance found later: what each vertex of a path leads to.
+//
+// Light is reported where a path finds it. Whoever learns from paths (pilots, a guide) needs it at the vertices that
+// the path passed before. The walk reports each vertex that a path leaves. What the channels receive of the row from
+// then on was found behind the vertex, until the path ends or goes back to a vertex as near to the camera (splits.h).
+// Values come from the sample table, so only light counts that a channel takes.
+//
+//     later.begin();
+//     services.later = &later;
+//     integrator.integrate(batch, thread, services);
+//     later.end(batch.rays.size(), [&](std::size_t row, const LaterRadiance::Path& path) { ... });
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "display/services/samples/sample_table.h"
+#include "transport/math/vec.h"
+
+namespace raylex::transport {
+
+/// A vertex of a camera subpath, as a ray leaves it.
+struct PassedVertex {
+    std::uint32_t row = 0;
+    std::uint32_t depth = 0;  ///< number of scattering events, with this one
+    std::uint64_t state = 0;  ///< where the path's tracker stands: the state by which a plan tells paths apart
+    Real throughput = 0;      ///< as roulette sees it
+    bool split = false;       ///< rays are split at this vertex or before
+    Vec3 position, direction;
+    Real pdf = 0;  ///< of the direction, per steradian; of a specular direction: the probability of its lobe
+};
+
+/// For one thread.
+class LaterRadiance {
+  public:
+    /// What one row's path passed, and what `channels` received: each value is the mean of three colours.
+    struct Path {
+        std::span<const PassedVertex> vertices;  ///< in the order in which rays left them
+        std::size_t channels = 0;
+        const double *before_vertices, *behind_vertices;  // [vertex][channel]
+        const double* received;                           ///< [channel] by the whole path
+
+        /// By the time the ray left vertex i.
+        [[nodiscard]] double before(std::size_t i, std::size_t channel) const {
+            return before_vertices[i * channels + channel];
+        }
+        /// Found behind vertex i. Divided by the throughput, it is the radiance that comes along the ray.
+        [[nodiscard]] double behind(std::size_t i, std::size_t channel) const {
+            return behind_vertices[i * channels + channel];
+        }
+    };
+
+    /// Expression channels of `table`, which must outlive the object.
+    LaterRadiance(const display::SampleTable& table, std::vector<display::ChannelId> channels)
+        : table_(table), channels_(std::move(channels)) {}
+    [[nodiscard]] const std::vector<display::ChannelId>& channels() const { return channels_; }
+
+    /// A new batch: forgets all vertices.
+    void begin();
+    void pass(const PassedVertex& vertex);
+    /// All paths of the batch have ended. Calls visit(row, path) for each row in [0, rows).
+    template <class Visit>
+    void end(std::size_t rows, Visit visit) {
+        sort_by_row();
+        for (std::size_t row = 0, first = 0; row < rows; ++row) {
+            const Path path = path_of(row, first);
+            first += path.vertices.size();
+            visit(row, path);
+        }
+    }
+
+  private:
+    [[nodiscard]] double received(std::size_t channel, std::size_t row) const;
+    void sort_by_row();
+    [[nodiscard]] Path path_of(std::size_t row, std::size_t first);
+
+    const display::SampleTable& table_;
+    std::vector<display::ChannelId> channels_;
+    std::vector<PassedVertex> vertices_;
+    std::vector<double> before_, behind_, received_;  // [vertex][channel]; received_: [channel] of a row
+};
+
+}  // namespace raylex::transport
