@@ -32,12 +32,8 @@ PilotPaths::PilotPaths(const IntegratorContext& context)
     : context_(context),
       table_(context.services.channels, context.batch_capacity),
       display_(table_),
-      lpe_(context.services.on(table_)) {
-    for (std::size_t i = 0; i < context.services.channels.size(); ++i)
-        if (context.services.channels[i].style == display::ChannelStyle::expression &&
-            display::takes_samples(context.services.channels[i]))
-            channels_.push_back(static_cast<display::ChannelId>(i));
-}
+      lpe_(context.services.on(table_)),
+      channels_(context.services.light_channels()) {}
 
 std::uint32_t PilotPaths::most_rounds(std::uint32_t most) const {
     constexpr std::uint64_t samples_of_image = 16;  // of each pixel
