@@ -115,17 +115,15 @@ class Pssmlt final : public Integrator {
     mutable std::vector<ChainGroup> groups_;  // [tile]
 };
 
-Pssmlt::Pssmlt(const PssmltParameters& parameters) : parameters_(parameters) {
-    PathParameters seen, found;
-    seen.max_depth = 0;
-    found.max_depth = parameters.depth.max_depth;
-    found.roulette_below = parameters.depth.roulette_below;
-    found.first_depth = 1;
-    seen.splits = found.splits = false;  // a chain's numbers are of one path
-    camera_ = make_path_integrator(seen);
-    path_ = parameters.bidirectional ? make_bdpt_integrator({.depth = parameters.depth, .first_depth = 1})
-                                     : make_path_integrator(found);
-}
+/// Paths are not split: a chain's numbers are of one path.
+Pssmlt::Pssmlt(const PssmltParameters& parameters)
+    : parameters_(parameters),
+      camera_(make_path_integrator({.max_depth = 0, .splits = false})),
+      path_(parameters.bidirectional ? make_bdpt_integrator({.depth = parameters.depth, .first_depth = 1})
+                                     : make_path_integrator({.max_depth = parameters.depth.max_depth,
+                                                             .roulette_below = parameters.depth.roulette_below,
+                                                             .splits = false,
+                                                             .first_depth = 1})) {}
 
 Status Pssmlt::prepare(const IntegratorContext& context) {
     context_ = context;
