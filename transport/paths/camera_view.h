@@ -1,10 +1,18 @@
 // The camera and the image that it fills, as subpaths see them.
 #pragma once
 
+#include <algorithm>
+
 #include "transport/cameras/camera.h"
 #include "transport/math/vec.h"
 
 namespace raylex::transport {
+
+/// A rectangle of the raster, in pixels.
+struct RasterArea {
+    Vec2 corner, size;
+    double share = 1;  ///< its area over the image's
+};
 
 struct CameraView {
     const Camera* camera = nullptr;
@@ -16,6 +24,16 @@ struct CameraView {
     [[nodiscard]] double density(Real importance, Real cosine) const {
         return static_cast<double>(importance) * static_cast<double>(cosine) /
                (static_cast<double>(width) * static_cast<double>(height));
+    }
+    /// Where light still counts: the image, and around it as far as the pixel filter reaches beyond a pixel's own area.
+    [[nodiscard]] RasterArea reached() const {
+        const Vec2 reach{std::max(filter_radius.x - Real(0.5), Real(0)),
+                         std::max(filter_radius.y - Real(0.5), Real(0))};
+        const Vec2 size{static_cast<Real>(width) + 2 * reach.x, static_cast<Real>(height) + 2 * reach.y};
+        return {{-reach.x, -reach.y},
+                size,
+                static_cast<double>(size.x) * static_cast<double>(size.y) /
+                    (static_cast<double>(width) * static_cast<double>(height))};
     }
 };
 

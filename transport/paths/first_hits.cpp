@@ -27,10 +27,10 @@ void fill(std::span<const std::uint32_t> which, std::vector<Number>& column, Val
     for (std::size_t i = 0; i < which.size(); ++i) to[i] = static_cast<Number>(value(which[i]));
 }
 
-Vec3 camera_point(const PathContext& context, const Vec3& p) {
+Vec3 camera_point(const FirstHitSetup& setup, const Vec3& p) {
     Vec3 result;
     for (int r = 0; r < 3; ++r) {
-        const Real* m = context.first_hits.world_to_camera[r];
+        const Real* m = setup.world_to_camera[r];
         result[r] = m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
     }
     return result;
@@ -61,25 +61,25 @@ void describe_details(const PathContext& context, const FirstHits& first, geoaov
         }
         if (wanted & in::curvature) batch.curvature[at] = to_float(details.curvature);
         if (wanted & in::edges)
-            batch.edge_pixels[at] = to_float(edge_distance(
-                context, points[j].position, {details.edges.data(), 2 * static_cast<std::size_t>(details.edge_count)}));
+            batch.edge_pixels[at] =
+                to_float(edge_distance(context.first_hits, points[j].position,
+                                       {details.edges.data(), 2 * static_cast<std::size_t>(details.edge_count)}));
     }
 }
 
 }  // namespace
 
-Real edge_distance(const PathContext& context, const Vec3& position, std::span<const Vec3> edges) {
-    const Vec3 p = camera_point(context, position);
+Real edge_distance(const FirstHitSetup& setup, const Vec3& position, std::span<const Vec3> edges) {
+    const Vec3 p = camera_point(setup, position);
     if (!(p.z > 0)) return infinity;
     const auto image = [&](const Vec3& q) {
-        return Vec2{(q.x / q.z - p.x / p.z) / context.first_hits.pixel_size.x,
-                    (q.y / q.z - p.y / p.z) / context.first_hits.pixel_size.y};
+        return Vec2{(q.x / q.z - p.x / p.z) / setup.pixel_size.x, (q.y / q.z - p.y / p.z) / setup.pixel_size.y};
     };
     // Lines stay lines in a perspective image, so the distance to the edge's image is exact.
     const Real near = Real(1e-3) * p.z;
     Real nearest = infinity;
     for (std::size_t i = 0; i + 1 < edges.size(); i += 2) {
-        Vec3 a = camera_point(context, edges[i]), b = camera_point(context, edges[i + 1]);
+        Vec3 a = camera_point(setup, edges[i]), b = camera_point(setup, edges[i + 1]);
         if (a.z < near && b.z < near) continue;
         if (a.z < near) a += (b - a) * ((near - a.z) / (b.z - a.z));
         if (b.z < near) b += (a - b) * ((near - b.z) / (a.z - b.z));

@@ -31,6 +31,6 @@ void describe_first_hits(const PathContext& context, const FirstHits& first, geo
 
 /// Distance from `position` to the nearest edge, in pixels of the image; infinity without edges. `edges`: start and end
 /// in turns. Edges that pass behind the camera are cut.
-Real edge_distance(const PathContext& context, const Vec3& position, std::span<const Vec3> edges);
+Real edge_distance(const FirstHitSetup& setup, const Vec3& position, std::span<const Vec3> edges);
 
 }  // namespace raylex::transport

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "display/services/samples/display_services.h"
 #include "display/services/samples/lpe_services.h"
@@ -37,6 +38,14 @@ struct ServicesSetup {
 
     [[nodiscard]] display::LpeServices on(display::SampleTable& table) const {
         return {*lpe, table, seed, attribution};
+    }
+    /// The channels that take light: those of expressions, without further outputs of their samples.
+    [[nodiscard]] std::vector<display::ChannelId> light_channels() const {
+        std::vector<display::ChannelId> ids;
+        for (std::size_t i = 0; i < channels.size(); ++i)
+            if (channels[i].style == display::ChannelStyle::expression && display::takes_samples(channels[i]))
+                ids.push_back(static_cast<display::ChannelId>(i));
+        return ids;
     }
 };
 

@@ -2,6 +2,7 @@
 #include <set>
 #include <tuple>
 
+#include "transport/integrators/path_contributions.h"
 #include "transport/replicates.h"
 #include "transport/samplers/primary_samples.h"
 
@@ -135,6 +136,20 @@ TEST_CASE("primary samples of endless paths take bounded memory, and go by large
     chain.propose(false, 0.1f);
     CHECK(chain.get(far(999'999), true) == second);
     CHECK(second != first);
+}
+
+TEST_CASE("sample numbers differ between all mutations of all chains", "[pssmlt]") {
+    constexpr std::uint64_t chains_of_tile = 5000, last_mutation = 0xffffffff;
+    std::set<std::uint64_t> numbers;
+    std::size_t samples = 0;
+    // Chain 4,096 of one tile and chain 0 of the next had one number where a tile's chains took twelve bits.
+    for (const std::uint64_t tile : {0, 1, 2, 500})
+        for (const std::uint64_t chain : {0, 1, 903, 904, 4095, 4096, 4999})
+            for (const std::uint64_t mutation : {std::uint64_t{1}, std::uint64_t{2}, last_mutation}) {
+                numbers.insert(transport::sample_number(transport::path_number(tile, chains_of_tile, chain), mutation));
+                ++samples;
+            }
+    CHECK(numbers.size() == samples);
 }
 
 TEST_CASE("the Metropolis integrator finds the path tracer's image, word by word", "[pssmlt][render][statistical]") {

@@ -7,17 +7,6 @@
 #include "transport/paths/subpaths/camera_subpaths.h"
 
 namespace raylex::transport {
-namespace {
-
-std::vector<display::ChannelId> expression_channels(std::span<const display::ChannelDefinition> channels) {
-    std::vector<display::ChannelId> expressions;
-    for (std::size_t i = 0; i < channels.size(); ++i)
-        if (channels[i].style == display::ChannelStyle::expression && display::takes_samples(channels[i]))
-            expressions.push_back(static_cast<display::ChannelId>(i));
-    return expressions;
-}
-
-}  // namespace
 
 PathTrial PathTrials::make(const SplitPlan& splits, bool follows_whole_paths) const {
     PathTrial trial{std::make_unique<PathPlan>(), request_.make_trial()};
@@ -44,7 +33,7 @@ PilotPaths::PilotPaths(const IntegratorContext& context)
       table_(context.services.channels, context.batch_capacity),
       display_(table_),
       lpe_(context.services.on(table_)),
-      later_(table_, expression_channels(context.services.channels)) {}
+      later_(table_, context.services.light_channels()) {}
 
 std::uint32_t PilotPaths::most_rounds(std::uint32_t most) const {
     constexpr std::uint64_t samples_of_image = 16;  // of each pixel
