@@ -93,7 +93,7 @@ TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, 
         const Outcome outcome = run_raylex(folder, "scene check doubtful.pbrt");
         CAPTURE(world, outcome.out, outcome.err);
         CHECK(outcome.code == (doubt.empty() ? 0 : 1));
-        CHECK(contains(outcome.out, doubt.empty() ? "0 doubts" : doubt));
+        CHECK(contains(outcome.out, doubt.empty() ? "0 likely mistakes" : doubt));
     };
     const std::string sky = "LightSource \"infinite\"\n";
     const std::string face = "Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 5  1 0 5  0 1 5] ";
@@ -160,7 +160,7 @@ TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, 
                                      "Shape \"curve\" \"point3 P\" [0 0 5 0 0 5 0 0 5 0 0 5]\n" + face + "\n");
     const Outcome dropped = run_raylex(folder, "scene check dropped.pbrt");
     CHECK(dropped.code == 0);
-    CHECK(contains(dropped.out, "1 warning, 0 doubts"));
+    CHECK(contains(dropped.out, "1 warning, 0 likely mistakes"));
     CHECK(contains(dropped.err, "dropped.pbrt:4:1: 1 segments of curves have no length or no width"));
     // A short name is no slip for one that is not there.
     check(sky + face + "\nTexture \"a\" \"float\" \"constant\"\n", "the texture 'a' is unused");
@@ -231,7 +231,7 @@ TEST_CASE("raylex scene check tells all files that are missing, each at its line
     const Outcome outcome = run_raylex(folder, "scene check gaps.pbrt");
     INFO(outcome.out << outcome.err);
     CHECK(outcome.code == 1);
-    CHECK(contains(outcome.out, "0 doubts, 2 files that cannot be found"));  // the mesh may use the wood
+    CHECK(contains(outcome.out, "0 likely mistakes, 2 files that cannot be found"));  // the mesh may use the wood
     CHECK(contains(outcome.err, "gaps.pbrt:2:24: cannot find file 'no/sky.exr'"));
     CHECK(contains(outcome.err, "gaps.pbrt:4:1: cannot find file 'no/mesh.ply'"));
     CHECK(contains(outcome.err, "looked in"));
