@@ -1,5 +1,4 @@
-// The search for scenes of which an invariant does not hold: it finds what is planted, and nothing in the code as it
-// is.
+// The search for scenes that violate an invariant: it finds planted mistakes, and nothing in the code as it is.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -17,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A point light of another making while it lives.
+/// Replaces the point light by a different one while it exists.
 class PlantedLight {
   public:
     explicit PlantedLight(const std::function<void(transport::SceneLight&)>& mistake)
@@ -48,7 +47,7 @@ SearchReport search(SearchOptions options, const test::Folder& folder) {
 
 }  // namespace
 
-TEST_CASE("scene search: every invariant holds of random scenes, or they are refused",
+TEST_CASE("scene search: every invariant holds for random scenes, or they are rejected",
           "[invariants][law1][law6][law7]") {
     const test::Folder folder;
     SearchOptions options;
@@ -58,7 +57,7 @@ TEST_CASE("scene search: every invariant holds of random scenes, or they are ref
     for (const Finding& finding : report.findings)
         FAIL_CHECK("scene " << finding.scene << ", " << finding.invariant << ": " << finding.verdict.note << "\n"
                             << finding.text);
-    // Most scenes must be worth the trouble, and every invariant must have been asked.
+    // Most scenes must be valid, and every invariant must have been checked.
     CHECK(report.scenes == options.scenes);
     CHECK(report.refused < report.scenes / 3);
     for (const InvariantInfo& info : invariants()) {
@@ -69,7 +68,7 @@ TEST_CASE("scene search: every invariant holds of random scenes, or they are ref
 }
 
 TEST_CASE("scene search: a planted mistake is found and shrunk", "[invariants]") {
-    // Its light does not follow its factor: eight times the light is not eight times the image.
+    // The planted light ignores its factor: eight times the light does not give eight times the image.
     const PlantedLight planted([](transport::SceneLight& light) {
         std::erase_if(light.parameters.parameters, [](const Parameter& p) { return p.name == "scale"; });
     });
@@ -84,13 +83,13 @@ TEST_CASE("scene search: a planted mistake is found and shrunk", "[invariants]")
     CHECK(finding.invariant == "unit-of-light");
     INFO(finding.text);
     CHECK(finding.text.find("LightSource \"point\"") != std::string::npos);
-    CHECK(finding.lines <= 8);  // a camera, a light, a shape and what places them
+    CHECK(finding.lines <= 8);  // a camera, a light, a shape and their transforms
     CHECK(finding.lines < finding.lines_before / 2);
     CHECK(fs::exists(finding.file));
     CHECK(command_of(finding).find("--only unit-of-light") != std::string::npos);
 }
 
-TEST_CASE("scene search: a process that dies is a finding", "[invariants]") {
+TEST_CASE("scene search: a crash is a finding", "[invariants]") {
     const PlantedLight planted([](transport::SceneLight&) { std::raise(SIGKILL); });
     const test::Folder folder;
     SearchOptions options;
@@ -105,7 +104,7 @@ TEST_CASE("scene search: a process that dies is a finding", "[invariants]") {
     CHECK(report.findings[0].lines <= 3);
 }
 
-TEST_CASE("scene search: what was found stays right", "[invariants][regression]") {
+TEST_CASE("scene search: earlier findings stay fixed", "[invariants][regression]") {
     const test::Folder folder;
     std::size_t scenes = 0;
     for (const auto& entry : fs::directory_iterator(fs::path(test::source_dir()) / "tests/experiments/regressions")) {
@@ -140,8 +139,8 @@ TEST_CASE("raylex scene: write, check and search", "[invariants][cli]") {
     CHECK(test::run_raylex(folder, "scene write nothing.pbrt -o x.pbrt").code == 2);
 }
 
-TEST_CASE("scene check: an integrator of a plugin with a mistake in it is found", "[invariants][plugin]") {
-    // Paths of three scatterings and more are too dark by a quarter: of "C<RD>{1,3}[LO]" the last third.
+TEST_CASE("scene check: a plugin's integrator with a mistake is found", "[invariants][plugin]") {
+    // Paths with three or more scattering events are too dark by a quarter: the last third of "C<RD>{1,3}[LO]".
     const test::Folder folder;
     const auto check = [&](const std::string& parameters) {
         folder.write("box.pbrt",

@@ -1,4 +1,4 @@
-// Expressions that are typed into a page: its scripts, in an embedded interpreter, against the compiler; and the page.
+// Expressions typed into a page: its scripts, in an embedded interpreter, compared with the compiler; and the page.
 #include <catch2/catch.hpp>
 
 #include <duktape.h>
@@ -27,7 +27,7 @@ using raylex::experiments::Json;
 
 namespace {
 
-/// The page's matcher.
+/// Runs the page's matcher.
 class PageMatcher {
   public:
     PageMatcher() : context_(duk_create_heap_default(), duk_destroy_heap) {
@@ -58,7 +58,7 @@ class PageMatcher {
             "  });\n"
             "}\n");
     }
-    /// A letter per path, "1" or "0"; or "ERR" and why.
+    /// Returns one letter per path, "1" or "0"; or "ERR" and the reason.
     std::string match(const std::string& text, lpe::Dialect dialect, const std::vector<oracle::Path>& paths) {
         Json question = question_of(text, dialect);
         question["paths"] = Json::array();
@@ -69,7 +69,7 @@ class PageMatcher {
         }
         return ask("matchAll", question);
     }
-    /// A letter per word: "2", "1" or "0".
+    /// Returns one letter per word: "2", "1" or "0".
     std::string answers(const std::string& text, lpe::Dialect dialect, const display::WordTable& table) {
         Json question = question_of(text, dialect), events = Json::array(), words = Json::array();
         for (const lpe::Event& event : table.events) events.push_back(json_of(event));
@@ -111,7 +111,7 @@ class PageMatcher {
     std::unique_ptr<duk_context, decltype(&duk_destroy_heap)> context_;
 };
 
-/// What the compiler says, as PageMatcher does.
+/// Returns the compiler's results in the format of PageMatcher.
 std::string compiled_match(const std::string& text, lpe::Dialect dialect, const std::vector<oracle::Path>& paths) {
     lpe::ChannelSource source;
     source.expression = text;
@@ -145,7 +145,7 @@ void compare(PageMatcher& page, const std::string& text, lpe::Dialect dialect, c
     if (!refused) tally.accepted += static_cast<std::size_t>(std::count(expected.begin(), expected.end(), '1'));
 }
 
-/// A text of pieces of the language, well-formed or not.
+/// Returns a random text of pieces of the language, valid or not.
 std::string random_text(oracle::Random& random) {
     static const char* const pieces[] = {
         "C",    "L", "D",   "S8",   "G",        "<RD>",     "<T",   ">",          "[",
@@ -180,7 +180,7 @@ TEST_CASE("the matcher of pages agrees with Open Shading Language on every confo
     CHECK(agree == 1616);
 }
 
-TEST_CASE("the matcher of pages agrees with the compiler on random expressions, and on what is none",
+TEST_CASE("the matcher of pages agrees with the compiler on random expressions, valid or not",
           "[words][release-only]") {
     PageMatcher page;
     for (const lpe::Dialect dialect : {lpe::Dialect::renderman, lpe::Dialect::osl}) {
@@ -193,7 +193,7 @@ TEST_CASE("the matcher of pages agrees with the compiler on random expressions, 
             compare(page, oracle::text_of(sequence, dialect), dialect, paths, formed);
             compare(page, random_text(random), dialect, paths, any);
         }
-        // The comparison means something only when all answers are common.
+        // The comparison is meaningful only if all results are frequent.
         CHECK(formed.refused == 0);
         CHECK(formed.accepted > 300);
         CHECK(any.refused > 100);
@@ -201,7 +201,7 @@ TEST_CASE("the matcher of pages agrees with the compiler on random expressions, 
     }
 }
 
-TEST_CASE("the matcher of pages tells words that the atlas merged as raylex ask does", "[words]") {
+TEST_CASE("the matcher of pages handles merged words like raylex ask", "[words]") {
     PageMatcher page;
     display::WordTable table;
     const auto events =
@@ -209,7 +209,7 @@ TEST_CASE("the matcher of pages tells words that the atlas merged as raylex ask 
     REQUIRE(events);
     table.events = *events;
     for (std::size_t i = 0; i < table.events.size(); ++i) table.events[i].labels.resize(i < 6 ? 2 : 1);
-    table.letters = {0, 1, 2, 3, 4, 0, 5, 5, 6, 7};  // two reflections off the floor are one, and so are two lights
+    table.letters = {0, 1, 2, 3, 4, 0, 5, 5, 6, 7};  // two reflections off the floor are merged, and so are two lights
     oracle::Random random(32);
     std::size_t each[3] = {0, 0, 0};
     for (int round = 0; round < 300; ++round) {
@@ -218,7 +218,7 @@ TEST_CASE("the matcher of pages tells words that the atlas merged as raylex ask 
             std::vector<display::WordTable::Letter> word;
             for (std::size_t length = random.below(5); length > 0; --length)
                 word.push_back(static_cast<display::WordTable::Letter>(random.below(5)));
-            // One scattering or more, or two or more, as a budget merges them.
+            // One or more scattering events, or two or more, as merged by a budget.
             for (std::size_t open = random.below(6); open > 0 && open < 3; --open)
                 word.push_back(display::WordAlphabet::open);
             word.push_back(static_cast<display::WordTable::Letter>(5 + random.below(3)));
@@ -259,7 +259,7 @@ TEST_CASE("a page of an image and its atlas shows words and takes expressions", 
     CHECK(count_matches(page, "<section class=\"image\">") == 1);
     CHECK(contains(page, "class=\"words\">{\"name\":\"a.atlas.exr\""));
     CHECK_FALSE(contains(page, "<code>atlas/words</code>"));
-    // An atlas of another render stands for itself, and so does one alone.
+    // An atlas of another render is shown separately, and so is a single one.
     REQUIRE(run_raylex(folder, "report b.exr a.atlas.exr -o two.html").code == 0);
     CHECK(count_matches(folder.read("two.html"), "<section class=\"image\">") == 2);
     REQUIRE(run_raylex(folder, "report a.atlas.exr -o alone.html").code == 0);
@@ -279,7 +279,7 @@ TEST_CASE("a page of an image and its atlas shows words and takes expressions", 
     CAPTURE(shown.err);
     CHECK(shown.err.find("Uncaught") == std::string::npos);
     REQUIRE_FALSE(shown.out.empty());
-    // The layer that was rendered and the one that was asked for have the same value at the pointer.
+    // The rendered layer and the layer from the atlas have the same value at the pointer.
     const auto values =
         all_matches(shown.out, "<code class=\"value\">([^<]*)</code><code class=\"formula\">CDL</code>");
     REQUIRE(values.size() == 2);

@@ -1,4 +1,4 @@
-// What a page keeps of an image's layers: values, shares, what is folded away, and how large it may become.
+// The data of an image's layers on a page: values, shares, folded layers, and the size limit.
 #include <catch2/catch.hpp>
 
 #include <Imath/half.h>
@@ -51,7 +51,7 @@ std::vector<float> unpacked_halves(const std::string& text, std::size_t count) {
     return values;
 }
 
-/// Text between two marks.
+/// Returns the text between two marks.
 std::string between(const std::string& text, const std::string& before, const std::string& after) {
     const std::size_t from = text.find(before);
     REQUIRE(from != std::string::npos);
@@ -70,7 +70,7 @@ display::ImageLayer layer(const std::string& name, const std::vector<std::string
 
 const std::vector<std::string> rgb{"R", "G", "B"};
 
-/// 8 x 4 pixels: a beauty of 4, of which `lit` is 1 and `more` 3; `dark` has no light; ids and depths.
+/// An image of 8 x 4 pixels: a beauty of 4, of which `lit` is 1 and `more` is 3; `dark` has no light; ids and depths.
 display::ExrImage image_of_layers() {
     display::ExrImage image;
     image.path = "made.exr";
@@ -96,7 +96,7 @@ std::string pixels_of(const std::string& html, const Json& layer) {
 
 }  // namespace
 
-TEST_CASE("packed values are what they were, to half precision", "[report]") {
+TEST_CASE("packed values are equal to half precision", "[report]") {
     const float infinity = std::numeric_limits<float>::infinity();
     const std::vector<float> values{0, 1, -2.5F, 0.1F, 65504, 1e6F, -infinity, infinity, std::nanf(""), 6e-8F};
     const std::vector<float> back = unpacked_halves(pack_halves(values), values.size());
@@ -117,7 +117,7 @@ TEST_CASE("packed values are what they were, to half precision", "[report]") {
     }
 }
 
-TEST_CASE("a view's table is the view at its nodes", "[report]") {
+TEST_CASE("a view's table equals the view at its nodes", "[report]") {
     auto color = display::ColorManager::open();
     REQUIRE(color);
     const display::Chromaticities primaries{};
@@ -128,7 +128,7 @@ TEST_CASE("a view's table is the view at its nodes", "[report]") {
         return static_cast<float>(std::exp2(static_cast<double>(i) / 2 - 10) - std::exp2(-10));
     };
     CHECK(node(20) == Approx(1).epsilon(1e-3));
-    const std::size_t red = 17, green = 9, blue = 22;  // red fastest
+    const std::size_t red = 17, green = 9, blue = 22;  // red varies fastest
     auto shown = color->to_display(std::vector<float>{node(red), node(green), node(blue)}, primaries, "", "");
     REQUIRE(shown);
     for (std::size_t c = 0; c < 3; ++c)
@@ -165,11 +165,11 @@ TEST_CASE("a page has every layer's values and shares, and folds layers without 
             CHECK(bytes[32] == 255);
             CHECK(bytes[96] == 255);
         }
-    // Every data element is some layer's, and the views are there once.
+    // Every data element belongs to a layer, and each view occurs once.
     CHECK(layers.view_scripts().find("id=\"view-0\"") != std::string::npos);
 }
 
-TEST_CASE("a page stays within its bytes, by means over blocks", "[report]") {
+TEST_CASE("a page stays within its size limit, by means over blocks", "[report]") {
     auto color = display::ColorManager::open();
     REQUIRE(color);
     display::ExrImage image = image_of_layers();
@@ -185,7 +185,7 @@ TEST_CASE("a page stays within its bytes, by means over blocks", "[report]") {
     CHECK(unpacked_halves(pixels_of(*html, data["layers"][0]), 8 * 3)[0] == (12 + 3 * 4) / 4);
 }
 
-TEST_CASE("a file in which nothing can be shown gets a page that says so", "[report]") {
+TEST_CASE("a file without displayable layers gets a page with a message", "[report]") {
     auto color = display::ColorManager::open();
     REQUIRE(color);
     display::ExrImage image;
