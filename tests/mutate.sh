@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Whether the tests notice: breaks the lines of tests/mutations.txt one at a time, in a copy of what is committed, and runs the
+# Tests the tests: changes the lines of tests/mutations.txt one at a time, in a copy of the committed tree, and runs the
 # unit tests of the services and of transport until one fails.
 #
 #   bash tests/mutate.sh [FIRST [LAST]]     mutations by number, from 1; default: all. A minute and a half each on two cores
 #
-# Prints for each the test case that failed, or SURVIVED. Exit 1 if any survived, 2 if one does not apply or compile.
+# Prints for each mutation the test case that failed, or SURVIVED. Exit code 1 if any survived, 2 if one does not apply
+# or compile.
 set -uo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 work=$(mktemp -d)
@@ -31,7 +32,7 @@ while IFS=$'\t' read -r file from to; do
         verdict=SURVIVED
         for program in test_services test_transport; do
             if ! "build/release/$program" '~[.]' --abort -r compact >test.log 2>&1; then
-                # The compact reporter names files, not cases: the failed one's file and line say which it was.
+                # The compact reporter prints files instead of cases; file and line of the failure identify the case.
                 verdict="fails $(grep -m1 -oE '[a-z_]+\.(cpp|h):[0-9]+: failed' test.log | sed 's/: failed//')"
                 break
             fi

@@ -1,4 +1,4 @@
-// raylex render --atlas and raylex ask: layers asked for after the render.
+// raylex render --atlas and raylex ask: layers made after the render.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -19,7 +19,8 @@ using raylex::display::ExrImage;
 
 namespace {
 
-/// A glass ball and a glossy wall over a labelled floor; a lamp of group key, a point light without one and a sky.
+/// A glass ball and a glossy wall over a labelled floor, with a lamp of group key, a point light without a group and a
+/// sky.
 const char* const glass_over_floor = R"(Film "rgb" "integer xresolution" 14 "integer yresolution" 10
 Sampler "independent" "integer pixelsamples" 8
 PixelFilter "box"
@@ -48,14 +49,14 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [.3 2 -1 1.3 2 -
 AttributeEnd
 )";
 
-/// With that scene as scene.pbrt, and a job that names a light group.
+/// A folder with that scene as scene.pbrt, and a job that names a light group.
 struct AtlasFolder : Folder {
     AtlasFolder() {
         write("scene.pbrt", glass_over_floor);
         write("job.toml",
               "[scene]\nfile = \"scene.pbrt\"\n[[light_group]]\narea_light_material = \"lamp\"\ngroup = \"key\"\n");
     }
-    /// A render with an atlas; `more` are its options.
+    /// Renders with an atlas; `more` are further options.
     void render_atlas(const std::string& name, const std::string& more = {}) const {
         const Outcome outcome =
             run_raylex(*this, "render job.toml --atlas " + name + ".atlas.exr -o " + name + ".exr " + more);
@@ -84,7 +85,7 @@ std::vector<std::string> layers_of(const ExrImage& image) {
     return names;
 }
 
-/// Every layer of `asked` against the one of `rendered`, by the sum over the layers of their magnitudes.
+/// Compares every layer of `asked` with that of `rendered`, relative to the sum of all layers' magnitudes.
 double largest_difference(const ExrImage& asked, const ExrImage& rendered) {
     const std::vector<std::string> names = layers_of(rendered);
     CHECK(layers_of(asked) == names);
@@ -113,7 +114,7 @@ ExrImage image_of(const Folder& folder, const std::string& name) {
     return *std::move(image);
 }
 
-/// What `raylex verify` says of a file.
+/// Returns the output of `raylex verify` for a file.
 void check_verified(const Folder& folder, const std::string& name) {
     const Outcome verified = run_raylex(folder, "verify " + name);
     INFO(verified.out << verified.err);
@@ -122,7 +123,7 @@ void check_verified(const Folder& folder, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("what is asked afterwards is what a render had given: random expressions and partitions", "[atlas]") {
+TEST_CASE("layers from an atlas equal rendered ones: random expressions and partitions", "[atlas]") {
     const AtlasFolder folder;
     std::mt19937 random(17);
     for (const char* method : {"path", "bdpt"}) {
@@ -139,8 +140,8 @@ TEST_CASE("what is asked afterwards is what a render had given: random expressio
             INFO(asked.err);
             REQUIRE(asked.code == 0);
             const ExrImage a = image_of(folder, "asked.exr"), b = image_of(folder, "rendered.exr");
-            // Words, their sum and the rendered layer are rounded to float once each, 2^-24 of the layer at most, and
-            // every pixel's light is in a layer of two partitions as well: 3 2^-24 / 2 of the sum of the layers.
+            // Words, their sum and the rendered layer are each rounded to float once, 2^-24 of the layer at most, and
+            // every pixel's light is in a layer of two partitions: 3 2^-24 / 2 of the sum of the layers.
             CHECK(largest_difference(a, b) <= 0x1p-23);
             CHECK(a.partitions.size() == b.partitions.size());
             for (const char* component : {"R", "G", "B", "A"})
@@ -151,7 +152,7 @@ TEST_CASE("what is asked afterwards is what a render had given: random expressio
     }
 }
 
-TEST_CASE("an atlas by technique answers what each found, and words tell it", "[atlas]") {
+TEST_CASE("an atlas by technique gives the light of each technique, and its words name the technique", "[atlas]") {
     const AtlasFolder folder;
     const std::string wishes =
         " --partition shipped --lpe 'met=s0t3;C<RD>*L' --lpe 'sampled=s1t3;C.*L' --lpe 'splat=s3t1;C.*' "
@@ -173,7 +174,7 @@ TEST_CASE("an atlas by technique answers what each found, and words tell it", "[
     }
     check_verified(folder, "kept.atlas.exr");
     CHECK(matches(run_raylex(folder, "ask kept.atlas.exr --top 5 --at 7,5").out, "[^]*\\(s[0-9]+t[0-9]+\\)[^]*"));
-    // Merged words keep theirs, and so do merged files.
+    // Merged words keep their technique, and so do merged files.
     folder.render_atlas("short", how + "1 --seed 1");
     CHECK(
         run_raylex(folder, "ask short.atlas.exr -o asked.exr --lpe 'sampled=s1t3;C.*' --lpe 'long=beyond4;C.*'").code ==
@@ -189,8 +190,7 @@ TEST_CASE("an atlas by technique answers what each found, and words tell it", "[
     CHECK(page.code == 0);
 }
 
-TEST_CASE("on whole scenes, what is asked afterwards is what a render had given: a hundred expressions each",
-          "[.full][atlas]") {
+TEST_CASE("on whole scenes, layers from an atlas equal rendered ones: a hundred expressions each", "[.full][atlas]") {
     namespace fs = std::filesystem;
     const char* const given = std::getenv("RAYLEX_REFERENCES");
     const fs::path shared = given != nullptr ? fs::path(given) : fs::path(source_dir()) / ".." / "shared/data/scenes";
@@ -211,7 +211,7 @@ TEST_CASE("on whole scenes, what is asked afterwards is what a render had given:
         const std::string render = "render '" + file.string() + "' --resolution 60x40 --spp 4 --max-depth 8 ";
         INFO(file.string());
         REQUIRE(run_raylex(folder, render + "-o kept.exr --atlas kept.atlas.exr").code == 0);
-        for (int half = 0; half < 2; ++half) {  // one automaton for a hundred takes longer than two
+        for (int half = 0; half < 2; ++half) {  // one automaton for a hundred expressions takes longer than two
             std::string wishes = partitions;
             for (int i = 0; i < 50; ++i)
                 wishes += " --lpe \"e" + std::to_string(i) + "=" + random_expression(random) + "\"";
@@ -238,7 +238,7 @@ TEST_CASE("on whole scenes, what is asked afterwards is what a render had given:
 TEST_CASE("an atlas changes no bit of the image, and threads none of the atlas", "[atlas][law2][law3]") {
     const AtlasFolder folder;
     REQUIRE(run_raylex(folder, "render job.toml -o plain.exr").code == 0);
-    // A budget that has words merged: merges, too, depend on the samples alone.
+    // With this budget words are merged; merging also depends only on the samples.
     for (const std::string budget : {"2GiB", "150KiB"}) {
         const ExrImage plain = image_of(folder, "plain.exr");
         std::vector<std::string> words;
@@ -269,7 +269,7 @@ TEST_CASE("an atlas changes no bit of the image, and threads none of the atlas",
     }
 }
 
-TEST_CASE("what an atlas cannot tell is refused, or between what it is at least and at most", "[atlas]") {
+TEST_CASE("a layer that an atlas cannot compute exactly is refused, or lies between its bounds", "[atlas]") {
     const AtlasFolder folder;
     REQUIRE(run_raylex(folder, "render job.toml -o true.exr --lpe c='CDS+L' --lpe d='CDD+L' --lpe s='C<TS>+L'").code ==
             0);
@@ -298,7 +298,7 @@ TEST_CASE("what an atlas cannot tell is refused, or between what it is at least 
             const std::vector<float> least = plane(answer, channel + "_least", "G"),
                                      most = plane(answer, channel + "_most", "G"), is = plane(truth, channel, "G");
             for (std::size_t i = 0; i < is.size(); ++i) {
-                // Three roundings to float on the way, 2^-24 each, of values up to the larger end.
+                // Three roundings to float, 2^-24 each, of values up to the upper bound.
                 const double slack = 3 * 0x1p-24 * static_cast<double>(most[i]);
                 CHECK(static_cast<double>(least[i]) <= static_cast<double>(is[i]) + slack);
                 CHECK(static_cast<double>(is[i]) <= static_cast<double>(most[i]) + slack);
@@ -307,11 +307,11 @@ TEST_CASE("what an atlas cannot tell is refused, or between what it is at least 
         }
         CHECK(intervals > 0);
         CHECK(open > 0);
-        // The light of all words is told exactly whatever was merged.
+        // The light of all words is exact, whatever was merged.
         const Outcome whole = run_raylex(folder, "ask " + name + ".atlas.exr --lpe all='C.*' -o w.exr");
         CHECK(whole.code == 0);
     }
-    // Of a budget that is short, but not hopeless, the first scattering and which light is direct are kept.
+    // With a small but usable budget, the first scattering event and direct light stay distinct.
     folder.render_atlas("c", "--spp 128 --atlas-budget 165KiB");
     check_refused(folder, "ask c.atlas.exr --lpe c='CDS+L' -o c.exr", {"cannot be computed exactly"});
     REQUIRE(run_raylex(folder, "ask c.atlas.exr --partition shipped -o s.exr").code == 0);
@@ -319,13 +319,13 @@ TEST_CASE("what an atlas cannot tell is refused, or between what it is at least 
     check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --atlas-budget lots", {"--atlas-budget"});
 }
 
-TEST_CASE("an atlas keeps words of a deep scene whole", "[atlas]") {
+TEST_CASE("an atlas stores complete words of a deep scene", "[atlas]") {
     const AtlasFolder folder;
     folder.render_atlas("deep", "--spp 4 --max-depth 65");
-    CHECK(run_raylex(folder, "ask deep.atlas.exr --lpe caustics='CDS+L' -o c.exr").code == 0);  // README's example
+    CHECK(run_raylex(folder, "ask deep.atlas.exr --lpe caustics='CDS+L' -o c.exr").code == 0);  // the example in README
 }
 
-TEST_CASE("labels, lobes and groups that an atlas did not keep are not answered", "[atlas]") {
+TEST_CASE("an atlas refuses expressions with labels, lobes and groups that it does not store", "[atlas]") {
     const AtlasFolder folder;
     folder.render_atlas("plain", "--atlas-by group --atlas-length 6");
     check_refused(folder, "ask plain.atlas.exr --lpe f=\"C<RD'ground'>L\" -o f.exr",
@@ -338,7 +338,7 @@ TEST_CASE("labels, lobes and groups that an atlas did not keep are not answered"
     check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --integrator pssmlt", {"keeps no path atlas"});
 }
 
-TEST_CASE("why a pixel is bright, and what is noisy", "[atlas]") {
+TEST_CASE("ask --top lists a pixel's brightest words, and --suggest the noisiest kinds", "[atlas]") {
     const AtlasFolder folder;
     folder.render_atlas("a", "--atlas-length 6");
     const Outcome top = run_raylex(folder, "ask a.atlas.exr --top 2 --at 4,6");
@@ -349,7 +349,7 @@ TEST_CASE("why a pixel is bright, and what is noisy", "[atlas]") {
     const Outcome suggested = run_raylex(folder, "ask a.atlas.exr --suggest 3");
     INFO(suggested.out << suggested.err);
     REQUIRE(suggested.code == 0);
-    // The command that it ends with is one.
+    // The last line is a valid command.
     const std::size_t line = suggested.out.rfind("raylex ask ");
     REQUIRE(line != std::string::npos);
     const Outcome asked = run_shell(folder, "\"$RAYLEX\" " + suggested.out.substr(line + 7));
@@ -361,7 +361,7 @@ TEST_CASE("why a pixel is bright, and what is noisy", "[atlas]") {
     check_refused(folder, "ask a.atlas.exr --top 2 --at 4", {"expected X,Y"});
 }
 
-TEST_CASE("atlases of several seeds are one, in any order", "[atlas]") {
+TEST_CASE("atlases of several seeds merge in any order", "[atlas]") {
     const AtlasFolder folder;
     folder.render_atlas("a", "--seed 1");
     folder.render_atlas("b", "--seed 2 --spp 4");
@@ -392,7 +392,7 @@ TEST_CASE("atlases of several seeds are one, in any order", "[atlas]") {
     folder.render_atlas("d", "--seed 4 --atlas-length 2");
     check_refused(folder, "ask --merge a.atlas.exr d.atlas.exr -o n.exr", {"length 6", "length 2"});
     check_refused(folder, "ask --merge a.atlas.exr -o n.exr", {"at least two"});
-    // Jobs that say their seeds and outputs themselves are of one image; jobs that render another part of it are not.
+    // Jobs with different seeds and outputs belong to one image; jobs that render different parts of it do not.
     for (const std::string seed : {"7", "8"}) {
         const std::string job = folder.read("job.toml");
         folder.write("s" + seed + ".toml", job + "[render]\nseed = " + seed + "\nspp = 2\n[output]\nfile = \"s" + seed +
@@ -406,7 +406,7 @@ TEST_CASE("atlases of several seeds are one, in any order", "[atlas]") {
     check_refused(folder, "ask --merge c7.atlas.exr c8.atlas.exr -o n.exr", {"c8.atlas.exr", "jobs that differ"});
 }
 
-TEST_CASE("words whose light may be negative sum as exactly as others, in layers where they cancel", "[atlas]") {
+TEST_CASE("words with negative light sum exactly, even in layers where they cancel", "[atlas]") {
     const AtlasFolder folder;
     std::string scene = glass_over_floor;
     const std::string glass = "\"string type\" \"dielectric\"";
@@ -417,19 +417,19 @@ TEST_CASE("words whose light may be negative sum as exactly as others, in layers
     REQUIRE(run_raylex(folder, "ask --merge a.atlas.exr b.atlas.exr -o both.exr").code == 0);
     for (const char* name : {"a.atlas.exr", "both.exr"}) {
         check_verified(folder, name);
-        // One layer of all words: in single precision each, they missed the beauty by more than rounding.
+        // One layer of all words: with single precision per word, the sum misses the beauty by more than rounding.
         const Outcome asked = run_raylex(folder, std::string("ask ") + name + " --light-groups -o layers.exr");
         INFO(asked.out << asked.err);
         CHECK(asked.code == 0);
         check_verified(folder, "layers.exr");
     }
-    // What a class holds of both signs is between no bounds.
+    // A class with light of both signs has no bounds.
     folder.render_atlas("short", "--atlas-length 2");
     check_refused(folder, "ask short.atlas.exr --lpe three=C...L --intervals -o n.exr",
                   {"disperses light by wavelength", "--atlas-length"});
 }
 
-TEST_CASE("atlases of shards are merged with their image, or by themselves, and answer what one render's does",
+TEST_CASE("atlases of shards merge with their image or alone, and give the layers of a single render's atlas",
           "[atlas][law3]") {
     const std::string integrator = GENERATE("path", "bdpt", "lighttracer");
     CAPTURE(integrator);
@@ -451,7 +451,7 @@ TEST_CASE("atlases of shards are merged with their image, or by themselves, and 
     for (const char* name : {"whole.atlas.exr", "out.atlas.exr", "all.exr"})
         REQUIRE(run_raylex(folder, std::string("ask ") + name + " --partition shipped -o of_" + name).code == 0);
     const ExrImage whole = image_of(folder, "of_whole.atlas.exr");
-    // Rounded to float: words and layers of the whole; words of shards, merged words (once more where they are merged
+    // Roundings to float: words and layers of the whole; words of shards, merged words (twice if they are merged
     // twice), layers.
     CHECK(largest_difference(image_of(folder, "of_out.atlas.exr"), whole) <= 5 * 0x1p-24);
     CHECK(largest_difference(image_of(folder, "of_all.exr"), whole) <= 6 * 0x1p-24);
@@ -460,7 +460,7 @@ TEST_CASE("atlases of shards are merged with their image, or by themselves, and 
                   {"both have seed", "samples 0 to 15", "--shard"});
     check_refused(folder, "ask --merge some.exr " + third + " -o n.exr", {"samples 32 to 47"});
     check_refused(folder, "ask --merge all.exr whole.atlas.exr -o n.exr", {"whole.atlas.exr", "samples 0 to 47"});
-    // A shard whose atlas is gone is not done.
+    // A shard without its atlas is not done.
     std::filesystem::remove(folder.path(second));
     check_refused(folder, "merge --shards 3 -o out.exr --atlas out.atlas.exr", {second});
     folder.render_atlas("out", more + " --shard 2/3");
@@ -472,7 +472,7 @@ TEST_CASE("atlases of shards are merged with their image, or by themselves, and 
                   {first, "another render", "raylex/seed"});
 }
 
-TEST_CASE("questions to no atlas end in a message", "[atlas][law7]") {
+TEST_CASE("ask reports files that are not atlases", "[atlas][law7]") {
     const AtlasFolder folder;
     folder.render_atlas("a");
     check_refused(folder, "ask a.exr --lpe d=CDL -o d.exr", {"a.exr", "not a path atlas"});
@@ -483,7 +483,7 @@ TEST_CASE("questions to no atlas end in a message", "[atlas][law7]") {
     check_refused(folder, "ask a.atlas.exr -o d.exr", {"--lpe"});
     check_refused(folder, "ask a.atlas.exr --lpe d='C<RX>L' -o d.exr", {"found 'X'"});
     const std::string bytes = folder.read("a.atlas.exr");
-    // Cut anywhere: within the header, the tables, the pixels.
+    // Truncated anywhere: in the header, the tables, the pixels.
     for (const double part : {0.02, 0.1, 0.3, 0.6, 0.9}) {
         folder.write("cut.exr", bytes.substr(0, static_cast<std::size_t>(part * static_cast<double>(bytes.size()))));
         check_refused(folder, "ask cut.exr --errors --lpe d=CDL -o d.exr", {"cut.exr"});

@@ -1,5 +1,4 @@
-// What the command line itself says, whatever the command: words that are not known, help, and where
-// text goes.
+// The command line independent of the command: unknown words, help, and the destination of text.
 #include <catch2/catch.hpp>
 
 #include "experiments/job/text/json.h"
@@ -18,7 +17,7 @@ using raylex::test::SceneFolder;
 
 }  // namespace
 
-TEST_CASE("an unknown subcommand is named, with what there is") {
+TEST_CASE("an unknown subcommand is named, with the known ones") {
     const Folder folder;
     check_refused(folder, "rendr room.pbrt", {"'rendr'", "did you mean 'render'", "raylex --help"});
     check_refused(folder, "lpe chek", {"'chek'", "did you mean 'check'", "raylex lpe --help"});
@@ -26,15 +25,15 @@ TEST_CASE("an unknown subcommand is named, with what there is") {
         check_refused(folder, with_options, {"unknown subcommand 'rendr'", "did you mean 'render'"});
 }
 
-TEST_CASE("text that standard output does not take is an error; that a reader has seen enough is none") {
+TEST_CASE("a failed write to standard output is an error; a reader that closes the pipe is not") {
     const Folder folder;
-    // Short texts and those that are longer than a buffer fail in different calls.
+    // Short texts and texts longer than a buffer fail in different calls.
     for (const char* command : {"lpe explain CL", "help render", "render --help", "plugins"}) {
         CAPTURE(command);
         const Outcome full = run_shell(folder, "\"$RAYLEX\" " + std::string(command) + " > /dev/full");
         CHECK(full.code == 2);
         CHECK(contains(full.err, "cannot write to standard output"));
-        // The reader is gone before anything is written.
+        // The reader ends before anything is written.
         const Outcome left =
             run_shell(folder, "set -o pipefail; { sleep 0.3; \"$RAYLEX\" " + std::string(command) + "; } | true");
         CAPTURE(left.err);
@@ -49,15 +48,15 @@ TEST_CASE("words after '--' are not options") {
     check_refused(folder, "scene write -- -r.pbrt -o a.pbrt", {"'-o' stands after '--'"});
 }
 
-TEST_CASE("an unknown option is named, with the one that may be meant") {
+TEST_CASE("an unknown option is named, with the closest match") {
     const Folder folder;
     check_refused(folder, "render x.toml --threds 2", {"unknown option '--threds'; did you mean '--threads'?"});
     check_refused(folder, "render x.toml --threds=2", {"unknown option '--threds'; did you mean '--threads'?"});
     check_refused(folder, "scene info x.pbrt -jsn", {"'-jsn'; did you mean '--json'?", "raylex scene info --help"});
     check_refused(folder, "--colr never lpe check", {"'--colr'; did you mean '--color'?"});
-    // The option that seems to be missing is the one that is misspelt.
+    // The option that seems to be missing is misspelt.
     check_refused(folder, "experiment run c.toml --outptu o", {"'--outptu'; did you mean '--output'?"});
-    // These take whatever stands behind the first expression.
+    // These commands accept any number of words after the first expression.
     check_refused(folder, "lpe explain CL --dialct osl", {"'--dialct'; did you mean '--dialect'?", "explain --help"});
     check_refused(folder, "lpe union CL CDL --sampels 2", {"'--sampels'; did you mean '--samples'?", "union --help"});
     check_refused(folder, "--threads 2 render x.pbrt", {"'--threads' of 'raylex'; expected it after 'raylex render'"});
@@ -68,7 +67,7 @@ TEST_CASE("an unknown option is named, with the one that may be meant") {
     }
 }
 
-TEST_CASE("help by a word is help by an option") {
+TEST_CASE("raylex help prints the same text as --help") {
     const Folder folder;
     for (const std::string command : {"", "render", "lpe", "lpe explain"}) {
         CAPTURE(command);
@@ -82,7 +81,7 @@ TEST_CASE("help by a word is help by an option") {
     check_refused(folder, "help render scene", {"'raylex render' has no subcommands"});
 }
 
-TEST_CASE("'-' is standard output to whatever writes text, which then has it to itself") {
+TEST_CASE("'-' is standard output for every command that writes text, and nothing else is printed there") {
     const SceneFolder folder;
     const auto run_well = [&](const std::string& arguments) {
         Outcome outcome = run_raylex(folder, arguments);
@@ -115,13 +114,13 @@ TEST_CASE("'-' is standard output to whatever writes text, which then has it to 
     check_refused(folder, "lpe check a=CL --what disjoint --json -o -", {"--json and -o -", "the name of a file"});
 }
 
-TEST_CASE("what is no text has no way to standard output") {
+TEST_CASE("binary files cannot be written to standard output") {
     const SceneFolder folder;
     for (const char* output : {"--deep -", "--atlas -", "--driver exr:file=-"})
         check_refused(folder, "render room.pbrt -o a.exr --spp 1 " + std::string(output), {"standard output, '-'"});
     check_refused(folder, "render room.pbrt -o -", {"'-' does not end in .exr"});
     check_refused(folder, "merge x.exr.shard-1-of-1 -o x.exr --atlas -", {"standard output, '-'"});
-    // Meshes from files go to files, by whose names label rules call them.
+    // Meshes from files are written to files, because label rules refer to them by file name.
     folder.write("m.ply",
                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
                  "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");

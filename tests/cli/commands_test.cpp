@@ -1,5 +1,5 @@
-// --commands, raylex submit and raylex status: what is printed stands alone, may be begun again, and ends in the bits
-// of one run; what cannot be is refused.
+// --commands, raylex submit and raylex status: commands are independent and repeatable, and give the bits of a single
+// run; impossible requests are refused.
 #include <catch2/catch.hpp>
 
 #include <sstream>
@@ -46,7 +46,7 @@ name = "direct"
 lpe = "CDL"
 )");
     }
-    /// The numbers of all cells of a directory of results.
+    /// Returns the numbers of all cells in a results directory.
     [[nodiscard]] std::string bits(const std::string& results) const {
         return run_shell(*this, "cd '" + results +
                                     "/cells' && find . -name record.bin -o -name '*.npy' | sort | "
@@ -59,7 +59,7 @@ const std::string plan = "\"$RAYLEX\" experiment plan c.toml -o all --no-calibra
 
 }  // namespace
 
-TEST_CASE("the commands of a render stand alone, and a shell that runs them twice makes the bits of one render") {
+TEST_CASE("the commands of a render are independent, and running them twice gives the bits of one render") {
     const SceneFolder folder;
     folder.write("it's a job.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\nspp = 48\n");
     const std::string render = "render \"it's a job.toml\" --lpe \"direct=C<RD>L\" --threads 2";
@@ -72,13 +72,13 @@ TEST_CASE("the commands of a render stand alone, and a shell that runs them twic
     CHECK(contains(printed.out, "previews, viewers and statistics are left out"));
     folder.write("commands", printed.out);
     CHECK_FALSE(folder.has("out.exr"));
-    // From any folder, and again.
+    // From any folder, and a second time.
     for (int i = 0; i < 2; ++i) {
         const Outcome run = done(folder, "cd / && sh '" + folder.path("commands") + "'");
         CHECK((count_matches(run.out, "is done already") == (i == 0 ? 0 : 3)));
         CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
     }
-    // Side by side, as xargs and GNU parallel do it: the merge waits for the others.
+    // In parallel, like xargs and GNU parallel: the merge waits for the others.
     done(folder, "rm out.exr*; xargs -P 4 -d '\\n' -n 1 sh -c < commands");
     CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
     const Outcome again = run_shell(folder, "rm out.exr.shard-2-of-3; tail -n 1 commands | sh");
@@ -86,7 +86,7 @@ TEST_CASE("the commands of a render stand alone, and a shell that runs them twic
     CHECK(contains(again.err, "out.exr.shard-2-of-3: this file does not exist, and no process on this machine"));
 }
 
-TEST_CASE("commands as JSON say what each needs") {
+TEST_CASE("commands as JSON have their needs") {
     const SceneFolder folder;
     const Outcome printed =
         done(folder, "exec \"$RAYLEX\" render room.pbrt --spp 64 -o out.exr --threads 2 --shards 2 --commands=json");
@@ -103,7 +103,7 @@ TEST_CASE("commands as JSON say what each needs") {
     CHECK(commands[2]["arguments"][1] == "merge");
 }
 
-TEST_CASE("commands that cannot be are refused, and templates with a slip name its line", "[law7]") {
+TEST_CASE("impossible commands are refused, and errors in templates have a line", "[law7]") {
     const StudyFolder folder;
     const std::string render = "render room.pbrt --spp 64 --no-calibration ";
     check_refused(folder, render + "--shards 2", {"--shards without --commands"});
@@ -121,13 +121,13 @@ TEST_CASE("commands that cannot be are refused, and templates with a slip name i
     check_refused(folder, study + "--commands --shards 7 -o all", {"7 shards of 6 cells", "--split-cells"});
 }
 
-TEST_CASE("the commands of a study end in the cells of one run, whatever was killed", "[law3]") {
+TEST_CASE("the commands of a study give the cells of one run, even after kills", "[law3]") {
     const StudyFolder folder;
     done(folder, "exec \"$RAYLEX\" experiment run \"$PWD/c.toml\" -o local");
     folder.write("commands", done(folder, plan + "--shards 3 --split-cells 2 --commands").out);
     CHECK(contains(folder.read("commands"), "--only-references"));
-    // The second shard is killed while the program is still being loaded, for its cells take few milliseconds; and the
-    // merge has nothing to merge.
+    // The second shard is killed while the program loads, because its cells take only milliseconds; the merge then has
+    // nothing to merge.
     CHECK(run_shell(
               folder,
               "sed -n '/only-references/p;/shard 1.3/p;/shard 3.3/p' commands | sh && sed -n '/shard 2.3/s/^/exec /p' "
@@ -148,15 +148,15 @@ TEST_CASE("the commands of a study end in the cells of one run, whatever was kil
     }
     CHECK(folder.has("all/results/report.html"));
     CHECK(run_raylex(folder, "status all").code == 0);
-    // One reference for all of them.
+    // One reference for all shards.
     CHECK(done(folder, "ls -d all/references/*/ | wc -l; ls -d all/parts/*/references 2>/dev/null | wc -l").out ==
           "1\n0\n");
 }
 
-TEST_CASE("a Makefile and a Snakefile have rules for every command, and templates for other queues are there") {
+TEST_CASE("a Makefile and a Snakefile have rules for every command, and templates for other queues exist") {
     const StudyFolder folder;
     const std::string makefile = done(folder, plan + "--shards 2 --commands=make").out;
-    CHECK(contains(makefile, "all: merge\n"));  // the folder's name has a blank, which Make cannot write
+    CHECK(contains(makefile, "all: merge\n"));  // the folder's name has a blank, which Make cannot express
     CHECK(contains(makefile, "shard_2_of_2: references\n\t"));
     folder.write("Makefile", makefile);
     if (has_tool(folder, "make")) {
@@ -175,7 +175,7 @@ TEST_CASE("a Makefile and a Snakefile have rules for every command, and template
     CHECK(contains(kubernetes, "UNTESTED"));
 }
 
-TEST_CASE("a cell whose process was killed is failed; begun again it stays so, and with --retry it is run", "[law7]") {
+TEST_CASE("a cell whose process was killed has failed; a restart keeps that, and --retry runs it again", "[law7]") {
     const StudyFolder folder;
     const std::string one = " c.toml --set replicates=1 --set budget.samples=30000 --set reference.spp=1 -o ";
     done(folder, "\"$RAYLEX\" experiment run" + one + "local");
@@ -193,7 +193,7 @@ kill -KILL $(pgrep -P $program); wait $program)");
     check_refused(folder, "experiment run" + one + "other --retry", {"--retry without --resume"});
 }
 
-TEST_CASE("without a queue a submission leaves files to be used by hand, and loses nothing", "[law7]") {
+TEST_CASE("without a queue, submit writes files for use by hand and loses nothing", "[law7]") {
     const StudyFolder folder;
     const std::string submit = "PATH=/nowhere \"$RAYLEX\" submit --slurm c.toml -o all --shards 2 --no-calibration";
     const Outcome outcome = run_shell(folder, submit);
@@ -205,12 +205,12 @@ TEST_CASE("without a queue a submission leaves files to be used by hand, and los
     for (const char* line : {"#SBATCH --array=1-2\n", "#SBATCH --requeue\n", "#SBATCH --cpus-per-task=1\n"})
         CHECK(contains(array, line));
     CHECK(array.find("--exclusive") == std::string::npos);
-    // As Slurm would begin its tasks.
+    // As Slurm would start the tasks.
     done(folder,
          "bash all/slurm/references.sh && SLURM_ARRAY_TASK_ID=2 bash all/slurm/shards.sh && "
          "SLURM_ARRAY_TASK_ID=1 bash all/slurm/shards.sh && bash all/slurm/merge.sh");
     CHECK(run_raylex(folder, "status all").code == 0);
-    // Again: nothing but what is not done, with another try for cells that failed.
+    // Again: only unfinished work, and a retry of failed cells.
     done(folder, R"(sed -i 's/"failed": *0/"failed": 1/' all/parts/2/finished.json)");
     CHECK(run_shell(folder, submit + " --again").code == 2);
     CHECK(contains(folder.read("all/slurm/shards.sh"), "#SBATCH --array=2\n"));
@@ -218,7 +218,7 @@ TEST_CASE("without a queue a submission leaves files to be used by hand, and los
     check_refused(folder, "submit c.toml -o other --shards 2", {"expected --slurm"});
     check_refused(folder, "submit --slurm c.toml -o other", {"--shards N"});
     check_refused(folder, "status other", {"contains no study"});
-    // What measures seconds has its machine for itself.
+    // A command that measures seconds runs alone on its machine.
     done(folder, "sed -i 's/^samples = .*/seconds = 0.1/' c.toml");
     CHECK(run_shell(folder,
                     "PATH=/nowhere \"$RAYLEX\" submit --slurm c.toml -o timed --shards 2 --no-calibration "
@@ -228,7 +228,7 @@ TEST_CASE("without a queue a submission leaves files to be used by hand, and los
     CHECK(contains(folder.read("timed/slurm/shards.sh"), "#SBATCH --partition=quiet\n"));
 }
 
-TEST_CASE("a worker killed half way: GNU parallel, Make and Snakemake end in the same bits", "[.full][law3]") {
+TEST_CASE("after a worker is killed, GNU parallel, Make and Snakemake give the same bits", "[.full][law3]") {
     const StudyFolder folder;
     for (const char* tool : {"parallel", "make", "snakemake"})
         if (!has_tool(folder, tool)) RAYLEX_SKIP(std::string("needs the package ") + tool);
@@ -236,7 +236,7 @@ TEST_CASE("a worker killed half way: GNU parallel, Make and Snakemake end in the
          "sed -i 's/^samples = .*/samples = [4096]/' c.toml && exec \"$RAYLEX\" experiment run \"$PWD/c.toml\" -o "
          "local");
     const std::string local = folder.bits("local");
-    // The folder's name is of this test alone.
+    // The folder's name is unique to this test.
     const std::string worker = "pgrep -f '" + folder.path("all/parts/2") + " '";
     const std::string kill_one = "for i in $(seq 200); do [ -n \"$(" + worker +
                                  ")\" ] && break; sleep 0.05; done; sleep 0.3; kill -KILL $(" + worker + ") || true; ";

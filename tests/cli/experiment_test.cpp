@@ -1,4 +1,4 @@
-// raylex experiment, as a user runs it: small scenes, every step from plan to merge, and what goes wrong.
+// raylex experiment as a user runs it: small scenes, every step from plan to merge, and errors.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -64,7 +64,7 @@ Experiment results_of(const Folder& folder, const std::string& name) {
     return *std::move(read);
 }
 
-/// What must be the same of a cell wherever and whenever it is run.
+/// Returns the properties of a cell that must not depend on where and when it runs.
 std::string bits_of(const Folder& folder, const std::string& results, const std::string& id) {
     std::string bits;
     for (const char* file :
@@ -75,9 +75,9 @@ std::string bits_of(const Folder& folder, const std::string& results, const std:
 
 }  // namespace
 
-TEST_CASE("a plan knows times where the calibration's time ends before its first pass") {
-    // A white box that no path leaves: 64 x 64 paths of 3,000 scatterings take one thread seconds, as a small image
-    // does on a machine that others keep busy.
+TEST_CASE("a plan has times even if the calibration ends before its first pass") {
+    // A white box that no path leaves: 64 x 64 paths with 3,000 scattering events take one thread seconds, like a small
+    // image on a busy machine.
     const Folder folder;
     prepare(folder, R"(replicates = 2
 threads = 1
@@ -106,12 +106,12 @@ Shape "sphere" "float radius" 2
     const Outcome plan = succeed(folder, "experiment plan c.toml");
     INFO(plan.out << plan.err);
     CHECK(raylex::test::count_matches(plan.out, "box\\.deep\\.[0-9]+spp\\.r[01]  seed [0-9]+  about ") == 4);
-    // A command of another renderer is not run for a plan.
+    // A plan does not run the command of another renderer.
     CHECK(raylex::test::count_matches(plan.out, "box\\.other\\.[0-9]+spp\\.r[01]  seed [0-9]+  time unknown") == 4);
     CHECK(plan.out.find("(the time of 4 cells is unknown)") != std::string::npos);
 }
 
-TEST_CASE("an experiment leaves every cell's image and sums, and refuses to begin twice") {
+TEST_CASE("an experiment stores every cell's image and sums, and refuses to start twice") {
     const Folder folder;
     prepare(folder);
     const Outcome plan = succeed(folder, "experiment plan c.toml");
@@ -122,7 +122,7 @@ TEST_CASE("an experiment leaves every cell's image and sums, and refuses to begi
     CHECK(plan.out.find("memory: ") != std::string::npos);
     CHECK(folder.names() == std::vector<std::string>{"c.toml", "room.pbrt"});
 
-    // What ends before it begins is no obstacle, and somebody else's folder is left alone.
+    // A run that failed before its start does not block another one, and a folder with other files is not touched.
     CHECK(succeed(folder, "experiment run c.toml -o out --set method.deep.integrator=nothing-like-it", 2).out.empty());
     fs::create_directory(folder.path("mine"));
     folder.write("mine/thesis.tex", "");
@@ -153,7 +153,7 @@ TEST_CASE("an experiment leaves every cell's image and sums, and refuses to begi
         REQUIRE(cell.phases.size() == 6);
         REQUIRE(cell.splits.size() == 1);
         CHECK(cell.splits.front().holds);
-        // The arrays are the image: float rounds a double to 2^-24 of it.
+        // The arrays equal the image up to rounding to float, 2^-24.
         auto image = raylex::display::read_exr(cell.directory + "/image.exr");
         auto mean = read_mean(cell.directory, "direct");
         auto m2 = read_m2(cell.directory, "direct");
@@ -177,14 +177,14 @@ TEST_CASE("an experiment leaves every cell's image and sums, and refuses to begi
         CHECK(sum > 0);
         CHECK(squares > 0);
     }
-    // A checkpoint, a partial directory or anything else that is no result is not left.
+    // No checkpoint, partial directory or other temporary file is left.
     for (const auto& entry : fs::directory_iterator(folder.path("out/cells")))
         CHECK(fs::exists(entry.path() / "cell.json"));
 
     const Outcome again = succeed(folder, "experiment run c.toml -o out", 2);
     CHECK(again.err.find("out: there are 8 finished cells of this config already") != std::string::npos);
     CHECK(again.err.find("experiment resume") != std::string::npos);
-    // Without Debian's d3 there is no page, and the message says so.
+    // Without Debian's d3 there is no page, and a message explains that.
     const Outcome report = run_raylex(folder, "experiment report c.toml -o out");
     CAPTURE(report.out, report.err);
     const bool has_d3 = report.err.find("libjs-d3") == std::string::npos;
@@ -199,12 +199,12 @@ TEST_CASE("an experiment leaves every cell's image and sums, and refuses to begi
           std::string::npos);
     CHECK(succeed(folder, "experiment replay c.toml room.deep.24spp.r2 -o out", 2)
               .err.find("did you mean 'room.deep.24spp.r") != std::string::npos);
-    // A cell that was tampered with is not the same.
+    // A modified cell is not equal.
     fs::copy_file(folder.path("out/cells/room.deep.24spp.r0/record.bin"),
                   folder.path("out/cells/room.deep.24spp.r1/record.bin"), fs::copy_options::overwrite_existing);
     CHECK(succeed(folder, "experiment replay c.toml room.deep.24spp.r1 -o out", 1).out.find("DIFFERS") !=
           std::string::npos);
-    // A half-written cell is named and refused.
+    // An incomplete cell is named and refused.
     fs::remove(folder.path("out/cells/room.deep.4spp.r1/cell.json"));
     CHECK(
         succeed(folder, "experiment resume c.toml -o out", 2).err.find("room.deep.4spp.r1: this cell is incomplete") !=
@@ -212,7 +212,7 @@ TEST_CASE("an experiment leaves every cell's image and sums, and refuses to begi
     fs::remove_all(folder.path("out/cells/room.deep.4spp.r1"));
     succeed(folder, "experiment resume c.toml -o out");
     CHECK(results_of(folder, "out").cells.size() == 8);
-    // Nor does it go on when the scene is another.
+    // Resume also refuses a changed scene.
     fs::remove_all(folder.path("out/cells/room.deep.4spp.r1"));
     std::string changed = small_scene();
     changed.replace(changed.find("I\" [3 3 3]"), 10, "I\" [4 3 3]");
@@ -220,7 +220,7 @@ TEST_CASE("an experiment leaves every cell's image and sums, and refuses to begi
     CHECK(succeed(folder, "experiment resume c.toml -o out", 2).err.find("has changed since") != std::string::npos);
 }
 
-TEST_CASE("a study measures what people see on the beauty, as raylex compare does") {
+TEST_CASE("a study measures perceptual errors of the beauty, like raylex compare") {
     const Folder folder;
     prepare(folder, config.substr(0, config.find("[[method]]\nname = \"shallow\"")) +
                         "[budget]\nsamples = [4]\n[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\n");
@@ -243,7 +243,7 @@ TEST_CASE("a study measures what people see on the beauty, as raylex compare doe
             const Outcome compared =
                 succeed(folder, "compare out/cells/" + cell.substr(1) + "/image.exr truth.exr --metric " + metric);
             const double value = std::stod(line.substr(line.find("\"" + metric + "\":") + metric.size() + 3));
-            // The study has doubles, the image the floats nearest to them; roots in FLIP enlarge what that rounds off.
+            // The study has doubles, the image the nearest floats; roots in FLIP enlarge the rounding errors.
             CHECK(value == Approx(std::stod(compared.out)).epsilon(1e-5));
             ++seen;
         }
@@ -251,7 +251,7 @@ TEST_CASE("a study measures what people see on the beauty, as raylex compare doe
     CHECK(seen == 4);
 }
 
-TEST_CASE("shards merge to the unsharded run bit for bit, in any order; what overlaps is refused", "[law3]") {
+TEST_CASE("shards merge to the unsharded run bit for bit, in any order; overlaps are refused", "[law3]") {
     const Folder folder;
     prepare(folder);
     succeed(folder, "experiment run c.toml -o whole");
@@ -276,7 +276,7 @@ TEST_CASE("shards merge to the unsharded run bit for bit, in any order; what ove
           std::string::npos);
     succeed(folder, "experiment run c.toml -o other --set replicates=1");
     CHECK(succeed(folder, "experiment merge part1 other -o bad", 2).err.find("another config") != std::string::npos);
-    // A seed that two cells share makes them one.
+    // Two cells with the same seed would be the same render.
     auto edit = [&](const std::string& file, const std::string& list) {
         auto json = raylex::experiments::parse_json(folder.read(file));
         if (list.empty()) json["seed"] = 7;
@@ -291,7 +291,7 @@ TEST_CASE("shards merge to the unsharded run bit for bit, in any order; what ove
     CHECK_FALSE(folder.has("bad"));
 }
 
-TEST_CASE("a killed experiment goes on inside the cell, to the same bits", "[release-only][law3]") {
+TEST_CASE("a killed experiment resumes inside the cell, with the same bits", "[release-only][law3]") {
     const Folder folder;
     prepare(folder, "checkpoint = '0.02s'\n" + config);
     const std::string budget = " --set budget.samples=20000 --set replicates=1 --set reference.spp=16";
@@ -304,7 +304,7 @@ TEST_CASE("a killed experiment goes on inside the cell, to the same bits", "[rel
     CAPTURE(killed.out, killed.err);
     REQUIRE(killed.code == 0);
     REQUIRE(folder.has("out/cells/room.deep.20000spp.r0.partial/render.checkpoint"));
-    // Ctrl-C in the second session, and then to the end.
+    // Ctrl-C in the second session; the third one finishes.
     const Outcome stopped = run_shell(folder, "\"$RAYLEX\" experiment resume c.toml -o out" + budget +
                                                   " & pid=$!\nsleep 0.4\nkill -INT $pid\nwait $pid");
     CAPTURE(stopped.out, stopped.err);
@@ -319,7 +319,7 @@ TEST_CASE("a killed experiment goes on inside the cell, to the same bits", "[rel
         CHECK(entry.path().extension() != ".checkpoint");
 }
 
-TEST_CASE("a split that does not hold is rendered and measured, with the path that shows it") {
+TEST_CASE("a split that does not hold is rendered and measured, with a counterexample") {
     const Folder folder;
     prepare(folder, config + R"([[channel]]
 name = "lit"
@@ -338,7 +338,7 @@ channels = ["lit", "seen", "direct"]
     for (const Cell& cell : results.cells) {
         REQUIRE(cell.splits.size() == 1);
         CHECK_FALSE(cell.splits.front().holds);
-        // Where all light is direct it is counted twice: |2 b - b| of 2 b + b. With more of it the share is smaller.
+        // Direct light is counted twice: |2 b - b| relative to 2 b + b. With indirect light the fraction is smaller.
         CHECK(cell.splits.front().worst_relative_error == Approx(1.0 / 3).epsilon(1e-6));
         CHECK(std::filesystem::exists(cell.directory + "/double.residual.png"));
         REQUIRE_FALSE(cell.warnings.empty());
@@ -369,7 +369,7 @@ TEST_CASE("no two processes run cells into one directory") {
           std::string::npos);
 }
 
-TEST_CASE("a study by the CPU clock records what other processes use, and warns of a busy machine") {
+TEST_CASE("a study by the CPU clock records the load of other processes, and warns of a busy machine") {
     if (!fs::exists("/proc/stat")) RAYLEX_SKIP("needs Linux's /proc/stat");
     const Folder folder;
     prepare(folder);
@@ -380,14 +380,15 @@ TEST_CASE("a study by the CPU clock records what other processes use, and warns 
     INFO(run.out << run.err);
     REQUIRE(run.code == 0);
     const Experiment results = results_of(folder, "out");
-    CHECK(results.cpu_clock);  // by default: other processes lengthen wall times
+    CHECK(results.cpu_clock);  // by default, because other processes increase wall times
     for (const Cell& each : results.cells) {
         CAPTURE(each.id, each.other_load);
         CHECK((each.other_load >= 0 && each.other_load <= 1));
         CHECK(each.machine.find("hardware threads") != std::string::npos);
     }
     const double processors = std::max(1U, std::thread::hardware_concurrency());
-    // One process takes one processor's time, or half of one that it shares with the render; 5 % are warned of.
+    // One process takes one processor's time, or half of it if it shares the processor with the render; the warning
+    // begins at 5 %.
     if (0.5 / processors > 0.05) {
         CHECK(run.out.find("warning: the machine was not idle: other processes used ") != std::string::npos);
         CHECK(folder.read("out/report.html").find("Times:</span> the machine was not idle") != std::string::npos);
@@ -399,7 +400,7 @@ TEST_CASE("a study by the CPU clock records what other processes use, and warns 
     Experiment idle = results;
     for (Cell& each : idle.cells) each.other_load = 0.01;
     CHECK(idle.load_warning().empty());
-    for (Cell& each : idle.cells) each.other_load = -1;  // not known
+    for (Cell& each : idle.cells) each.other_load = -1;  // unknown
     CHECK(idle.load_warning().empty());
     idle.cells.front().other_load = 0.5;
     CHECK(idle.load_warning().find("used 50 % of its processors") != std::string::npos);
@@ -407,8 +408,7 @@ TEST_CASE("a study by the CPU clock records what other processes use, and warns 
     CHECK(idle.load_warning().find("clock = \"cpu\" compares by CPU time") != std::string::npos);
 }
 
-TEST_CASE(
-    "a renderer that delivers the beauty alone is told so once, and needs no {scene}; a part of an image is refused") {
+TEST_CASE("a renderer that writes only the beauty gets one warning and needs no {scene}; a partial image is refused") {
     const Folder folder;
     const std::string study = R"(replicates = 2
 [[scene]]
@@ -453,7 +453,7 @@ spp = 32
             told += json.at("what").get<std::string>().find("theirs") != std::string::npos ? 1 : 0;
     CHECK(told == 1);
 
-    // For several scenes a command must say which.
+    // With several scenes a command must name the scene.
     folder.write("c.toml", study + "[[scene]]\nname = \"again\"\nfile = \"room.pbrt\"\n");
     CHECK(succeed(folder, "experiment plan c.toml", 2).err.find("would render the same image for 2 scenes") !=
           std::string::npos);
@@ -483,7 +483,7 @@ TEST_CASE("budgets of time and error store the samples they reached, and replay"
     }
 }
 
-TEST_CASE("external renderers are run, timed and judged; failures are listed with what they said") {
+TEST_CASE("external renderers are run, timed and judged; failures are listed with their output") {
     const Folder folder;
     prepare(folder, R"(replicates = 2
 [[scene]]
@@ -534,13 +534,13 @@ samples = [2, 8]
     }
     CHECK(results.scenes.front().reference_relative_error < 0);
     REQUIRE(read_mean(results.scenes.front().reference, "beauty"));
-    // The same renders as a method of this program: an image holds its means as floats.
+    // The same renders as by a method of raylex; an image stores its means as floats.
     auto first = read_mean(folder.path("out/cells/room.self.2spp.r0"), "beauty"),
          second = read_mean(folder.path("out/cells/room.self.2spp.r1"), "beauty");
     REQUIRE(first);
     REQUIRE(second);
     CHECK(first->values != second->values);
-    // Failed cells stay as they are unless they are to be tried again.
+    // Failed cells stay failed unless --retry is given.
     CHECK(run_shell(folder, "export RAYLEX\nexec \"$RAYLEX\" experiment resume c.toml -o out").code == 2);
     CHECK(results_of(folder, "out").cells.size() == 14);
     folder.write("licence", "");

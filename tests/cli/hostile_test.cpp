@@ -1,5 +1,5 @@
-// What somebody tries who wants to break the program: names that become commands, limits of the system, numbers that
-// leave their type, files that are cut.
+// Attempts to break the program: names that could become commands, system limits, numbers beyond their type, truncated
+// files.
 #include <catch2/catch.hpp>
 
 #include <atomic>
@@ -14,7 +14,7 @@
 namespace raylex::test {
 namespace {
 
-/// Half of the image sees a sky, half a surface under it.
+/// Half of the image shows a sky, half a surface below it.
 std::string under_a_sky(const std::string& sky, const std::string& reflectance, const std::string& more = {}) {
     return "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\nCamera \"perspective\" \"float fov\" "
            "60\n" +
@@ -43,7 +43,7 @@ TEST_CASE("a name with a line end never becomes a line of a job file", "[cli][la
     }
     CHECK(contains(run_shell(folder, "\"$RAYLEX\" render '" + scene + "' -o out.exr" + common + "--commands=json").out,
                    "x\\ntouch"));
-    // Bytes that are no UTF-8 would be replaced, or end the reading of the file.
+    // Bytes that are not UTF-8 would be replaced, or would end the reading of the file.
     const std::string latin = "\"$RAYLEX\" render room.pbrt -o $'caf\\xe9.exr'" + common;
     for (const std::string format : {"json", "snakemake", "opencue", "kubernetes"})
         CHECK(contains(run_shell(folder, latin + "--commands=" + format).err, "is not UTF-8"));
@@ -63,7 +63,7 @@ TEST_CASE("a name with a line end never becomes a line of a job file", "[cli][la
     CHECK(contains(run_shell(folder, "cat d*/slurm/merge.sh").out, "d\\\" --wrap=\\\"id/slurm/merge.log\""));
 }
 
-TEST_CASE("where the system starts fewer threads, those there are make the very image", "[cli][law3]") {
+TEST_CASE("if the system starts fewer threads, the image is the same", "[cli][law3]") {
 #ifdef __SANITIZE_ADDRESS__
     RAYLEX_SKIP("the sanitizer takes more address space than the limit");
 #endif
@@ -79,13 +79,13 @@ TEST_CASE("where the system starts fewer threads, those there are make the very 
     CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
 }
 
-TEST_CASE("values that a file cannot hold are counted, and its splits are judged by the others", "[cli][law6]") {
+TEST_CASE("values that a file cannot hold are counted, and splits are checked on all other values", "[cli][law6]") {
     const Folder folder;
     folder.write("bright.pbrt", under_a_sky("1e6 1e6 1e6", ".5 .5 .5"));
     const Outcome half =
         run_raylex(folder, "render bright.pbrt --spp 16 --exr 'all=half none' --lpe 'd=C<RD>L' -o h.exr");
     INFO(half.out << half.err);
-    CHECK(half.code == 1);  // of no pixel the file has more than a bound
+    CHECK(half.code == 1);  // every pixel of the file is clamped
     CHECK(contains(
         half.err,
         "the file cannot hold all values of 3 layers: beauty: 0 values not a number, set to 0; 768 beyond half"));
@@ -101,15 +101,15 @@ TEST_CASE("values that a file cannot hold are counted, and its splits are judged
     CHECK_FALSE(contains(page, "Every split holds"));
     CHECK(contains(page, "Cannot tell for 1 of 1 partitions"));
     CHECK(contains(page, "0 of 256</td>"));
-    // Beauty leaves float where no layer of it does.
+    // The beauty exceeds float, but none of its layers does.
     folder.write("float.pbrt",
                  under_a_sky("2e38 2e38 2e38", "1 1 1", "") + "LightSource \"infinite\" \"rgb L\" [3e38 3e38 3e38]\n");
     const Outcome single = run_raylex(folder, "render float.pbrt --spp 16 --lpe 'd=C<RD>L' -o f.exr");
     INFO(single.out << single.err);
-    CHECK(single.code == 1);  // of no pixel the file has more than a bound
+    CHECK(single.code == 1);  // every pixel of the file is clamped
     CHECK(contains(single.out, "CANNOT TELL: every pixel is clamped"));
     CHECK(contains(single.err, "beyond float, set to the largest"));
-    // Deep images and atlases go by the same rule.
+    // Deep images and atlases follow the same rule.
     const Outcome deep = run_raylex(folder, "render bright.pbrt --spp 16 -o b.exr --deep deep.exr --deep-storage half");
     INFO(deep.out << deep.err);
     CHECK(deep.code == 0);
@@ -126,13 +126,13 @@ TEST_CASE("values that a file cannot hold are counted, and its splits are judged
     CHECK(contains(atlas.out, "256 pixels with values clamped to the largest half or float"));
 }
 
-TEST_CASE("samples that cancel under a filter with negative lobes are no failed split", "[cli][law1]") {
+TEST_CASE("samples that cancel with a negative-lobe filter do not fail a split", "[cli][law1]") {
     const Folder folder;
     std::string scene =
         "Film \"rgb\" \"integer xresolution\" 256 \"integer yresolution\" 256\nCamera \"perspective\" "
         "\"float fov\" 60\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n"
         "Material \"diffuse\" \"rgb reflectance\" [1e-9 1e-9 1e-9]\n";
-    // Many edges: somewhere a pixel has as many samples of the sky of either sign.
+    // Many edges, so that some pixel has equal numbers of sky samples of each sign.
     for (int i = 0; i < 400; ++i)
         scene += "AttributeBegin Translate " + std::to_string(0.19 * (i % 20) - 1.9) + " " +
                  std::to_string(0.19 * (i / 20) - 1.9) + " 4 Shape \"sphere\" \"float radius\" " +
@@ -154,7 +154,7 @@ TEST_CASE("samples that cancel under a filter with negative lobes are no failed 
     CHECK_FALSE(contains(run_raylex(folder, "verify out.exr").out, "samples that cancel"));
 }
 
-TEST_CASE("an atlas that is cut answers nothing, whatever the question reads", "[cli][law7]") {
+TEST_CASE("a truncated atlas is refused for every kind of request", "[cli][law7]") {
     const SceneFolder folder;
     CHECK(run_raylex(folder, "render room.pbrt --spp 16 --atlas a.atlas.exr -o out.exr").code == 0);
     const std::string bytes = folder.read("a.atlas.exr");
@@ -169,7 +169,7 @@ TEST_CASE("an atlas that is cut answers nothing, whatever the question reads", "
     std::string negative = bytes;
     const std::size_t at = negative.find("atlas/length");
     REQUIRE(at != std::string::npos);
-    const std::size_t value = negative.find("string", at) + 7 + 4;  // the type's zero byte, the size
+    const std::size_t value = negative.find("string", at) + 7 + 4;  // the zero byte after the type, and the size
     const auto digits = static_cast<std::size_t>(static_cast<unsigned char>(negative[value - 4]));
     negative.replace(value, digits, "-" + std::string(digits - 1, '1'));
     folder.write("a.atlas.exr", digits > 1 ? negative : bytes.substr(0, value) + "x" + bytes.substr(value + 1));
@@ -177,7 +177,7 @@ TEST_CASE("an atlas that is cut answers nothing, whatever the question reads", "
                    "in atlas/length is not a length"));
 }
 
-TEST_CASE("scenes and questions that take memory beyond all measure are refused in no time", "[cli][law7]") {
+TEST_CASE("scenes and requests that need too much memory are refused quickly", "[cli][law7]") {
     const SceneFolder folder;
     std::string scene =
         "WorldBegin\nLightSource \"infinite\"\nObjectBegin \"a\"\nShape \"sphere\"\nObjectEnd\nActiveTransform "
@@ -200,7 +200,7 @@ TEST_CASE("an interrupt is the exit code 130, and a second one leaves no partial
     const std::string interrupted = "timeout --preserve-status -s INT 1 \"$RAYLEX\" ";
     CHECK(run_shell(folder, interrupted + "render room.pbrt --spp 64000 --shards 2 --commands -o out.exr").code == 130);
     CHECK(run_shell(folder, interrupted + "scene check --invariants --mean-samples 10000000 room.pbrt").code == 130);
-    // Large enough to be written for a second or more.
+    // Large enough that writing takes at least a second.
     const Outcome twice = run_shell(
         folder,
         "\"$RAYLEX\" render room.pbrt --resolution 1000x800 --spp 4000 --partition shipped -o big.exr & pid=$!\n"
@@ -211,7 +211,7 @@ TEST_CASE("an interrupt is the exit code 130, and a second one leaves no partial
     CHECK(contains(twice.out, "big.exr."));
     CHECK(contains(twice.out, "code 130"));
     for (const std::string& name : folder.names()) CHECK_FALSE(contains(name, "partial"));
-    // Who waits for the end does not wait for the file to be read again.
+    // After an interrupt the program must not read the file again.
     const Outcome once = run_shell(folder,
                                    "timeout --preserve-status -s INT 3 \"$RAYLEX\" "  // a busy machine starts slowly
                                    "render room.pbrt --spp 640000 --partition shipped -o once.exr");
@@ -222,13 +222,14 @@ TEST_CASE("an interrupt is the exit code 130, and a second one leaves no partial
     CHECK(run_raylex(folder, "verify once.exr").code == 0);
 }
 
-TEST_CASE("a lock has one holder, though each removes its file", "[cli]") {
+TEST_CASE("a lock has one holder, although each holder removes its file", "[cli]") {
     const Folder folder;
     const std::string file = folder.path("work.lock");
     std::atomic<int> holders{0}, most{0};
     std::vector<std::thread> threads;
-    // Open files are told apart, not threads: these are like processes. Where take() does not look whether the file is
-    // still there, a second holder is seen within 0.03 s (26 runs of 26, on one processor and on two).
+    // The lock distinguishes open files, not threads, so threads behave like processes here. If take() did not check
+    // that the file still exists, a second holder would appear within 0.03 s (26 runs of 26, on one processor and on
+    // two).
     using Clock = std::chrono::steady_clock;
     const Clock::time_point end = Clock::now() + std::chrono::seconds(1);
     for (int i = 0; i < 4; ++i)
@@ -246,7 +247,7 @@ TEST_CASE("a lock has one holder, though each removes its file", "[cli]") {
     CHECK(most == 1);
 }
 
-TEST_CASE("who looks at a lock takes nothing: who begins then gets it", "[cli]") {
+TEST_CASE("a test of a lock does not take it", "[cli]") {
     const Folder folder;
     const std::string file = folder.path("work.lock");
     std::atomic<bool> over{false};

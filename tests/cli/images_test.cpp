@@ -1,5 +1,5 @@
-// Pictures of any OpenEXR file, names of the colour config, error images, single-part files and crops, as a user asks
-// for them.
+// Pictures of any OpenEXR file, names of the colour config, error images, single-part files and crops, as a user
+// requests them.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ std::vector<float> ramp(float first, float step) {
     return values;
 }
 
-/// The picture that preview makes of a layer, without the program.
+/// Returns the picture of a layer as preview makes it, without running the program.
 raylex::experiments::Picture picture(const Folder& folder, const std::string& file, const std::string& layer,
                                      const std::string& view = {}) {
     auto image = read_exr(folder.path(file));
@@ -82,11 +82,10 @@ TEST_CASE("a preview shows any OpenEXR file: half, single part, luminance alone,
     CHECK(pixel(picture(folder, "half.exr", "N"), 0) == std::vector<unsigned char>{128, 128, 255});
     CHECK(pixel(picture(folder, "half.exr", "id"), 0) == std::vector<unsigned char>{0, 0, 0});
     CHECK(pixel(picture(folder, "half.exr", "id"), 1) != pixel(picture(folder, "half.exr", "id"), 2));
-    CHECK(pixel(picture(folder, "half.exr", "flow"), 23) ==
-          std::vector<unsigned char>{255, 128, 0});  // V is the same everywhere
+    CHECK(pixel(picture(folder, "half.exr", "flow"), 23) == std::vector<unsigned char>{255, 128, 0});  // V is constant
 
-    // Luminance alone is light; with chroma, as OpenEXR defines it, it is the colour: Y = 0.2126 R + 0.7152 G + 0.0722
-    // B.
+    // Luminance alone counts as light; with chroma, as OpenEXR defines it, it is a colour: Y = 0.2126 R + 0.7152 G +
+    // 0.0722 B.
     write_foreign(folder.path("grey.exr"), {{"Y", Imf::HALF, values}, {"A", Imf::HALF, values}}, width, height);
     CHECK(pixel(picture(folder, "grey.exr", "", "Raw"), 8) == std::vector<unsigned char>{102, 102, 102});
     write_foreign(folder.path("grey2.exr"), {{"Y", Imf::FLOAT, values}}, width, height);
@@ -98,7 +97,7 @@ TEST_CASE("a preview shows any OpenEXR file: half, single part, luminance alone,
                   width, height);
     CHECK(pixel(picture(folder, "chroma.exr", "", "Raw"), 3) == std::vector<unsigned char>{204, 102, 51});
 
-    // Blender's names, its depth of nothing, and a file without anything nameless.
+    // Blender's names, its depth for empty pixels, and a file without a nameless layer.
     std::vector<float> depth = ramp(1, 1);
     depth[0] = 1e10f;
     write_foreign(folder.path("blender.exr"),
@@ -119,7 +118,7 @@ TEST_CASE("a preview shows any OpenEXR file: half, single part, luminance alone,
     CHECK(run_raylex(folder, "preview parts.exr --layer mask -o m.png").out.find("from the least to the largest") !=
           std::string::npos);
 
-    // The page has the same pictures, whatever the planes are.
+    // The page has the same pictures for any planes.
     const Outcome page = run_raylex(folder, "report half.exr grey.exr chroma.exr blender.exr parts.exr -o page.html");
     CAPTURE(page.err);
     CHECK(page.code == 0);
@@ -158,10 +157,10 @@ TEST_CASE("Blender reads every layer of a file with ids and single values, each 
         CHECK(std::stof(line[2]) == Approx(largest).epsilon(1e-6));  // float in, float out
         ++layers;
     }
-    CHECK(layers + 4 == image->layers.size());  // all but id, VLen, zback and zfar, which Blender has no form for
+    CHECK(layers + 4 == image->layers.size());  // all but id, VLen, zback and zfar, which Blender does not support
 }
 
-TEST_CASE("names that a preview does not know are answered with the nearest ones", "[law7]") {
+TEST_CASE("for an unknown name, preview suggests the closest match", "[law7]") {
     const Folder folder;
     const std::vector<float> values = ramp(0, 0.05f);
     write_foreign(folder.path("a.exr"),
@@ -188,7 +187,7 @@ TEST_CASE("names that a preview does not know are answered with the nearest ones
     check_refused(folder, "render room.pbrt --rendering-space ACEScgg", {"did you mean 'ACEScg'?"});
 }
 
-TEST_CASE("ocio lists what the options take, of the config that they would use") {
+TEST_CASE("ocio lists the values of the options for the config in use") {
     const Folder folder;
     const Outcome shipped = run_raylex(folder, "ocio");
     CHECK(shipped.code == 0);
@@ -212,13 +211,13 @@ TEST_CASE("ocio lists what the options take, of the config that they would use")
     CHECK(run_raylex(folder, "ocio --ocio absent.ocio").code == 2);
 }
 
-TEST_CASE("displays and views that the documentation names are in the shipped config") {
+TEST_CASE("displays and views in the documentation exist in raylex's config") {
     auto color = display::ColorManager::open();
     REQUIRE(color);
     std::size_t found = 0;
     const auto check = [&](const std::string& file) {
         const std::string text = read_bytes(file);
-        // --view NAME and --view 'NAME' in commands, view = "NAME" in jobs; NAME itself is what help texts write.
+        // --view NAME and --view 'NAME' in commands, view = "NAME" in jobs. Help texts contain the literal NAME.
         const std::string option =
             "--(display|view)[ =]+('([^']*)'|\"([^\"]*)\"|([^\\s'\"`\\]]+))|\\b(display|view) = \"([^\"]*)\"";
         for (const std::vector<std::string>& match : all_matches(text, option)) {
@@ -241,10 +240,10 @@ TEST_CASE("displays and views that the documentation names are in the shipped co
     check(source_dir() + "/experiments/README.md");
     for (const fs::directory_entry& each : fs::recursive_directory_iterator(source_dir() + "/experiments/docs"))
         if (each.path().extension() == ".md") check(each.path().string());
-    CHECK(found >= 3);  // experiments/docs/images.md names some
+    CHECK(found >= 3);  // experiments/docs/images.md contains some
 }
 
-TEST_CASE("compare prints every metric at once, as JSON too, and leaves error images") {
+TEST_CASE("compare prints all metrics, as JSON too, and writes error images") {
     const Folder folder;
     std::vector<float> dark = ramp(0.1f, 0), light = ramp(0.1f, 0);
     light[9] = 0.6f;
@@ -288,7 +287,7 @@ TEST_CASE("compare prints every metric at once, as JSON too, and leaves error im
     CHECK(png.err.find("pale yellow 1 and above") != std::string::npos);
     CHECK(folder.read("e.png").substr(1, 3) == "PNG");
 
-    // A crop is compared as it stands, and that is said.
+    // A crop is compared as it is, with a note.
     const SceneFolder scene;
     REQUIRE(run_raylex(scene, "render room.pbrt --spp 1 -o whole.exr").code == 0);
     REQUIRE(run_raylex(scene, "render room.pbrt --spp 1 --crop 1,2,4,5 -o crop.exr").code == 0);
@@ -330,9 +329,10 @@ TEST_CASE("render --help shows options in groups, and --color colours words") {
     CHECK(error("\"$RAYLEX\" verify absent.exr --color always").starts_with(red));
     CHECK(error("\"$RAYLEX\" --color always verify absent.exr").starts_with(red));
     CHECK(
-        error("NO_COLOR=1 \"$RAYLEX\" verify absent.exr --color always").starts_with(red));  // who says always means it
+        // --color always overrides NO_COLOR
+        error("NO_COLOR=1 \"$RAYLEX\" verify absent.exr --color always").starts_with(red));
     CHECK(error("\"$RAYLEX\" verify --color sometimes absent.exr").find("--color") != std::string::npos);
-    // A terminal, made by script(1): coloured, but for NO_COLOR, a dumb one, and --color never.
+    // A terminal, made by script(1): coloured, except with NO_COLOR, a dumb terminal, or --color never.
     const auto seen = [&](const std::string& variables, const std::string& options) {
         return run_shell(folder,
                          "env " + variables + " script -qec \"'$RAYLEX' verify absent.exr " + options + "\" /dev/null")

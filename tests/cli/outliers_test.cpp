@@ -1,4 +1,4 @@
-// raylex ask --top without a pixel: where an image has its outliers, and by which paths.
+// raylex ask --top without a pixel: lists the outliers of an image and their paths.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 using namespace raylex;
 using namespace raylex::test;
 
-TEST_CASE("the brightest outliers of an image are listed with their paths, the furthest first", "[atlas]") {
+TEST_CASE("the brightest outliers of an image are listed with their paths, in order", "[atlas]") {
     const SceneFolder folder;
     REQUIRE(run_raylex(folder, "render room.pbrt --atlas a.atlas.exr -o a.exr").code == 0);
     const Outcome outliers = run_raylex(folder, "ask a.atlas.exr --top 5");

@@ -1,5 +1,5 @@
-// --plugin and `raylex plugins`: what is loaded, what is refused and why. What the example plugins do to an image is
-// checked out of tree, by tests/outside/check_plugins.cpp.
+// --plugin and `raylex plugins`: which plugins are loaded or refused, and why. tests/outside/check_plugins.cpp checks
+// out of tree how the example plugins change an image.
 #include <algorithm>
 #include <catch2/catch.hpp>
 
@@ -13,7 +13,7 @@
 namespace raylex::test {
 namespace {
 
-/// Shown by Catch when it fails: the text itself is no part of the expression.
+/// Shown by Catch after a failure; the text is not part of the expression.
 using transport::PluginStamp;
 
 std::string plugin_path(const std::string& name) {
@@ -28,7 +28,7 @@ std::string file_text(const std::string& path) {
     return run_shell(folder, "cat " + quoted(path)).out;
 }
 
-/// A copy of the plugin in which one byte of its stamp, `offset` from the stamp's start, is another.
+/// Returns a copy of the plugin in which the byte at `offset` in its stamp is changed.
 std::string with_other_stamp(const Folder& folder, const std::string& name, std::size_t offset) {
     std::string bytes = file_text(plugin_path(name));
     const std::size_t stamp = bytes.find(std::string(PluginStamp::magic_text) + '\0');
@@ -56,7 +56,7 @@ TEST_CASE("`raylex plugins` lists what a plugin registers, with every parameter"
     CHECK(in_tree.out.find("ambientocclusion") == std::string::npos);
 }
 
-TEST_CASE("a plugin's integrator renders a scene that asks for it by name", "[cli][plugins]") {
+TEST_CASE("a plugin's integrator renders a scene that names it", "[cli][plugins]") {
     const Folder folder;
     std::string scene = small_scene();
     const std::string path = "Integrator \"path\" \"integer maxdepth\" 3";
@@ -72,7 +72,7 @@ TEST_CASE("a plugin's integrator renders a scene that asks for it by name", "[cl
     CHECK(contains(folder.read("out.json"), "libambient_occlusion.so"));
     const Outcome fallback = run_raylex(folder, "render scene.pbrt -o out.exr");
     CHECK(contains(fallback.err, "'ambientocclusion' is not available"));
-    // Loaded twice, by flag and by flag, is loaded once.
+    // Two flags with the same plugin load it once.
     CHECK(run_raylex(folder, with + " --plugin " + quoted(plugin_path("ambient_occlusion"))).code == 0);
     folder.write("job.toml",
                  "plugins = [\"" + plugin_path("ambient_occlusion") + "\"]\n[scene]\nfile = \"scene.pbrt\"\n");
@@ -80,7 +80,7 @@ TEST_CASE("a plugin's integrator renders a scene that asks for it by name", "[cl
     CHECK(run_raylex(folder, "lpe check --scene job.toml all='C.*'").code == 0);
 }
 
-TEST_CASE("a plugin's factory that makes nothing, or throws anything, ends a render with a message", "[cli][plugins]") {
+TEST_CASE("a plugin's factory that returns nothing, or throws, ends a render with a message", "[cli][plugins]") {
     const SceneFolder folder;
     const std::string render = "\"$RAYLEX\" render room.pbrt --spp 1 -o out.exr --driver halfway:a=1 --plugin " +
                                quoted(plugin_path("misbehaving"));
@@ -94,7 +94,7 @@ TEST_CASE("a plugin's factory that makes nothing, or throws anything, ends a ren
     }
 }
 
-TEST_CASE("a job's plugin that is not there is an error with file, line and column", "[cli][plugins][law7]") {
+TEST_CASE("a missing plugin of a job is an error with file, line and column", "[cli][plugins][law7]") {
     const Folder folder;
     folder.write("scene.pbrt", small_scene());
     folder.write("job.toml", "# plugins\nplugins = [\n  \"missing.so\"]\n[scene]\nfile = \"scene.pbrt\"\n");
@@ -105,7 +105,7 @@ TEST_CASE("a job's plugin that is not there is an error with file, line and colu
     CHECK_FALSE(folder.has("out.exr"));
 }
 
-TEST_CASE("what is no plugin is refused before it is opened", "[cli][plugins][law7]") {
+TEST_CASE("a file that is not a plugin is refused before it is opened", "[cli][plugins][law7]") {
     const Folder folder;
     folder.write("text.so", "#!/bin/sh\ntouch ran\n");
     folder.write("empty.so", "");
@@ -118,7 +118,7 @@ TEST_CASE("what is no plugin is refused before it is opened", "[cli][plugins][la
     says("missing.so", "No such file");
     says("text.so", "is no shared library");
     says("empty.so", "is no shared library");
-    // A shared library without a section for the stamp: the one of C that this very process has loaded.
+    // A shared library without a stamp section: the C library of this process.
     std::ifstream maps("/proc/self/maps");
     std::string library;
     for (std::string line; library.empty() && std::getline(maps, line);)
@@ -127,7 +127,7 @@ TEST_CASE("what is no plugin is refused before it is opened", "[cli][plugins][la
     says(test::quoted(library), "no raylex plugin");
 }
 
-TEST_CASE("a plugin whose stamp differs in anything is refused with what differs", "[cli][plugins][law7]") {
+TEST_CASE("a plugin with any difference in its stamp is refused, and the difference is named", "[cli][plugins][law7]") {
     const Folder folder;
     const auto says = [&](std::size_t offset, const std::string& message) {
         const Outcome outcome = run_raylex(folder, "plugins " + quoted(with_other_stamp(folder, "stripes", offset)));
@@ -142,11 +142,11 @@ TEST_CASE("a plugin whose stamp differs in anything is refused with what differs
     says(offsetof(PluginStamp, layout), "std::string has 33 bytes in it and 32 here");
 }
 
-TEST_CASE("a plugin cut off anywhere is refused", "[plugins][law7]") {
+TEST_CASE("a truncated plugin is refused", "[plugins][law7]") {
     const Folder folder;
     const std::string bytes = file_text(plugin_path("stripes"));
     REQUIRE(transport::read_plugin_stamp(plugin_path("stripes"), {}));
-    // Debug builds are large: about 64 cuts, and every one through the first header.
+    // Debug builds are large: about 64 truncations, and every one through the first header.
     for (std::size_t size = 0; size < bytes.size(); size += size < 64 ? 7 : bytes.size() / 64) {
         INFO(size);
         const auto stamp = transport::read_plugin_stamp(folder.write("cut.so", bytes.substr(0, size)), {});
@@ -154,7 +154,7 @@ TEST_CASE("a plugin cut off anywhere is refused", "[plugins][law7]") {
     }
 }
 
-TEST_CASE("a plugin that fails while it registers leaves nothing behind and is named", "[cli][plugins][law7]") {
+TEST_CASE("a plugin that fails during registration is named and leaves nothing registered", "[cli][plugins][law7]") {
     const Folder folder;
     folder.write("scene.pbrt", small_scene());
     const auto says = [&](const std::string& kind, const std::string& name, const std::string& message) {
@@ -174,7 +174,7 @@ TEST_CASE("a plugin that fails while it registers leaves nothing behind and is n
     says("", "unbound", "undefined symbol: raylex_not_defined_anywhere");
 }
 
-TEST_CASE("a plugin may take the place of an in-tree object, but not of another plugin's", "[cli][plugins]") {
+TEST_CASE("a plugin may replace an in-tree object, but not that of another plugin", "[cli][plugins]") {
     const Folder folder;
     const std::string shadowing = quoted(plugin_path("misbehaving"));
     const Outcome listed = run_shell(folder, "MISBEHAVIOUR=shadow \"$RAYLEX\" plugins " + shadowing);
@@ -186,7 +186,7 @@ TEST_CASE("a plugin may take the place of an in-tree object, but not of another 
     CHECK(contains(twice.err, "another plugin has registered the display driver 'halfway' already"));
 }
 
-TEST_CASE("the integrator of the docs is the file that is compiled and run", "[plugins][readme]") {
+TEST_CASE("the integrator in the documentation is the file that is compiled and run", "[plugins][readme]") {
     const std::string root = source_dir();
     const std::string source = file_text(root + "/tests/outside/plugins/ambient_occlusion.cpp");
     REQUIRE(source.find("RAYLEX_PLUGIN(host)") != std::string::npos);

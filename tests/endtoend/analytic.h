@@ -1,4 +1,4 @@
-// Scenes with closed-form answers, and the means and standard errors to hold against them.
+// Scenes with closed-form results, and the measured means and standard errors to compare with them.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -35,8 +35,8 @@ inline transport::RenderOutput render_or_fail(const transport::SceneDescription&
     return std::move(*output);
 }
 
-/// Mean of a channel's first component over the image, and its standard error from the per-pixel variances: pixels are
-/// independent, and with a stratified sampler the estimate errs on the large side.
+/// Returns the mean of a channel's first component over the image, and its standard error from the variances of the
+/// pixels. Pixels are independent; with a stratified sampler the standard error is an overestimate.
 struct Estimate {
     double mean = 0, standard_error = 0;
 };
@@ -56,12 +56,12 @@ inline Estimate image_mean(const transport::RenderOutput& output, display::Chann
     return result;
 }
 
-/// Id of the i-th requested channel: requested channels follow beauty when there is one.
+/// Returns the id of the i-th requested channel. Requested channels follow the beauty if there is one.
 inline display::ChannelId requested(const transport::RenderOutput& output, std::size_t index) {
     return static_cast<display::ChannelId>(index) + (output.beauty >= 0 ? output.beauty + 1 : 0);
 }
 
-/// All words C x1 ... xk T with letters from `letters`, k <= longest - 2.
+/// Returns all words C x1 ... xk T with letters from `letters`, k <= longest - 2.
 inline std::vector<std::string> words(const std::string& letters, std::size_t longest, const std::string& terminal) {
     std::vector<std::string> middles{""}, result;
     for (std::size_t begin = 0, k = 0; k + 2 <= longest; ++k) {

@@ -1,10 +1,10 @@
-// Every word of up to 8 reflections and 200 random expressions, by every integrator, against their closed form.
+// Compares every word of up to 8 reflections and 200 random expressions, by every integrator, with closed forms.
 //
-// Light of the words is known (transport/enclosure.h), and which words an expression accepts is told by the oracle of
-// the language tests, which shares no code with the compiler. Errors are those of independent seeds, so that nothing is
-// assumed of how light paths, joins and Markov chains hang together; Sidak over all channels of all integrators. The
-// expressions are rendered once, all together with the words: each is the sum of its words to rounding, and so has
-// their errors.
+// The light of each word is known (transport/enclosure.h). The oracle of the language tests, which shares no code with
+// the compiler, determines the words that an expression accepts. Errors come from independent seeds, without
+// assumptions about the correlation of light paths, connections and Markov chains; Sidak's correction covers all
+// channels of all integrators. The expressions are rendered once, together with the words: each is the sum of its words
+// up to rounding, and so has their errors.
 #include <set>
 
 #include "tests/lpe/oracle.h"
@@ -21,7 +21,8 @@ namespace {
 constexpr double kd = 0.45, ks = 0.35;
 constexpr std::size_t longest = 8, random_expressions = 200;
 
-/// As raylex sees it: both lobes are in slot 2 by default, "diffuse" of the diffuse and "mirror" of the specular ones.
+/// The room for raylex: both lobes are in slot 2 by default, "diffuse" of the diffuse and "mirror" of the specular
+/// ones.
 oracle::Path path_of(const EnclosureWord& word) {
     oracle::Path path{{EventType::camera, Scatter::none, 0, {}}};
     for (const char letter : word.reflections)
@@ -33,10 +34,10 @@ oracle::Path path_of(const EnclosureWord& word) {
 
 struct Expression {
     std::string text;
-    std::vector<bool> accepts;  // word by word
+    std::vector<bool> accepts;  // by word
 };
 
-/// Random ones between C and L that accept some words and not all, no two of them the same words.
+/// Returns random expressions between C and L that accept some but not all words; no two accept the same words.
 std::vector<Expression> expressions_for(const std::vector<EnclosureWord>& words) {
     const auto token = [](const std::string& text) {
         const auto& all = oracle::tokens(Dialect::renderman);
@@ -51,7 +52,7 @@ std::vector<Expression> expressions_for(const std::vector<EnclosureWord>& words)
         const auto inner = oracle::random_expression(random, Dialect::renderman, 2 + random.below(9));
         sequence.insert(sequence.end(), inner.begin(), inner.end());
         sequence.insert(sequence.end(), {token(")"), token("L")});
-        // User events carry what surfaces say of themselves, which no path of light does.
+        // User events describe surfaces; no path of light contains them.
         if (std::find(inner.begin(), inner.end(), token("U2")) != inner.end()) continue;
         const auto tree = oracle::parse(sequence, Dialect::renderman);
         REQUIRE(tree != nullptr);
@@ -65,7 +66,7 @@ std::vector<Expression> expressions_for(const std::vector<EnclosureWord>& words)
     return result;
 }
 
-/// What a render of the expressions would find, from renders of the words.
+/// Returns the expressions' values in a render, from renders of the words.
 Replicates sums_of_words(const Replicates& words, const std::vector<Expression>& expressions) {
     constexpr std::size_t blocks = blocks_across * blocks_across;
     Replicates sums;
@@ -88,8 +89,9 @@ struct Method {
 
 TEST_CASE("Enclosure: every word of up to 8 reflections and 200 random expressions, by every integrator",
           "[enclosure][statistical]") {
-    // Without roulette a path meets the rarest word, of 8 mirrors, with (ks / (kd + ks))^8 = 1 / 746: 590,000 paths
-    // find it with a relative error of 3.6 %. Light paths end at each wall, most of them out of the camera's sight.
+    // Without roulette a path meets the rarest word, of 8 mirrors, with probability (ks / (kd + ks))^8 = 1 / 746, so
+    // 590,000 paths find it with a relative error of 3.6 %. Light paths end at each wall, mostly outside the camera's
+    // view.
     const Method method = GENERATE(Method{"path", 256, 0.05}, Method{"bdpt", 64, 0.1}, Method{"lighttracer", 192, 0.12},
                                    Method{"pssmlt", 192, 0.15});
     CAPTURE(method.integrator);
@@ -106,7 +108,7 @@ TEST_CASE("Enclosure: every word of up to 8 reflections and 200 random expressio
         for (const char letter : word.reflections) text += letter == 'D' ? "<RD>" : "<RS>";
         of_words.push_back({text + "L", found ? word.value : 0});
     }
-    CHECK(missed == (light_tracer ? 255 : 0));  // the mirror and any 7 reflections or fewer
+    CHECK(missed == (light_tracer ? 255 : 0));  // a mirror and up to 7 further reflections
     for (const Expression& expression : expressions) {
         double sum = 0;
         for (std::size_t w = 0; w < words.size(); ++w) sum += expression.accepts[w] ? of_words[w].value : 0;
@@ -140,7 +142,7 @@ TEST_CASE("Enclosure: every word of up to 8 reflections and 200 random expressio
     check_closed_forms(found, of_words, tests, method.largest_error);
     check_closed_forms(sums, of_expressions, tests, method.largest_error);
 
-    // All together: chains go where any channel finds light, so that words alone take others.
+    // All together: chains go where any channel finds light, so chains for words alone would differ.
     std::vector<ClosedForm> all = of_words;
     all.insert(all.end(), of_expressions.begin(), of_expressions.end());
     Replicates once = render(all, 1);
@@ -152,6 +154,6 @@ TEST_CASE("Enclosure: every word of up to 8 reflections and 200 random expressio
     REQUIRE(at_once.size() == sum.size());
     for (std::size_t i = 0; i < at_once.size(); ++i) {
         INFO(of_expressions[i / 9].expression << " block " << i % 9);
-        CHECK(std::abs(at_once[i] - sum[i]) <= 1e-12 * at_once[i]);  // Law 1's bound
+        CHECK(std::abs(at_once[i] - sum[i]) <= 1e-12 * at_once[i]);  // bound of Law 1
     }
 }

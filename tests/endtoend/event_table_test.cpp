@@ -1,8 +1,8 @@
-// The normative event table of lpe/README.md, one rendered test per row.
+// The normative event table of lpe/README.md, with one rendered test per row.
 //
-// A camera looks at one surface; a constant sky (or one light) is all there is. For each row the channels that the
-// table names, told apart by event, scatter letter, object and lobe label in the strict `osl` dialect, must together
-// carry all light of one-event paths, each of them some: so every event is as the table says, and there is no other.
+// A camera looks at one surface under a constant sky or one light. For each row, the channels of the table
+// (distinguished by event, scatter letter, object and lobe label in the strict `osl` dialect) must together have all
+// light of one-event paths, and each must have some. So every event is as in the table, and there is no other.
 #include "endtoend/analytic.h"
 #include "tests/support/folder.h"
 #include "transport/measured_file.h"
@@ -36,7 +36,7 @@ display::ChannelDefinition osl_channel(const std::string& name, const std::strin
     return channel;
 }
 
-/// Means of the channels, in order.
+/// Returns the means of the channels, in order.
 std::vector<double> render_means(transport::SceneDescription scene, std::vector<display::ChannelDefinition> channels,
                                  const char* strategy = "mis") {
     transport::RenderSettings settings;
@@ -61,7 +61,7 @@ const char* const constant_sky = "LightSource \"infinite\" \"rgb L\" [1 1 1]";
 
 }  // namespace
 
-TEST_CASE("A measured material reflects as R G measured and in no other way", "[event-table]") {
+TEST_CASE("A measured material reflects only as R G measured", "[event-table]") {
     const Folder folder;
     const std::string file = folder.write("ggx.bsdf", measured_test::file_of(measured_test::ggx(0.4, 0.4, 0.7), {}));
     auto scene = import_text(scene_text("Material \"measured\" \"string filename\" \"" + file + "\"", constant_sky));
@@ -72,7 +72,7 @@ TEST_CASE("A measured material reflects as R G measured and in no other way", "[
     CHECK(means[0] == means[1]);
 }
 
-TEST_CASE("Every material gives the events of the normative table and no others", "[event-table]") {
+TEST_CASE("Every material has the events of the normative table and no others", "[event-table]") {
     const std::vector<Row> rows = {
         {"diffuse", R"(Material "diffuse" "rgb reflectance" [.5 .5 .5])", {"<RD'obj''diffuse'>"}},
         {"smooth conductor", R"(Material "conductor" "float roughness" 0)", {"<RS'obj''conductor'>"}},
@@ -134,7 +134,7 @@ TEST_CASE("Every material gives the events of the normative table and no others"
     }
 }
 
-TEST_CASE("A subsurface material reflects as specular, lets light in and out as subsurface, and scatters as itself",
+TEST_CASE("A subsurface material reflects as specular, transmits as subsurface, and scatters under its own name",
           "[event-table]") {
     for (const char* roughness : {"0", "0.3"}) {
         auto scene = import_text(std::string(R"(
@@ -158,8 +158,8 @@ TEST_CASE("A subsurface material reflects as specular, lets light in and out as 
         CAPTURE(roughness, means[0], means[1], means[2]);
         CHECK(means[1] > 0.01);
         CHECK(means[3] > 0.01);
-        CHECK(means[2] > 3 * means[3]);  // light walks: maxdepth of 5 does not count what happens inside
-        // No other words, but for light that comes back in after a rough surface sent it down at the sphere again.
+        CHECK(means[2] > 3 * means[3]);  // light walks: maxdepth of 5 does not count events inside
+        // No other words, except light that enters again after a rough surface sent it back to the sphere.
         if (roughness == std::string("0")) CHECK(means[1] + means[2] + means[4] == Approx(means[0]).epsilon(1e-12));
         CHECK(means[5] >= means[2]);
         CHECK(means[6] >= means[2]);
@@ -181,7 +181,7 @@ TEST_CASE("A cutout leaves a straight event in osl and no event in renderman", "
         {named + "Material \"mix\" \"string materials\" [\"border\" \"black\"] \"float amount\" 0.25", "", 0.25},
         {named + "Material \"mix\" \"string materials\" [\"black\" \"border\"] \"float amount\" 0.5",
          "\"float alpha\" 0.5", 0.25},
-        // Half of a half that is surface to a tenth, and half of one that is to two fifths.
+        // Half of an opacity of one half is surface to a tenth; half of one is surface to two fifths.
         {named + "MakeNamedMaterial \"a\" \"string type\" \"mix\" \"string materials\" [\"border\" \"black\"] "
                  "\"float amount\" 0.1 "
                  "MakeNamedMaterial \"b\" \"string type\" \"mix\" \"string materials\" [\"black\" \"border\"] "
@@ -195,7 +195,7 @@ TEST_CASE("A cutout leaves a straight event in osl and no event in renderman", "
         const auto means = render_means(scene, {osl_channel("straight", "C<Ts'obj'>B"), osl_channel("seen", "CB"),
                                                 lpe_channel("renderman", "CB"), lpe_channel("all", "C.*B")});
         CAPTURE(material);
-        // A quarter of the samples is stopped by the black surface: binomial over 64 x 64 samples, 4 standard errors.
+        // The black surface stops a quarter of the samples: binomial over 64 x 64 samples, 4 standard errors.
         const double expected = 1 - stopped, error = 4 * std::sqrt(stopped * expected / 4096);
         CHECK(std::abs(means[0] - expected) <= error);
         CHECK(means[1] == 0.0);
@@ -204,7 +204,7 @@ TEST_CASE("A cutout leaves a straight event in osl and no event in renderman", "
     }
 }
 
-TEST_CASE("A mix with an interface is its other part behind a cutout, to the bit", "[event-table]") {
+TEST_CASE("A mix with an interface equals its other part with a cutout, bit for bit", "[event-table]") {
     const std::string wall = "MakeNamedMaterial \"wall\" \"string type\" \"diffuse\" ";
     const auto means_of = [&](const std::string& material, const char* alpha) {
         auto scene = import_text(scene_text(material.c_str(), constant_sky, alpha));
@@ -224,7 +224,7 @@ TEST_CASE("A mix with an interface is its other part behind a cutout, to the bit
     CHECK(mixed[1] > 0.01);
 }
 
-TEST_CASE("What passes a mix with an interface is in the medium behind it", "[event-table]") {
+TEST_CASE("Light that passes a mix with an interface is in the medium behind it", "[event-table]") {
     auto scene = import_text(R"(
         MakeNamedMedium "smoke" "string type" "homogeneous" "rgb sigma_a" [.5 .5 .5] "rgb sigma_s" [0 0 0]
         Film "rgb" "integer xresolution" 8 "integer yresolution" 8
@@ -239,7 +239,7 @@ TEST_CASE("What passes a mix with an interface is in the medium behind it", "[ev
         MediumInterface "smoke" ""
         Shape "sphere")");
     const auto means = render_means(scene, {osl_channel("seen", "C<Ts><Ts>B"), osl_channel("all", "C.*")});
-    // A quarter of the rays passes both sides of the sphere and two units of smoke, up to 1e-4 of its curvature there:
+    // A quarter of the rays passes both sides of the sphere and two units of smoke, up to 1e-4 for its curvature there:
     // 64 x 64 samples, 4 standard errors.
     CHECK(std::abs(means[0] - std::exp(-1.0) / 4) <= 4 * std::exp(-1.0) * std::sqrt(0.25 * 0.75 / 4096) + 1e-4);
     CHECK(means[1] == means[0]);
@@ -263,7 +263,7 @@ TEST_CASE("Lights are L and the environment is B with their group, seen or sampl
         const bool is_area = std::string(row.what) == "area";
         auto scene = import_text(scene_text("Material \"diffuse\"", row.text));
         if (is_area) {
-            // A disk facing the surface from above: the normal of a pbrt disk is +z, so it is turned over.
+            // A disk that faces the surface from above. The normal of a pbrt disk is +z, so it is flipped.
             scene = import_text(scene_text("Material \"diffuse\"", R"(AttributeBegin
                 ReverseOrientation
                 AreaLightSource "diffuse" "rgb L" [9 9 9]
@@ -289,7 +289,7 @@ TEST_CASE("Lights are L and the environment is B with their group, seen or sampl
     }
 }
 
-TEST_CASE("Media scatter as V with their name, glow as O, and leave no event where light passes", "[event-table]") {
+TEST_CASE("Media scatter as V with their name, emit as O, and give no event for transmitted light", "[event-table]") {
     auto scene = import_text(R"(
         MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [.2 .2 .2] "rgb sigma_s" [.5 .5 .5] "rgb Le" [1 1 1]
         Film "rgb" "integer xresolution" 8 "integer yresolution" 8
@@ -309,8 +309,8 @@ TEST_CASE("Media scatter as V with their name, glow as O, and leave no event whe
     CHECK(means[0] > 0.05);
     CHECK(means[1] == means[0]);
     CHECK(means[7] == means[0]);
-    // Seen through one unit of fog, and its glow along that unit, by Beer and Lambert; a collision drops what was seen,
-    // 64 x 64 samples: 4.5 standard errors. The glow has no noise.
+    // Light through one unit of fog, and emission along that unit, by Beer and Lambert. A collision removes the light
+    // seen through the fog: 64 x 64 samples, 4.5 standard errors. The emission has no noise.
     const double through = std::exp(-0.7);
     CHECK(std::abs(means[3] - through) <= 4.5 * std::sqrt(through * (1 - through) / 4096));
     CHECK(means[4] == Approx(0.2 / 0.7 * (1 - through)).epsilon(1e-5));

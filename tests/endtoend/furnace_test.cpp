@@ -1,10 +1,10 @@
 // Furnace and integrating-sphere scenes: rows A to D of the table of analytic scenes, word by word.
 //
-// A uniform field: in a closed enclosure whose walls all emit Le and scatter with albedo kd (Lambert) + ks (mirror),
-// the radiance along any ray is the same, so the word with #D diffuse and #S mirror events carries Le kd^#D ks^#S.
+// In a closed enclosure whose walls all emit Le and scatter with albedo kd (Lambert) + ks (mirror), the radiance along
+// any ray is the same, so the word with #D diffuse and #S mirror events has the value Le kd^#D ks^#S.
 //
-// Tolerance of every closed-form comparison: 4 standard errors of the estimate itself (false alarm 6.3e-5 per word),
-// plus 1e-5 relative for float throughput products of up to 8 factors and directions of up to 2^-20 relative error.
+// Tolerance of every closed-form comparison: 4 standard errors of the estimate (false alarm 6.3e-5 per word), plus 1e-5
+// relative for float throughput products of up to 8 factors and for directions with up to 2^-20 relative error.
 #include <algorithm>
 
 #include "endtoend/analytic.h"
@@ -89,7 +89,7 @@ void check_words(const transport::SceneDescription& scene, double le, double kd,
 
 }  // namespace
 
-TEST_CASE("Row A: in a closed diffuse and mirror enclosure every word carries Le kd^#D ks^#S",
+TEST_CASE("Row A: in a closed diffuse and mirror enclosure every word has the value Le kd^#D ks^#S",
           "[furnace][statistical]") {
     const auto scene = import_text(box(diffuse_mirror(0.5, 0.3), 1.0));
     // Short: 16 x 16 x 1024 samples. The rarest word of length 6, SSSS, has probability above 1/256 per path, so its
@@ -122,8 +122,8 @@ TEST_CASE("Row A: regular expressions over the enclosure's words sum as geometri
 }
 
 TEST_CASE("Row A in full: every word up to length 8 within 0.1 % standard error", "[.full][furnace]") {
-    // kd = ks, so each of the 64 words of length 8 is met by one path in 64, with a value that is always the same: the
-    // relative standard error is sqrt(63 / N), 9.1e-4 for N = 256 x 300000. Roulette would only add noise.
+    // kd = ks, so one path in 64 meets each of the 64 words of length 8, always with the same value. The relative
+    // standard error is sqrt(63 / N), 9.1e-4 for N = 256 x 300000. Roulette would only add noise.
     check_words(import_text(box(diffuse_mirror(0.4, 0.4), 1.0)), 1.0, 0.4, 0.4, 8, 300'000, "scattering", 1e-3, false);
 }
 
@@ -150,8 +150,8 @@ TEST_CASE("Row B: a point light in the centre of a Lambert sphere gives I rho^k 
         CAPTURE(expressions[i], expected, estimate.mean, estimate.standard_error);
         CHECK(std::abs(estimate.mean - expected) <= 4 * estimate.standard_error + 2 * float_slack * expected);
         if (i == 0) CHECK(estimate.mean == 0.0);
-        // Every vertex sees the same irradiance: only Russian roulette (survival 1/2 from the second bounce) makes
-        // noise. Var of the word D^k is at most value^2 (2^(k-1) - 1) a sample; 16384 samples.
+        // Every vertex has the same irradiance, so only Russian roulette (survival 1/2 from the second bounce) makes
+        // noise. Var of the word D^k is at most value^2 (2^(k-1) - 1) per sample; 16384 samples.
         const double most = expected * std::sqrt((std::pow(2.0, double(i)) + 1) / 16384.0);
         CHECK(estimate.standard_error <= most + float_slack * expected);
     }
@@ -203,7 +203,7 @@ void check_integrating_sphere(std::uint64_t samples, double largest_relative_err
 
 }  // namespace
 
-TEST_CASE("Row C: in an integrating sphere each patch's light is rho^k f Le at every pixel", "[furnace][statistical]") {
+TEST_CASE("Row C: in an integrating sphere each patch gives rho^k f Le at every pixel", "[furnace][statistical]") {
     check_integrating_sphere(256, 0.03);
 }
 
@@ -232,7 +232,8 @@ void check_closed_box(std::uint64_t samples, double largest_relative_error, bool
 
 }  // namespace
 
-TEST_CASE("Row D: in a closed box that emits everywhere the word D^k carries Le rho^k", "[furnace][statistical]") {
+TEST_CASE("Row D: in a closed box that emits everywhere the word D^k has the value Le rho^k",
+          "[furnace][statistical]") {
     check_closed_box(256, 0.08);
 }
 

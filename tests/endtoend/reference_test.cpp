@@ -1,15 +1,15 @@
 // Agreement with reference images by pbrt-v4.
 //
-// The short test holds the scenes that ship with raylex against their published mean luminance. The long one needs the
-// reference images, which do not ship: RAYLEX_REFERENCES names their folder (else ../shared/data/scenes beside the
-// project), and it says so when they are not there.
+// The short test compares the scenes that come with raylex with their published mean luminance. The long test needs the
+// reference images, which do not come with raylex: RAYLEX_REFERENCES names their folder (default: ../shared/data/scenes
+// beside the project). It prints a message if they are missing.
 //
-// Structure is looked for in blocks of 16 x 16 pixels: z = mean difference of the block's 256 pixels over its standard
-// error, which is that of the differences around their mean: own noise and the reference's together, as they are there.
-// (An error spread over the image by its published RMSE was too small by four where the few brightest pixels make most
-// of that.) Pixels are drawn apart in both images; what samplers do to neighbours makes them err the other way, which
-// is on the safe side. Over B blocks the two-sided Sidak threshold at 0.01 is asked of max |z|, normal for 255 degrees
-// of freedom.
+// Blocks of 16 x 16 pixels show structured errors: z = mean difference of the block's 256 pixels over its standard
+// error, computed from the differences around their mean, so it contains the noise of both images. (An error spread
+// over the image by its published RMSE was too small by a factor of four if the few brightest pixels dominate it.)
+// Pixels are sampled independently in both images; correlations of samplers make neighbouring pixels err in opposite
+// directions, which is on the safe side. Over B blocks, max |z| is compared with the two-sided Sidak threshold at 0.01,
+// normal for 255 degrees of freedom.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -31,7 +31,7 @@ struct ReferenceScene {
     bool grey;
     double mean_luminance;       ///< 0: not published
     double luminance_rmse;       ///< of the reference image; 0: not published
-    double block_allowance = 0;  ///< relative, beside the noise: pbrt is spectral, and products of RGB colours differ
+    double block_allowance = 0;  ///< relative, besides the noise: pbrt is spectral, and products of RGB colours differ
 };
 
 // Published with the references (data README): mean luminance, RMSE of luminance. The red wall (0.63 0.065 0.05) of
@@ -79,10 +79,10 @@ double mean_of(const std::vector<double>& values) {
 }
 
 struct BlockDifference {
-    double reference = 0, difference = 0, error = 0;  ///< means; the standard error of their difference
+    double reference = 0, difference = 0, error = 0;  ///< means, and the standard error of their difference
 };
 
-/// Of blocks of 16 x 16 pixels; incomplete blocks at the right and bottom are left out.
+/// Compares blocks of 16 x 16 pixels, without incomplete blocks at the right and bottom.
 std::vector<BlockDifference> differences(const std::vector<double>& own, const std::vector<double>& reference,
                                          int width, int height) {
     constexpr int side = 16;
@@ -105,7 +105,7 @@ std::vector<BlockDifference> differences(const std::vector<double>& own, const s
     return result;
 }
 
-/// Inverse of the standard normal distribution function by bisection on erfc.
+/// Returns the inverse of the standard normal distribution function by bisection on erfc.
 double normal_quantile(double p) {
     double low = 0, high = 10;
     for (int i = 0; i < 80; ++i) {
@@ -132,7 +132,7 @@ TEST_CASE("Shipped scenes have the mean luminance of pbrt-v4's references", "[re
         for (const double v : variance) own += v / 3;
         const double own_error = std::sqrt(own) / double(pixels.size());
         const double reference_error = each.luminance_rmse / std::sqrt(double(pixels.size()));
-        // 1 % (grey) or 3 % (coloured: pbrt is spectral) as the systematic allowance, plus 4 standard errors of both.
+        // 1 % (grey) or 3 % (coloured: pbrt is spectral) as systematic allowance, plus 4 standard errors of both.
         const double allowance = (each.grey ? 0.01 : 0.03) * each.mean_luminance;
         CAPTURE(each.name, mean, each.mean_luminance, own_error, reference_error);
         CHECK(std::abs(mean - each.mean_luminance) <= allowance + 4 * std::hypot(own_error, reference_error));

@@ -8,8 +8,8 @@ bool has_browser(const Folder& folder) {
     return run_shell(folder, "command -v chromium").code == 0;
 }
 
-// Not --dump-dom: it waits for the page's load event, or for a clock of its own that runs ahead of the threads on which
-// pictures are unpacked and frames are made. A script that is added to a copy of the page says when all is there.
+// Not --dump-dom, which waits for the page's load event or for a virtual clock that runs ahead of the threads that
+// unpack pictures and make frames. A script added to a copy of the page reports when everything has loaded.
 Outcome in_browser(const Folder& folder, const std::string& page, const std::string& size,
                    const std::vector<std::string>& selectors) {
     std::string wanted;
@@ -26,7 +26,7 @@ Outcome in_browser(const Folder& folder, const std::string& page, const std::str
                                                   "  console.log('<<<document ' + copy.outerHTML + ' document>>>');\n"
                                                   "}, 50);\n"
                                                   "</script>\n";
-    // A browser that does not come up on a busy machine is not what is tested: another is started, as new.
+    // A browser that does not start on a busy machine is not the subject of the test, so another one is started.
     Outcome outcome = run_shell(folder,
                                 "for start in 1 2 3; do\n"
                                 "  chromium --headless --no-sandbox --disable-gpu --disable-dev-shm-usage "

@@ -1,4 +1,4 @@
-// verify, compare and report on images whose answers are known.
+// verify, compare and report on images with known results.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -24,8 +24,8 @@ display::ChannelDefinition colour(const std::string& name, const std::string& ex
     return channel;
 }
 
-/// A 4x4 image with beauty = 1, 2, 3 in R, G, B, `a` a quarter and `b` three quarters of it; pixel (2, 1) of `b` is off
-/// by `error`. One sample per pixel.
+/// Writes a 4x4 image with one sample per pixel: beauty = 1, 2, 3 in R, G, B, `a` a quarter and `b` three quarters of
+/// it; pixel (2, 1) of `b` is wrong by `error`.
 void write_image(const std::string& path, double error, const std::vector<display::PartitionDeclaration>& partitions,
                  double scale = 1) {
     std::vector<display::ChannelDefinition> channels{colour("beauty"), colour("a", "CDL"), colour("b", "C<RD>SL")};
@@ -72,7 +72,7 @@ TEST_CASE("verify accepts a split that sums, with numbers", "[law1]") {
     CHECK(folder.names() == std::vector<std::string>{"good.exr"});
 }
 
-TEST_CASE("verify refuses a doctored file, names the pixel and leaves a heat map", "[law1]") {
+TEST_CASE("verify rejects a doctored file, names the pixel and writes a heat map", "[law1]") {
     const Folder folder;
     write_image(folder.path("bad.exr"), 1e-3, halves);
     Outcome outcome = run_raylex(folder, "verify bad.exr");
@@ -80,20 +80,20 @@ TEST_CASE("verify refuses a doctored file, names the pixel and leaves a heat map
     CHECK(outcome.out.find("DOES NOT HOLD") != std::string::npos);
     CHECK(outcome.out.find("(2, 1)") != std::string::npos);
     CHECK(folder.has("bad.halves.residual.png"));
-    // Several files: one that fails decides.
+    // With several files, one failure decides.
     write_image(folder.path("good.exr"), 0, halves);
     CHECK(run_raylex(folder, "verify good.exr bad.exr").code == 1);
     CHECK(run_raylex(folder, "verify good.exr good.exr").code == 0);
 }
 
-TEST_CASE("verify judges anybody's layers by --of and --sum") {
+TEST_CASE("verify checks layers of any renderer by --of and --sum") {
     const Folder folder;
     write_image(folder.path("x.exr"), 0, {});
     Outcome nothing = run_raylex(folder, "verify x.exr");
     CHECK(nothing.code == 2);
     CHECK(nothing.err.find("--sum") != std::string::npos);
     CHECK(nothing.err.find("raylex verify x.exr --of beauty --sum a,b,...") != std::string::npos);
-    // The command that it tells is one that a shell reads.
+    // The suggested command is valid in a shell.
     write_image(folder.path("it's one.exr"), 0, {});
     CHECK(contains(run_raylex(folder, "verify \"it's one.exr\"").err, "raylex verify 'it'\\''s one.exr' --of beauty"));
     CHECK(run_raylex(folder, "verify x.exr --of beauty --sum a,b").code == 0);
@@ -111,7 +111,7 @@ TEST_CASE("verify judges anybody's layers by --of and --sum") {
     CHECK(run_raylex(folder, "verify text.exr").code == 2);
 }
 
-TEST_CASE("compare prints one number per metric, with the formula's value") {
+TEST_CASE("compare prints one number per metric, equal to the formula") {
     const Folder folder;
     write_image(folder.path("b.exr"), 0, {});
     write_image(folder.path("a.exr"), 0, {}, 1.5);  // a - b is 0.5, 1, 1.5 in R, G, B
@@ -140,7 +140,7 @@ TEST_CASE("compare prints one number per metric, with the formula's value") {
     CHECK(run_raylex(folder, "compare a.exr b.exr --channel Q").code == 2);
 }
 
-TEST_CASE("the page holds every layer, expression and verdict, and fetches nothing") {
+TEST_CASE("the page contains every layer, expression and check, and fetches nothing") {
     const Folder folder;
     write_image(folder.path("good.exr"), 0, halves);
     write_image(folder.path("bad <i>.exr"), 1e-3, halves);
@@ -160,7 +160,7 @@ TEST_CASE("the page holds every layer, expression and verdict, and fetches nothi
     CHECK(run_raylex(folder, "report absent.exr -o page2.html").code == 2);
     CHECK(run_raylex(folder, "report good.exr -o absent/page.html").code == 2);
     CHECK(run_raylex(folder, "report good.exr").code == 2);
-    // The page never takes the place of an image, by whatever name.
+    // The page never replaces an image, by any name.
     const std::string image = folder.read("good.exr");
     CHECK(run_raylex(folder, "report good.exr -o good.exr").code == 2);
     CHECK(run_raylex(folder, "report good.exr -o ./good.exr").code == 2);

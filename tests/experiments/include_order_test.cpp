@@ -1,4 +1,4 @@
-// Dependencies run one way: what the folders of the tree include is read from their sources.
+// Dependencies run one way. The test reads the includes of the sources.
 #include <catch2/catch.hpp>
 
 #include <filesystem>
@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 
 using Folders = std::vector<std::string>;
 
-/// Each may include what stands before it. A folder goes by its longest name here, so that those below `lpe` are one
-/// and those below `experiments` are not.
+/// Each folder may include those before it. A file belongs to the longest listed folder, so all folders below `lpe` are
+/// one and those below `experiments` are separate.
 const Folders order = {"lpe",
                        "display",
                        "geoaovs",
@@ -76,8 +76,8 @@ const Folders order = {"lpe",
                        "experiments/cli/lpe",
                        "experiments"};
 
-/// The same inside folders that have folders, each list by itself. Files beside the folders that begin and end a
-/// way (render.h, render.cpp) are not asked.
+/// The order inside folders with subfolders, each list separately. Files beside the folders that begin and end a chain
+/// (render.h, render.cpp) are not checked.
 const std::vector<Folders> inside = {
     {"lpe/language", "lpe/language/parser"},
     {"lpe/algebra/proofs", "lpe/algebra/wording", "lpe/algebra/explanation", "lpe/algebra/graphs"},
@@ -97,7 +97,7 @@ const std::vector<Folders> inside = {
     {"experiments/python/bindings", "experiments/python/bindings/plugins"},
 };
 
-/// The place in an order of a file by its path from the root; -1: it is in none of the folders.
+/// Returns the position in an order of a file by its path from the root; -1 if it is in none of the folders.
 int place_of(const Folders& folders, const std::string& file) {
     int place = -1;
     std::size_t longest = 0;
@@ -110,7 +110,8 @@ int place_of(const Folders& folders, const std::string& file) {
     return place;
 }
 
-/// "" where all that `file` includes stands before it, or it is in none of the folders; else the include that does not.
+/// Returns the first include of `file` that comes later in the order; "" if there is none, or if the file is in none of
+/// the folders.
 std::string include_out_of_order(const Folders& folders, const fs::path& root, const std::string& file) {
     if (place_of(folders, file) < 0) return {};
     std::ifstream in(root / file);
@@ -125,7 +126,7 @@ std::string include_out_of_order(const Folders& folders, const fs::path& root, c
 
 }  // namespace
 
-TEST_CASE("a folder includes nothing that stands above it", "[layout]") {
+TEST_CASE("a folder includes nothing from a folder above it", "[layout]") {
     const fs::path root = raylex::test::source_dir();
     std::size_t files = 0;
     for (const char* top : {"lpe", "display", "geoaovs", "transport", "experiments"}) {
@@ -141,9 +142,9 @@ TEST_CASE("a folder includes nothing that stands above it", "[layout]") {
     CHECK(files > 400);
 }
 
-TEST_CASE("integrators decide nothing by what channels take", "[layout]") {
+TEST_CASE("integrators do not depend on the requested channels", "[layout]") {
     // Liveness, pruning, pilots and the shares of techniques belong to paths/ and render/. Lobes of the field's prose,
-    // such as "exact shares" of lobes, are no code and are not meant.
+    // such as "exact shares" of lobes, are not code and do not count.
     const std::regex banned(
         R"(\b(is_live\w*|LiveLights|live_lights|Pruned|prunes|[Pp]ilot\w*|TechniqueShares|\w+_share|foresight)\b)");
     const fs::path root = raylex::test::source_dir();

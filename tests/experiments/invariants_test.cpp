@@ -41,8 +41,8 @@ TEST_CASE("raylex scene: write and check", "[invariants][cli]") {
     CHECK(test::run_raylex(folder, "scene write nothing.pbrt -o x.pbrt").code == 2);
 }
 
-TEST_CASE("scene check: an integrator of a plugin with a mistake in it is found", "[invariants][plugin]") {
-    // Paths of three scatterings and more are too dark by a quarter: of "C<RD>{1,3}[LO]" the last third.
+TEST_CASE("scene check: a plugin's integrator with a mistake is found", "[invariants][plugin]") {
+    // Paths with three or more scattering events are too dark by a quarter: the last third of "C<RD>{1,3}[LO]".
     const test::Folder folder;
     const auto check = [&](const std::string& parameters) {
         folder.write("box.pbrt",

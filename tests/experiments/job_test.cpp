@@ -1,4 +1,4 @@
-// What a TOML job may say, and what is refused, with the place.
+// The settings of a TOML job, and its errors with their place.
 #include <catch2/catch.hpp>
 
 #include "experiments/job/job_file.h"
@@ -26,7 +26,7 @@ void check_place(const Error& error, int line, int column) {
 
 }  // namespace
 
-TEST_CASE("a job says all that the flags can") {
+TEST_CASE("a job supports all settings of the flags") {
     auto job = parse_job(R"([scene]
 file = "scenes/a.pbrt"
 [output]
@@ -108,7 +108,7 @@ group = "key"
     REQUIRE(job->expressions.size() == 2);
     CHECK(job->expressions[0].dialect == raylex::lpe::Dialect::osl);
     CHECK(job->expressions[1].dialect == raylex::lpe::Dialect::renderman);
-    // The expression's first character stands after the quote.
+    // The expression's first character is after the quote.
     CHECK(job->expressions[0].location.line == 35);
     CHECK(job->expressions[0].location.column == 8);
     REQUIRE(job->partitions.size() == 1);
@@ -118,7 +118,7 @@ group = "key"
     CHECK(job->label_rules[1].label == "key");
 }
 
-TEST_CASE("an unknown key is refused with its place and near miss", "[law7]") {
+TEST_CASE("an unknown key is refused with its place and the closest match", "[law7]") {
     const Error error = error_of(std::string(scene) + "[render]\nssp = 4\n");
     check_place(error, 4, 1);
     CHECK(error.message.find("'ssp'") != std::string::npos);
@@ -146,13 +146,13 @@ TEST_CASE("values out of range are refused", "[law7]") {
     }
 }
 
-TEST_CASE("columns count bytes, as every error does") {
-    // The two-byte letter stands before the offending key.
+TEST_CASE("columns count bytes, as in all errors") {
+    // The two-byte letter comes before the wrong key.
     check_place(error_of("[scene]\n\"file\" = 'x'\n[[channel]]\nname = 'a' \nlpe = 'C'\n[output]\nfile = 'ä.exr' x\n"),
                 7, 17);
 }
 
-TEST_CASE("a job that is no TOML names the line") {
+TEST_CASE("invalid TOML in a job is an error with its line") {
     check_place(error_of("[scene\nfile = 'x'\n"), 1, 7);
     check_place(error_of(std::string(scene) + "[scene]\nfile = 'b'\n"), 3, 1);
 }
@@ -162,7 +162,7 @@ TEST_CASE("the earliest error in the text is the one shown") {
     CHECK(error_of("[zzz]\n[scene]\nfile = 3\n").line == 1);
 }
 
-TEST_CASE("what a job must have is asked for") {
+TEST_CASE("missing required keys of a job are errors") {
     CHECK(error_of("").message.find("[scene]") != std::string::npos);
     CHECK(error_of("[scene]\n").message.find("'file'") != std::string::npos);
     CHECK(error_of(std::string(scene) + "[[channel]]\nname = 'a'\n").message.find("'lpe'") != std::string::npos);
@@ -172,7 +172,7 @@ TEST_CASE("what a job must have is asked for") {
               .message.find("2 selectors") != std::string::npos);
 }
 
-TEST_CASE("names that cannot be layers are refused") {
+TEST_CASE("invalid layer names are refused") {
     for (const char* name : {"", "a b", "a,b", "a*", "3d", "beauty", "R", "a.", "x/y"}) {
         CAPTURE(name);
         CHECK_FALSE(raylex::experiments::check_layer_name(name, {}));

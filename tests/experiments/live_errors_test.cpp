@@ -1,4 +1,4 @@
-// The live line of `render`: what it says of the channels' errors, and that looking changes nothing.
+// The live line of `render`: its texts about the channels' errors, and that measuring changes nothing.
 #include <catch2/catch.hpp>
 
 #include <pty.h>
@@ -24,8 +24,8 @@ using raylex::test::Folder;
 
 namespace {
 
-/// Pixels of value 1. In every other row their means deviate by `low`, in the others by `high`; in a corner of 8 x 8
-/// pixels by `spot`.
+/// An image with pixels of value 1. The means of every other row deviate by `low`, those of the others by `high`, and
+/// those in a corner of 8 x 8 pixels by `spot`.
 struct FlatImage : transport::LiveImage {
     double low = 0, high = 0, spot = 0;
     static std::vector<double> of(const display::PixelRegion& region, double even, double odd) {
@@ -76,14 +76,14 @@ LiveErrors errors_of(const std::vector<display::ChannelDefinition>& channels, co
 }  // namespace
 
 TEST_CASE(
-    "the live line names errors, their uncertainty and the time to the next mark, to what was asked for, or to the "
+    "the live line has errors, their uncertainty and the time to the next mark, to the requested error, or to the "
     "end") {
     const std::vector<display::ChannelDefinition> channels{light("beauty"), light("caustics"), light("quiet", false),
                                                            light("a"),      light("b"),        light("c")};
     constexpr std::uint64_t pixels = 64 * 32;
     FlatImage image;
     image.low = image.high = 0.04;
-    // 64 of 4096 samples in 10 s. Half the error takes four times as many: 30 s more.
+    // 64 of 4096 samples in 10 s. Half the error takes four times as many samples: 30 s more.
     transport::RenderProgress now{64 * pixels, 4096 * pixels, 10, nullptr, nullptr};
     LiveErrors errors = errors_of(channels, image, now);
     REQUIRE(errors.errors().size() == LiveErrors::channels_at_once);
@@ -93,26 +93,26 @@ TEST_CASE(
     CHECK(error_text(errors, now, 4) == "beauty 4 %, caustics 20 %, a 20 %, b 20 % and 1 more; 2 % in about 30.0 s");
     CHECK(Progress::describe(now, 0, errors, 1) ==
           "  2 %  0.01 M samples/s  10.0 s, about 10 min 30 s left; beauty 4 % and 4 more; 2 % in about 30.0 s");
-    // A render that ends before the next mark says what it ends with: half, after four times the samples.
+    // A render that ends before the next mark shows its final error: half, after four times the samples.
     now.samples_total = 256 * pixels - 1;
     CHECK(error_text(errors, now, 1) == "beauty 4 % and 4 more; 2 % at the end");
-    // What was asked for; the total is then the prediction.
+    // With a requested error, the total is the prediction.
     display::AdaptiveProgress asked;
     asked.channel = "beauty";
     asked.target = 0.01;
     now.adaptive = &asked;
     now.samples_total = 1024 * pixels;
     CHECK(error_text(errors, now, 1) == "beauty 4 % and 4 more; 1 % in about " + std::string("2 min 30 s"));
-    // Squares of 0 and 0.0032, 1024 pixels each: the standard error of their mean is 0.0016 / sqrt(2047), that of the
-    // root 1 / (2 x 0.04) of it.
+    // Squares of 0 and 0.0032, 1024 pixels each: the standard error of their mean is 0.0016 / sqrt(2047); that of the
+    // root is 1 / (2 x 0.04) times that.
     image.low = 0;
     image.high = 0.04 * std::sqrt(2.0);
     errors = errors_of(channels, image, now);
     CHECK(errors.errors().front().error == Approx(0.04));
     CHECK(errors.errors().front().uncertainty == Approx(0.0016 / std::sqrt(2047.0) / 0.08));
     CHECK(error_text(errors, now, 2).starts_with("beauty 4 % +- 0.04, caustics 20 % +- 0.2 and 3 more;"));
-    // One of 32 parts carries the error: the sum's standard error is as large as the sum. One standard error less is
-    // 1 / e of the square: after 256 samples it may be 1 / (4 e), and comes to 1 / 4 on the power law to there.
+    // One of 32 parts has all of the error, so the sum's standard error is as large as the sum. One standard error less
+    // is 1 / e of the square: after 256 samples it may be 1 / (4 e), and reaches 1 / 4 by the power law.
     image.low = image.high = 0;
     image.spot = 0.04 * std::sqrt(32.0);
     now.adaptive = nullptr;
@@ -126,7 +126,7 @@ TEST_CASE(
     CHECK(errors_of(channels, image, now).errors().empty());
 }
 
-TEST_CASE("every channel that keeps statistics gets its turn on the live line, the largest errors first") {
+TEST_CASE("the live line measures every channel with statistics in turn, and shows the largest errors first") {
     std::vector<display::ChannelDefinition> channels{light("beauty")};
     for (int i = 0; i < 9; ++i) channels.push_back(light("c" + std::to_string(i)));
     channels[3].statistics = false;
@@ -147,7 +147,7 @@ TEST_CASE("every channel that keeps statistics gets its turn on the live line, t
     plan.beauty = 0;
     LiveErrors errors;
     errors.begin(plan);
-    // 10 channels beside each other: the beauty each time, and three of the other nine.
+    // 10 other channels: each update measures the beauty and three of the others.
     for (const std::size_t known : {4U, 7U, 10U, 10U}) {
         errors.update(now);
         CHECK(errors.errors().size() == known);
@@ -159,7 +159,7 @@ TEST_CASE("every channel that keeps statistics gets its turn on the live line, t
     for (const char* name : {"beauty 4 %", "c0 20 %", "c8 20 %", "albedo 20 %"})
         CHECK(all.find(name) != std::string::npos);
     for (const char* name : {"c2", "z ", "more"}) CHECK(all.find(name) == std::string::npos);
-    // What has the larger error stands before what has the smaller.
+    // Larger errors come before smaller ones.
     FlatImage brighter = image;
     brighter.low = brighter.high = 0.08;
     now.image = &brighter;
@@ -168,7 +168,7 @@ TEST_CASE("every channel that keeps statistics gets its turn on the live line, t
     CHECK(errors.errors().back().error == Approx(0.2));
 }
 
-TEST_CASE("measuring errors while rendering changes no bit, and they are the finished render's within a tenth",
+TEST_CASE("measuring errors during a render changes no bit, and they match the finished render's within a tenth",
           "[release-only][law2]") {
     auto scene = transport::import_pbrt(raylex::test::source_dir() + "/experiments/scenes/cornell-color/scene.pbrt");
     REQUIRE(scene);
@@ -193,9 +193,9 @@ TEST_CASE("measuring errors while rendering changes no bit, and they are the fin
             display::AdaptiveSampler sampler(whole, output->frame_buffer.channels(), output->beauty,
                                              output->frame_buffer.layout());
             sampler.decide(output->frame_buffer);
-            if (!errors.errors().empty()) {  // a machine may render all of it before the first look
+            if (!errors.errors().empty()) {  // a fast machine may finish before the first measurement
                 const double samples = static_cast<double>(errors.samples()) / (64 * 64);
-                // From 16 samples on; under a lamp that is sampled an error is known to a few per cent by then.
+                // From 16 samples on; under a light with light sampling, an error is then known to a few per cent.
                 CHECK(errors.errors().front().error * std::sqrt(samples / 768) ==
                       Approx(sampler.progress().error).epsilon(0.1));
             }
@@ -245,14 +245,14 @@ TEST_CASE("on a terminal the line fits its width and names the beauty's error; e
     CHECK(plain.err.find("beauty") == std::string::npos);
 }
 
-TEST_CASE("the line of loading says what is read, how many of how many, and for how long", "[progress]") {
+TEST_CASE("the line of loading shows what is read, the count and the time", "[progress]") {
     raylex::transport::LoadingProgress progress;
     CHECK(raylex::experiments::LoadingLine::describe(progress, 1.5) == "loading scene file, 1.50 s");
     progress.begin("meshes", 3000);
     progress.count();
     progress.count();
     CHECK(raylex::experiments::LoadingLine::describe(progress, 12.34) == "loading meshes: 2 of 3000, 12.3 s");
-    raylex::experiments::LoadingLine line;  // what takes no second says nothing, and ends at once
+    raylex::experiments::LoadingLine line;  // prints nothing in the first second, and ends at once
     line.progress()->begin("images", 2);
     line.finish();
     line.finish();

@@ -1,5 +1,5 @@
-// The same bits on other processors: the C library is told that it runs on a lesser one, where it takes other code for
-// sin, exp, pow and the like. Embree asks the processor itself, so that --isa alone decides what it does.
+// Equal bits on other processors. The C library is configured as for an older processor, on which it uses other code
+// for sin, exp, pow and the like. Embree queries the processor itself, so only --isa determines its code.
 #include <catch2/catch.hpp>
 
 #include <cstdlib>
@@ -14,9 +14,9 @@ using namespace raylex::test;
 
 namespace {
 
-/// What glibc then does without: without FMA its double functions have other last bits.
+/// The features that glibc then does not use: without FMA its double functions have other last bits.
 const std::string mask = "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX2,-AVX,-FMA,-FMA4 ";
-/// libjpeg-turbo asks the processor, too, and can be told to take plain code.
+/// libjpeg-turbo also queries the processor, and can be configured to use plain code.
 const std::string plain_jpeg = "JSIMD_FORCENONE=1 ";
 
 std::string libm_bits(const Folder& folder, const std::string& environment) {
@@ -25,8 +25,8 @@ std::string libm_bits(const Folder& folder, const std::string& environment) {
     return outcome.out;
 }
 
-/// Glass, rough metal, three coats, an image in sRGB bytes and one of half floats, a sky that is an image, a spot, a
-/// sphere and a triangle light, rotations, a lens, and fog that throws light forward.
+/// Glass, rough metal, three coats, an sRGB image in bytes and one of half floats, an image sky, a spot, a sphere and a
+/// triangle light, rotations, a lens, and fog with forward scattering.
 const std::string world = R"(
 MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [0.02 0.03 0.05]
     "rgb sigma_s" [0.05 0.04 0.03] "float g" 0.6
@@ -97,7 +97,7 @@ std::string scene_with(const std::string& filter) {
     return "Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 16\nPixelFilter " + filter + world;
 }
 
-/// A square of floats, as radiance on the sphere is stored.
+/// A square image of floats, as a sky stores radiance on the sphere.
 std::string sky() {
     std::string file = "PF\n8 8\n-1.0\n";
     for (int i = 0; i < 8 * 8 * 3; ++i) {
@@ -107,7 +107,7 @@ std::string sky() {
     return file;
 }
 
-/// Every number of every layer, with their names.
+/// Returns every value of every layer, with their names.
 std::string bits_of(const std::string& path) {
     auto image = raylex::display::read_exr(path);
     INFO((image ? std::string() : image.error().to_string()));
@@ -127,7 +127,7 @@ struct MaskedFolder : Folder {
         for (const char* name : {"inks.jpg", "rgb_half.exr"})
             write(name, read_bytes(source_dir() + "/tests/transport/data/" + name));
     }
-    /// The bits of a render with and without the mask must be the same; they are returned.
+    /// Checks that a render has the same bits with and without the mask, and returns them.
     std::string same_bits(const std::string& arguments) const {
         CAPTURE(arguments);
         const std::string line = "\"$RAYLEX\" render scene.pbrt --threads 1 " + arguments;
@@ -149,7 +149,7 @@ const std::string layers =
 
 }  // namespace
 
-TEST_CASE("the mask changes what the C library answers, and not what ours does", "[isa]") {
+TEST_CASE("the mask changes results of the C library, but not of raylex's functions", "[isa]") {
     const Folder folder;
     const std::string plain = libm_bits(folder, ""), masked = libm_bits(folder, mask);
     const auto line = [](const std::string& text, const std::string& key) {
@@ -172,14 +172,14 @@ TEST_CASE("images have the same bits under masked processor features", "[isa]") 
         folder.write("scene.pbrt", scene_with("\"gaussian\" \"float sigma\" 0.6"));
         seen.push_back(folder.same_bits("--isa sse2 --integrator " + std::string(integrator) + layers));
     }
-    for (std::size_t i = 1; i < seen.size(); ++i) CHECK((seen[i] != seen[0]));  // they are different renders
+    for (std::size_t i = 1; i < seen.size(); ++i) CHECK((seen[i] != seen[0]));  // the renders differ
     for (const char* filter : {"\"mitchell\"", "\"sinc\"", "\"blackman-harris\"", "\"triangle\""}) {
         folder.write("scene.pbrt", scene_with(filter));
         folder.same_bits("--isa sse2 --spp 4");
     }
 }
 
-TEST_CASE("adaptive renders and graded ones have the same bits under masked features", "[isa]") {
+TEST_CASE("adaptive and graded renders have the same bits under masked processor features", "[isa]") {
     const MaskedFolder folder;
     folder.write("scene.pbrt", scene_with("\"box\""));
     folder.same_bits("--isa sse2 --until-error 30% --spp 512 --aov sampleCount");

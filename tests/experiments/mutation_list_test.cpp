@@ -1,5 +1,5 @@
-// The lines that tests/mutate.sh breaks are lines of the sources: code moves on, and a mutation that applies nowhere
-// tests nothing.
+// Checks that the lines that tests/mutate.sh changes exist in the sources. Code changes, and a mutation that applies
+// nowhere tests nothing.
 #include <catch2/catch.hpp>
 
 #include <filesystem>
@@ -25,7 +25,7 @@ std::size_t times_in(const std::string& text, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("every mutation stands in its file, once", "[layout]") {
+TEST_CASE("every mutation occurs in its file exactly once", "[layout]") {
     const std::filesystem::path root = raylex::test::source_dir();
     std::istringstream list(text_of(root / "tests/mutations.txt"));
     std::size_t mutations = 0;

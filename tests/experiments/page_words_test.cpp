@@ -216,7 +216,7 @@ TEST_CASE("a page answers merged path strings as raylex ask does", "[words]") {
     REQUIRE(events);
     table.events = *events;
     for (std::size_t i = 0; i < table.events.size(); ++i) table.events[i].labels.resize(i < 6 ? 2 : 1);
-    table.letters = {0, 1, 2, 3, 4, 0, 5, 5, 6, 7};  // two reflections off the floor are one, and so are two lights
+    table.letters = {0, 1, 2, 3, 4, 0, 5, 5, 6, 7};  // two reflections off the floor are merged, and so are two lights
     oracle::Random random(32);
     PageQuestions questions;
     std::vector<std::string> texts, expected;
@@ -227,7 +227,7 @@ TEST_CASE("a page answers merged path strings as raylex ask does", "[words]") {
             std::vector<display::WordTable::Letter> word;
             for (std::size_t length = random.below(5); length > 0; --length)
                 word.push_back(static_cast<display::WordTable::Letter>(random.below(5)));
-            // One scattering or more, or two or more, as a budget merges them.
+            // One or more scattering events, or two or more, as merged by a budget.
             for (std::size_t open = random.below(6); open > 0 && open < 3; --open)
                 word.push_back(display::WordAlphabet::open);
             word.push_back(static_cast<display::WordTable::Letter>(5 + random.below(3)));
@@ -269,7 +269,7 @@ TEST_CASE("a page of an image and its atlas shows path strings and answers expre
     CHECK(count_matches(page, "<section class=\"image\">") == 1);
     CHECK(contains(page, "class=\"words\">{\"name\":\"a.atlas.exr\""));
     CHECK_FALSE(contains(page, "<code>atlas/words</code>"));
-    // An atlas of another render stands for itself, and so does one alone.
+    // An atlas of another render is shown separately, and so is a single one.
     REQUIRE(run_raylex(folder, "report b.exr a.atlas.exr -o two.html").code == 0);
     CHECK(count_matches(folder.read("two.html"), "<section class=\"image\">") == 2);
     REQUIRE(run_raylex(folder, "report a.atlas.exr -o alone.html").code == 0);

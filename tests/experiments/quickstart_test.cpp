@@ -1,4 +1,4 @@
-// The parts of the quickstart that can be tried without building anew.
+// The parts of the quickstart that can be tested without a build.
 #include <catch2/catch.hpp>
 
 #include "experiments/job/job_file.h"
@@ -13,7 +13,7 @@ const std::string script = raylex::test::source_dir() + "/experiments/quickstart
 
 }  // namespace
 
-TEST_CASE("the quickstart's script parses, explains itself and refuses what it does not know") {
+TEST_CASE("the quickstart's script is valid, has a help text and refuses unknown arguments") {
     const Folder folder;
     CHECK(run_shell(folder, "bash -n '" + script + "'").code == 0);
     Outcome help = run_shell(folder, "bash '" + script + "' --help");
@@ -24,7 +24,7 @@ TEST_CASE("the quickstart's script parses, explains itself and refuses what it d
     CHECK(folder.names().empty());
 }
 
-TEST_CASE("the quickstart's jobs read, and their scenes are there") {
+TEST_CASE("the quickstart's jobs are valid, and their scenes exist") {
     for (const std::string name : {"window-light", "lantern-fog"}) {
         CAPTURE(name);
         auto job =

@@ -1,4 +1,4 @@
-// What `raylex scene info` counts, and what `raylex scene check` doubts.
+// The counts of `raylex scene info`, and the warnings of `raylex scene check`.
 #include <catch2/catch.hpp>
 
 #include "experiments/job/text/json.h"
@@ -35,7 +35,7 @@ AttributeEnd
 
 }  // namespace
 
-TEST_CASE("raylex scene info counts what a scene holds and says where it stands") {
+TEST_CASE("raylex scene info counts the contents of a scene and prints its bounds") {
     const Folder folder;
     folder.write("room.pbrt", counted_scene);
     const Outcome outcome = run_raylex(folder, "scene info room.pbrt --json facts.json --picture room.png");
@@ -62,11 +62,11 @@ TEST_CASE("raylex scene info counts what a scene holds and says where it stands"
     CHECK(unbuilt.code == 0);
     CHECK_FALSE(contains(unbuilt.out, "bounds"));
     CHECK(run_raylex(folder, "scene info nowhere.pbrt").code == 2);
-    CHECK(facts["materials"] == experiments::Json{{"diffuse", 1}});  // the default one is nobody's
+    CHECK(facts["materials"] == experiments::Json{{"diffuse", 1}});  // the default material is unused
     CHECK(contains(run_raylex(folder, "scene info room.pbrt --picture room.jpg").err, "expected a PNG file name"));
 }
 
-TEST_CASE("raylex scene info says by name what media do") {
+TEST_CASE("raylex scene info lists media by name") {
     const Folder folder;
     folder.write("media.pbrt",
                  "MakeNamedMedium \"smoke\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [1 1 1]\n"
@@ -86,14 +86,14 @@ TEST_CASE("raylex scene info says by name what media do") {
     CHECK(experiments::parse_json(folder.read("facts.json"))["media_by_name"]["fire"]["emits"] == true);
 }
 
-TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, and exits with 1") {
+TEST_CASE("raylex scene check finds likely mistakes with their lines, and exits with 1") {
     const Folder folder;
     const auto check = [&](const std::string& world, const std::string& doubt) {
         folder.write("doubtful.pbrt", "Camera \"perspective\"\nWorldBegin\n" + world);
         const Outcome outcome = run_raylex(folder, "scene check doubtful.pbrt");
         CAPTURE(world, outcome.out, outcome.err);
         CHECK(outcome.code == (doubt.empty() ? 0 : 1));
-        CHECK(contains(outcome.out, doubt.empty() ? "0 doubts" : doubt));
+        CHECK(contains(outcome.out, doubt.empty() ? "0 likely mistakes" : doubt));
     };
     const std::string sky = "LightSource \"infinite\"\n";
     const std::string face = "Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 5  1 0 5  0 1 5] ";
@@ -115,7 +115,7 @@ TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, 
               "Material \"diffuse\" \"texture reflectance\" \"wood\"\n" +
               face + "\n",
           "'wood' is used; did you mean this?");
-    for (const char* other : {"wood1", "oak wood"}) {  // one of a series, and another word: no slips
+    for (const char* other : {"wood1", "oak wood"}) {  // one of a series, and another word: not misspelt
         check(sky + "Texture \"" + other +
                   "\" \"spectrum\" \"checkerboard\"\nTexture \"wood2\" \"spectrum\" \"checkerboard\"\n"
                   "Material \"diffuse\" \"texture reflectance\" \"wood2\"\n" +
@@ -125,12 +125,12 @@ TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, 
     }
     check(sky + face + "\nObjectBegin \"leaf\"\nShape \"sphere\"\nObjectEnd\n", "the object 'leaf' has no instance");
 
-    // Media may be all that shines.
+    // Media may be the only emitters.
     check(
         "MakeNamedMedium \"fire\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1]\nMediumInterface \"fire\" \"\"\n" +
             face,
         "");
-    // A box whose faces look inwards: by winding, by normals, reversed back, and as the hollow of another one.
+    // A box whose faces point inwards: by winding, by normals, reversed back, and as a hole in another one.
     const std::string box =
         "Shape \"trianglemesh\" \"point3 P\" [-1 -1 -1 1 -1 -1 -1 1 -1 1 1 -1 -1 -1 1 1 -1 1 -1 1 1 1 1 1] ";
     const std::string inwards =
@@ -150,24 +150,24 @@ TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, 
     check(
         sky + "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"fog\" \"\"\n" + box + inwards,
         turned);
-    // A room with fog in it, and the hollow of a ball: what is behind those faces is no medium, or another body.
+    // A room with fog in it, and the hole in a ball: behind those faces is no medium, or another body.
     check(
         sky + "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"\" \"fog\"\n" + box + inwards,
         "");
     check(wax + box + inwards + "Shape \"sphere\" \"float radius\" 4\n", "");
-    // What building warns of is told and counted.
+    // Warnings of the build are printed and counted.
     folder.write("dropped.pbrt", "Camera \"perspective\"\nWorldBegin\n" + sky +
                                      "Shape \"curve\" \"point3 P\" [0 0 5 0 0 5 0 0 5 0 0 5]\n" + face + "\n");
     const Outcome dropped = run_raylex(folder, "scene check dropped.pbrt");
     CHECK(dropped.code == 0);
-    CHECK(contains(dropped.out, "1 warning, 0 doubts"));
+    CHECK(contains(dropped.out, "1 warning, 0 likely mistakes"));
     CHECK(contains(dropped.err, "dropped.pbrt:4:1: 1 segments of curves have no length or no width"));
-    // A short name is no slip for one that is not there.
+    // A short name is not a misspelling of an unknown one.
     check(sky + face + "\nTexture \"a\" \"float\" \"constant\"\n", "the texture 'a' is unused");
     CHECK_FALSE(contains(run_raylex(folder, "scene check doubtful.pbrt").out, "did you mean this"));
 }
 
-TEST_CASE("raylex scene check asks for texture coordinates where something goes by them, in mixes and patches too") {
+TEST_CASE("raylex scene check checks texture coordinates where something uses them, in mixes and patches too") {
     const Folder folder;
     const auto doubts = [&](const std::string& textures, const std::string& material, bool patch) {
         folder.write("uv.pbrt",
@@ -198,7 +198,7 @@ TEST_CASE("raylex scene check asks for texture coordinates where something goes 
                  false));
 }
 
-TEST_CASE("raylex scene check refuses what a render would refuse, and its options what they do not go with") {
+TEST_CASE("raylex scene check refuses the same scenes as a render, and conflicting options") {
     const Folder folder;
     for (const char* line :
          {"Camera \"realistic\"", "Camera \"foo\"", "Camera \"perspective\" \"float fov\" 200",
@@ -222,7 +222,7 @@ TEST_CASE("raylex scene check refuses what a render would refuse, and its option
     CHECK(folder.read("room.pbrt") == counted_scene);
 }
 
-TEST_CASE("raylex scene check tells all files that are missing, each at its line with the folders searched") {
+TEST_CASE("raylex scene check lists all missing files, each with its line and the folders searched") {
     const Folder folder;
     folder.write("gaps.pbrt",
                  "WorldBegin\nLightSource \"infinite\" \"string filename\" \"no/sky.exr\"\n"
@@ -231,7 +231,8 @@ TEST_CASE("raylex scene check tells all files that are missing, each at its line
     const Outcome outcome = run_raylex(folder, "scene check gaps.pbrt");
     INFO(outcome.out << outcome.err);
     CHECK(outcome.code == 1);
-    CHECK(contains(outcome.out, "0 doubts, 2 files that cannot be found"));  // the mesh may use the wood
+    // the missing mesh may use the wood
+    CHECK(contains(outcome.out, "0 likely mistakes, 2 files that cannot be found"));
     CHECK(contains(outcome.err, "gaps.pbrt:2:24: cannot find file 'no/sky.exr'"));
     CHECK(contains(outcome.err, "gaps.pbrt:4:1: cannot find file 'no/mesh.ply'"));
     CHECK(contains(outcome.err, "looked in"));
@@ -239,7 +240,7 @@ TEST_CASE("raylex scene check tells all files that are missing, each at its line
     folder.write("sky.pbrt",
                  "WorldBegin\nLightSource \"infinite\" \"string filename\" \"no/sky.exr\"\n"
                  "MakeNamedMaterial \"wood\" \"string type\" \"diffuse\"\nShape \"sphere\"\n");
-    CHECK(contains(run_raylex(folder, "scene check sky.pbrt").out, "'wood' is unused"));  // a sky uses nothing
+    CHECK(contains(run_raylex(folder, "scene check sky.pbrt").out, "'wood' is unused"));  // a sky uses no material
 
     folder.write("ptex.pbrt", "WorldBegin\nTexture \"a\" \"spectrum\" \"ptex\" \"string filename\" \"no/a.ptx\"\n");
     const Outcome ptex = run_raylex(folder, "render ptex.pbrt");
@@ -248,7 +249,7 @@ TEST_CASE("raylex scene check tells all files that are missing, each at its line
     CHECK(contains(ptex.err, "of ptex textures raylex reads no files: imagemap takes images"));
 }
 
-TEST_CASE("a file that cannot be read says where the scene names it") {
+TEST_CASE("an unreadable file is an error at the place where the scene names it") {
     const Folder folder;
     folder.write("bad.spd", "400 1\n300 1\n");
     folder.write("bad.dat", "# radius thickness eta diameter\n1 2 3\n");

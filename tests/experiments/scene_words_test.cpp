@@ -1,4 +1,4 @@
-// What a scene can produce, what can never match in it and why, before a ray is traced.
+// The paths that a scene can produce, and channels that cannot match, with reasons, before a ray is traced.
 #include "experiments/job/channels/channel_reasons.h"
 
 #include <ctime>
@@ -83,7 +83,7 @@ TEST_CASE("a scene's words have its labels, lobes, lights and depth, and no othe
     CHECK(word->has_value());
 }
 
-TEST_CASE("words have no bound where events inside a body do not count, and more of them where mirrors do not") {
+TEST_CASE("words have no bound if events inside a body do not count, and a larger one if mirrors do not count") {
     const auto can = [&](const std::string& expression, const std::string& text) {
         const auto word = lpe::find_word({"", expression}, words_of({}, text).words);
         REQUIRE(word.ok());
@@ -98,7 +98,7 @@ TEST_CASE("words have no bound where events inside a body do not count, and more
     CHECK_FALSE(can("CSSSSDDDL", mirrors));
 }
 
-TEST_CASE("what makes a channel black is said, with a near miss where there is one") {
+TEST_CASE("the reason for a black channel is given, with the closest match if there is one") {
     const SceneWords scene = words_of();
     CHECK(never("C.*L", scene).empty());
     CHECK(never("nothruput;CU2L", scene).empty());
@@ -124,7 +124,7 @@ TEST_CASE("what makes a channel black is said, with a near miss where there is o
     check("C<RD'flor'>DDDD<L.'key'>", "5 scattering events");
 }
 
-TEST_CASE("a scene's words have V events and O only where media scatter and glow") {
+TEST_CASE("a scene's words have V and O events only if media scatter and emit") {
     std::string text = scene_text;
     text.replace(
         text.find("LookAt"), 0,
@@ -144,7 +144,7 @@ TEST_CASE("a scene's words have V events and O only where media scatter and glow
     const SceneWords dark = words_of({}, text);
     CHECK(mentions(never("CVL", dark), "a medium that scatters (V), and this scene has none"));
     CHECK(mentions(never("CO", dark), "nothing in this scene emits"));
-    // The shipped partition's `volume` is live where something scatters.
+    // The shipped partition's `volume` can match if something scatters.
     for (const auto& [words, live] : {std::pair(&scene, true), std::pair(&dark, false)}) {
         const auto word = lpe::find_word({"volume", "CV.*"}, words->words);
         REQUIRE(word.ok());
@@ -152,7 +152,7 @@ TEST_CASE("a scene's words have V events and O only where media scatter and glow
     }
 }
 
-TEST_CASE("labels that nothing has are named even where the channel matches without them") {
+TEST_CASE("unknown labels are named even if the channel matches without them") {
     const SceneWords scene = words_of();
     const auto notes = [&](const std::string& expression) {
         const auto unknown = unknown_labels({"mine", expression}, scene);
@@ -193,13 +193,13 @@ TEST_CASE("planning stays fast on a thousand labels", "[performance]") {
     if (!plan) FAIL(plan.error().to_string());
     CHECK(plan->refuted.empty());
     CHECK(plan->partitions.size() == 3);
-    CHECK(seconds < 3.0);  // asked: 1 s; sanitizers take several times as long
+    CHECK(seconds < 3.0);  // the requirement is 1 s; sanitizers take several times as long
     bool found = false;
     for (const std::string& note : plan->notes) found = found || mentions(note, "did you mean 'part_7'?");
     CHECK(found);
 }
 
-TEST_CASE("a render says before it starts which channels are black and why, and which are the beauty") {
+TEST_CASE("before it starts, a render lists black channels with reasons, and channels equal to the beauty") {
     const Folder folder;
     folder.write("s.pbrt", scene_text);
     folder.write("j.toml", R"(
@@ -227,7 +227,7 @@ lpe = "holdouts;C.*"
     CHECK(image->attributes.at("raylex/is_beauty") == "whole");
 }
 
-TEST_CASE("of many black channels the first are explained, the others named") {
+TEST_CASE("with many black channels, the first are explained and the others named") {
     const Folder folder;
     folder.write("s.pbrt", scene_text);
     std::string job = "[scene]\nfile = \"s.pbrt\"\n";
@@ -244,7 +244,7 @@ TEST_CASE("of many black channels the first are explained, the others named") {
     CHECK(mentions(outcome.err, "'n8', 'n9', 'n10'"));
 }
 
-TEST_CASE("a partition that holds in this scene is proved for it, and one that does not is refuted before a ray") {
+TEST_CASE("a partition is proved or refuted for the scene before a ray is traced") {
     const Folder folder;
     folder.write("s.pbrt", scene_text);
     const auto job = [&](const std::string& depth) {
@@ -310,13 +310,13 @@ lpe = "C<RD'floor'>.*"
     CHECK(sum("shadow", "G") > sum("occluded", "G"));
     CHECK(sum("occluded", "G") > 0);
     CHECK(sum("floor", "G") == 0);
-    CHECK(sum("beauty", "A") < 30);  // the ball alone, out of 64 pixels
+    CHECK(sum("beauty", "A") < 30);  // only the ball, out of 64 pixels
     folder.write("k.toml",
                  "[scene]\nfile = \"s.pbrt\"\n[[light_group]]\nlight = \"point\"\ngroup = \"a\"\nholdout = true\n");
     CHECK(run_raylex(folder, "render k.toml -o o.exr").code == 2);
 }
 
-TEST_CASE("lpe check, explain, equal and split take --scene as what can happen") {
+TEST_CASE("lpe check, explain, equal and split consider only the paths of --scene") {
     const Folder folder;
     folder.write("s.pbrt", scene_text);
     folder.write(
@@ -327,7 +327,7 @@ TEST_CASE("lpe check, explain, equal and split take --scene as what can happen")
     CHECK(run_raylex(folder, channels + " --scene s.pbrt").code == 0);
     const auto dead = run_raylex(folder, channels + " x=\"C<RD'flor'>.*\" --scene s.pbrt");
     CAPTURE(dead.err);
-    CHECK(dead.code == 0);  // a channel without paths spoils no partition
+    CHECK(dead.code == 0);  // a channel without paths does not break a partition
     CHECK(mentions(dead.err, "channel 'x' matches no path of this scene"));
     CHECK(mentions(dead.err, "did you mean 'floor'?"));
     CHECK(run_raylex(folder, "lpe equal 'C.*' 'C.?L'").code == 1);

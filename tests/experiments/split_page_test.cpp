@@ -51,7 +51,7 @@ std::vector<float> unpacked_halves(const std::string& text, std::size_t count) {
     return values;
 }
 
-/// Text between two marks.
+/// Returns the text between two marks.
 std::string between(const std::string& text, const std::string& before, const std::string& after) {
     const std::size_t from = text.find(before);
     REQUIRE(from != std::string::npos);
@@ -128,7 +128,7 @@ TEST_CASE("the table of a view has the view's colours at its nodes", "[report]")
         return static_cast<float>(std::exp2(static_cast<double>(i) / 2 - 10) - std::exp2(-10));
     };
     CHECK(node(20) == Approx(1).epsilon(1e-3));
-    const std::size_t red = 17, green = 9, blue = 22;  // red fastest
+    const std::size_t red = 17, green = 9, blue = 22;  // red varies fastest
     auto shown = color->to_display(std::vector<float>{node(red), node(green), node(blue)}, primaries, "", "");
     REQUIRE(shown);
     for (std::size_t c = 0; c < 3; ++c)

@@ -1,5 +1,5 @@
-// `raylex stability`: the shipped suite's fast half holds; what a file of cases may say, and what becomes of cases that
-// do not hold, do not evaluate or end their process.
+// `raylex stability`: the fast half of raylex's suite holds; the format of case files, and cases that fail, are invalid
+// or end their process.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 const std::string head = "title = \"Tried\"\n";
 
-/// A case of a constant environment, which every camera ray meets.
+/// A case with a constant environment, which every camera ray meets.
 std::string environment_case(const std::string& keys) {
     return R"([[case]]
 name = "environment"
@@ -52,7 +52,7 @@ LineResult judged(const StabilityCase& what, const ProbeResult& result, const Se
 
 }  // namespace
 
-TEST_CASE("the fast half of the shipped suite holds", "[stability][release-only]") {
+TEST_CASE("the fast half of raylex's suite holds", "[stability][release-only]") {
     const Folder folder;
     const Outcome outcome = run_raylex(folder, "stability --fast -o out");
     INFO(outcome.out << outcome.err);
@@ -91,7 +91,7 @@ TEST_CASE("tolerances are sums of standard errors, ulps, shares and numbers", "[
     CHECK(judged(case_with("exact"), result).verdict == LineVerdict::fails);
     CHECK(judged(case_with("exact", Comparison::at_most), result).verdict == LineVerdict::holds);
     CHECK(judged(case_with("exact", Comparison::at_least), result).verdict == LineVerdict::fails);
-    // Two seeds tell little of their scatter: 4 standard errors are as rare as 1e4 of one degree of freedom.
+    // Two seeds determine their scatter badly: 4 standard errors are as rare as 1e4 of them with one degree of freedom.
     result.degrees = 1;
     CHECK(judged(case_with("4 se"), result).allowed ==
           Approx(0.1 / std::tan(0.5 * 3.14159265 * 6.334248e-5)).epsilon(1e-4));
@@ -99,7 +99,7 @@ TEST_CASE("tolerances are sums of standard errors, ulps, shares and numbers", "[
     for (const Comparison each : {Comparison::equal, Comparison::at_most, Comparison::at_least})
         CHECK(judged(case_with("1e30", each), result).verdict == LineVerdict::fails);
     LineResult line;
-    CHECK(!judge(case_with("exact"), {}, ProbeResult(), line).ok());  // nothing says what is expected
+    CHECK(!judge(case_with("exact"), {}, ProbeResult(), line).ok());  // no expected value
 }
 
 TEST_CASE("a case of a scene is rendered for every combination and judged", "[stability][cli]") {
@@ -123,7 +123,7 @@ TEST_CASE("a case of a scene is rendered for every combination and judged", "[st
     CHECK(run_raylex(folder, "stability same.toml").code == 0);
 }
 
-TEST_CASE("--fast keeps to the fast values of what is varied, which are among all", "[stability][cli]") {
+TEST_CASE("--fast uses only the fast values, which are a subset of all values", "[stability][cli]") {
     const Folder folder;
     const auto text = [](const std::string& fast) {
         return head + environment_case("vary.L = [1, 2, 4]\n" + fast + "expected = \"3.5*L/3\"\ntolerance = \"2 ulp\"");
@@ -136,7 +136,7 @@ TEST_CASE("--fast keeps to the fast values of what is varied, which are among al
     folder.write("c.toml", text("fast.L = [1, 3]\n"));
     check_refused(folder, "stability c.toml", {"c.toml:", "'fast.L' has 3, which 'vary' does not have"});
     folder.write("c.toml", text("fast.M = [1]\n"));
-    check_refused(folder, "stability c.toml", {"c.toml:", "'fast.M', but nothing is varied by that name"});
+    check_refused(folder, "stability c.toml", {"c.toml:", "'fast.M' has no corresponding"});
 }
 
 TEST_CASE("an outcome is an image or a message, never a signal", "[stability][cli]") {
@@ -160,11 +160,11 @@ TEST_CASE("an outcome is an image or a message, never a signal", "[stability][cl
     CHECK(contains(died.out, "1 line holds, 2 not"));
 }
 
-TEST_CASE("another program's results stand beside these", "[stability][cli]") {
+TEST_CASE("the page compares another program's results", "[stability][cli]") {
     const SceneFolder folder;
     folder.write("held.toml",
                  head + environment_case("vary.L = [1, 2]\nexpected = \"3.5*L/3\"\ntolerance = \"2 ulp\""));
-    // The program beside itself: the same bits, so that every difference would be a fault of the comparison.
+    // Compares the program with itself: equal bits, so every difference would be an error of the comparison.
     const Outcome both = run_shell(
         folder, "\"$RAYLEX\" stability held.toml -o out --beside \"$RAYLEX\" --scene room.pbrt --scene-spp 4");
     INFO(both.out << both.err);
@@ -178,7 +178,7 @@ TEST_CASE("another program's results stand beside these", "[stability][cli]") {
     CHECK(contains(missing.err, "nothing"));
 }
 
-TEST_CASE("files of cases are refused with line, column and the near miss", "[stability][cli]") {
+TEST_CASE("invalid case files are refused with line, column and the closest match", "[stability][cli]") {
     const Folder folder;
     const auto refused = [&](const std::string& text, const std::vector<std::string>& words) {
         folder.write("a.toml", text);
@@ -198,6 +198,6 @@ TEST_CASE("files of cases are refused with line, column and the near miss", "[st
             {"second case 'environment'"});
     folder.write("a.toml", head + environment_case("tolerance = \"exact\"\nwith.L = 1\nexpected = \"M\""));
     const Outcome unknown = run_raylex(folder, "stability a.toml");
-    CHECK(unknown.code == 1);  // found only when the line is judged; other lines are not lost
+    CHECK(unknown.code == 1);  // found only when the line is judged; other lines are kept
     CHECK(contains(unknown.out, "numbers of the case: L"));
 }

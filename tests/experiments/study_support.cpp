@@ -12,7 +12,7 @@ namespace {
 
 using namespace raylex::experiments;
 
-/// Mean light of a channel: a smooth ramp with a bright disc, so that pictures can be told apart.
+/// Returns the mean light of a channel: a smooth ramp with a bright disc, so that pictures can be distinguished.
 double truth(int channel, double u, double v, int c) {
     const double disc = std::hypot(u - 0.6, v - 0.45) < 0.2 ? 1.5 : 0;
     const double base = 0.15 + 0.6 * u * (1 - 0.5 * v) + (channel == 1 ? disc : 0.3 * v);
@@ -50,7 +50,7 @@ void write_images(const std::string& directory, const SceneInfo& scene, const Im
     std::filesystem::create_directories(directory);
     for (std::size_t k = 0; k < images.mean.size(); ++k) {
         REQUIRE(write_npy(directory + "/" + scene.channels[k].name + ".mean.npy", images.mean[k]));
-        // A report needs the variance of references alone.
+        // A report needs variances only of references.
         if (directory == scene.reference)
             REQUIRE(write_npy(directory + "/" + scene.channels[k].name + ".m2.npy", images.m2[k]));
     }
@@ -126,7 +126,8 @@ Experiment write_synthetic_study(const Folder& folder, const SyntheticStudy& stu
                                    {"render", samples * 0.01 * (1 + 0.1 * variant), samples * 0.02},
                                    {"write", 0.2, 0.1}};
                     for (const Phase& phase : cell.phases) {
-                        if (phase.name != "prepare" && phase.name != "render") continue;  // the others are not its time
+                        // other phases do not count as its time
+                        if (phase.name != "prepare" && phase.name != "render") continue;
                         cell.wall_seconds += phase.wall_seconds;
                         cell.cpu_seconds += phase.cpu_seconds;
                     }

@@ -1,4 +1,4 @@
-// Results directories as `raylex experiment run` leaves them, made from known truths instead of renders.
+// Results directories like those of `raylex experiment run`, made from known values instead of renders.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ struct SyntheticStudy {
     double noise = 0.4;  ///< standard deviation of one sample relative to its pixel
 };
 
-/// Writes it below `folder` and reads it back. One more cell has failed, one is missing.
+/// Writes the study below `folder` and reads it back. One more cell has failed, one is missing.
 experiments::Experiment write_synthetic_study(const Folder& folder, const SyntheticStudy& study);
 
 }  // namespace raylex::test

@@ -13,7 +13,7 @@
 namespace raylex::test {
 namespace {
 
-/// For messages of the shell that runs a command: outside the folder that tests look into.
+/// A file for messages of the shell that runs a command, outside the folder that tests inspect.
 std::string sibling(const Folder& folder, const std::string& suffix) {
     return folder.path() + suffix;
 }

@@ -1,5 +1,5 @@
-// verify on other renderers' images: one that Blender rendered (data/cycles.exr, by data/cycles_image.py), what it
-// becomes in other storages, and synthetic files named as RenderMan, Arnold and V-Ray name their layers.
+// verify on images of other renderers: one rendered by Blender (data/cycles.exr, by data/cycles_image.py), the same
+// image in other storages, and synthetic files with the layer names of RenderMan, Arnold and V-Ray.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -54,7 +54,7 @@ void scale(display::ExrImage& image, const std::string& name, float factor) {
         for (float& value : plane.values) value *= factor;
 }
 
-/// Random layers of these names and, under `whole`, what `sum` makes of each pixel's values.
+/// Makes random layers of these names and, under `whole`, the layer that `sum` computes from each pixel's values.
 template <class Sum>
 display::ExrImage synthetic(const std::vector<std::string>& names, const std::string& whole, Sum&& sum) {
     std::mt19937 random(11);
@@ -85,7 +85,7 @@ float plain_sum(const std::vector<float>& values) {
 
 }  // namespace
 
-TEST_CASE("an image of Cycles gets the right verdict by preset, in one command", "[verify]") {
+TEST_CASE("an image of Cycles gets the right result by preset, in one command", "[verify]") {
     const Folder folder;
     const Outcome outcome = run_raylex(folder, "verify '" + cycles_image() + "' --preset cycles");
     CAPTURE(outcome.out, outcome.err);
@@ -97,7 +97,7 @@ TEST_CASE("an image of Cycles gets the right verdict by preset, in one command",
                    "(DiffDir + DiffInd) * DiffCol, (GlossDir + GlossInd) * GlossCol, (TransDir + TransInd) * "
                    "TransCol, Emit, Env"));
     CHECK(contains(outcome.out, "relative 3.81e-06, for the float sum of 64 samples, 2^-24 each"));
-    // Who says nothing is told of the preset.
+    // Without options, the preset is suggested.
     const Outcome nothing = run_raylex(folder, "verify '" + cycles_image() + "'");
     CHECK(nothing.code == 2);
     CHECK(contains(nothing.err, " --preset cycles"));
@@ -109,7 +109,7 @@ TEST_CASE("sums are written as arithmetic, with short names, and judged by --tol
     const std::string sum =
         " --sum '(DiffDir+DiffInd)*DiffCol, (GlossDir+GlossInd)*GlossCol, (TransDir+TransInd)*TransCol, "
         "Emit, Env'";
-    // Nobody says what is split: Combined is what the application calls it, and the verdict says so.
+    // Without --of: Combined is the application's name of the beauty, and the result names it.
     Outcome outcome = run_raylex(folder, "verify a.exr --tolerance 0,4e-6" + sum);
     CAPTURE(outcome.out, outcome.err);
     CHECK(outcome.code == 0);
@@ -141,7 +141,7 @@ TEST_CASE("sums are written as arithmetic, with short names, and judged by --tol
     CHECK(contains(outcome.err, "no layers with names of Arnold"));
 }
 
-TEST_CASE("an image of Cycles holds however it is stored, and not with a pass that is wrong", "[verify]") {
+TEST_CASE("an image of Cycles holds in any storage, and fails with a wrong pass", "[verify]") {
     const Folder folder;
     const display::ExrImage image = read(cycles_image());
     display::ExrImage wrong = image;
@@ -197,7 +197,7 @@ TEST_CASE("presets find view layers, files per layer, a noisy image and groups t
     CHECK(contains(outcome.out, "light groups of ViewLayer: 3 layers against ViewLayer.Combined: holds"));
     CHECK(folder.has("two.light-groups-of-Back-Layer.residual.png"));
 
-    // What the denoiser made of Combined is not judged where the image before is kept.
+    // The denoised Combined is not checked if the image before denoising is stored.
     image = original;
     layer_of(image, "ViewLayer.Combined").name = "ViewLayer.Noisy Image";
     image.layers.push_back(layer_of(image, "ViewLayer.Noisy Image"));
@@ -209,7 +209,7 @@ TEST_CASE("presets find view layers, files per layer, a noisy image and groups t
     CHECK(contains(outcome.out, "against ViewLayer.Noisy Image: holds"));
     CHECK(run_raylex(folder, "verify denoised.exr --preset cycles --of Combined").code == 1);
 
-    // A transparent film: the background is in its pass and in its light group, and not in the image.
+    // A transparent film: the background is in its pass and in its light group, but not in the image.
     image = original;
     const auto value = [&original](const char* pass, std::size_t c, std::size_t i) {
         return static_cast<double>(original.layer(std::string("ViewLayer.") + pass)->planes[c].values[i]);
@@ -244,7 +244,7 @@ TEST_CASE("presets find view layers, files per layer, a noisy image and groups t
     CHECK(outcome.code == 0);
     CHECK(contains(outcome.out, "passes: 11 layers against shot_Combined: holds"));
 
-    // A pass that is missing is named; its factor alone is no light.
+    // A missing pass is named; its factor alone is not light.
     image = original;
     image.layers.erase(std::remove_if(image.layers.begin(), image.layers.end(),
                                       [](const auto& layer) { return layer.name == "ViewLayer.DiffInd"; }),
@@ -293,7 +293,7 @@ TEST_CASE("presets know the names of RenderMan, Arnold and V-Ray, on synthetic f
            "rgba",
            {"atmospheric_effects", "background", "caustics", "gi", "lighting", "reflection", "specular"}}}) {
         CAPTURE(each.preset, each.whole, each.names);
-        // Arnold's RGBA in a file that has no nameless image, V-Ray's in one that has, ...
+        // Arnold's RGBA in a file without a nameless image, V-Ray's in a file with one, ...
         display::ExrImage image = synthetic(each.names, each.whole, plain_sum);
         image.layers.push_back(color_layer("albedo", std::vector<std::array<float, 3>>(13 * 9, {9, 9, 9})));
         CHECK(code(image, each.preset) == 0);
@@ -311,7 +311,7 @@ TEST_CASE("presets know the names of RenderMan, Arnold and V-Ray, on synthetic f
                    "V-Ray raw elements: 6 layers against beauty: holds"));
 }
 
-TEST_CASE("what cannot be judged is said: integers, missing channels, values that are not finite", "[verify]") {
+TEST_CASE("verify reports what it cannot check: integers, missing channels, values that are not finite", "[verify]") {
     const Folder folder;
     const std::vector<float> one(12, 1.0f), half_of_it(12, 0.5f);
     std::vector<float> broken = half_of_it;
@@ -336,7 +336,7 @@ TEST_CASE("what cannot be judged is said: integers, missing channels, values tha
     outcome = run_raylex(folder, "verify x.exr --sum a,two");
     CHECK(outcome.code == 2);
     CHECK(contains(outcome.err, "layer 'two' has the channels R, G; expected R G B"));
-    // Layers that were cut to where they have light, each with a data window of its own.
+    // Layers cropped to their lit part, each with its own data window.
     const Imath::Box2i display = box(4, 3);
     const auto planes = [](float value, std::size_t count) {
         std::vector<ForeignChannel> all;
@@ -350,7 +350,7 @@ TEST_CASE("what cannot be judged is said: integers, missing channels, values tha
     CHECK(run_raylex(folder, "verify all.exr left.exr right.exr --of all --sum left").code == 1);
 }
 
-TEST_CASE("Blender renders the test's image anew, and verify judges it the same", "[.full][verify]") {
+TEST_CASE("Blender renders the test's image again, and verify gives the same result", "[.full][verify]") {
     if (std::system("blender --version >/dev/null 2>&1") != 0) RAYLEX_SKIP("blender is not installed");
     const Folder folder;
     const std::string script = source_dir() + "/tests/experiments/data/cycles_image.py";

@@ -1,4 +1,4 @@
-"""What the tests of `import raylex` share."""
+"""Shared code of the tests of `import raylex`."""
 
 import os
 import pathlib
@@ -22,7 +22,8 @@ def run_program(*arguments):
 
 
 def white_furnace(albedo=0.5, radiance=1.0):
-    """The inside of a sphere that emits and scatters: each pixel is radiance * sum of albedo^k over scatterings k."""
+    """Writes the inside of a sphere that emits and scatters: each pixel is radiance * sum of albedo^k over scattering
+    events k."""
     builder = raylex.SceneBuilder("furnace")
     builder.film("rgb", xresolution=16, yresolution=16)
     builder.camera("perspective", eye=(0, 0, 0), look=(0, 0, 1), fov=60)
@@ -33,7 +34,7 @@ def white_furnace(albedo=0.5, radiance=1.0):
 
 
 def quad(material=None, **more):
-    """A square in the plane z = 1 before a camera at the origin, under one point light."""
+    """Writes a square in the plane z = 1 before a camera at the origin, under one point light."""
     builder = raylex.SceneBuilder("quad")
     builder.film("rgb", xresolution=8, yresolution=8)
     builder.camera("perspective", eye=(0, 0, 0), look=(0, 0, 1), fov=40)

@@ -1,4 +1,4 @@
-"""raylex.Atlas: layers, reasons and suggestions after the render; as the program's own, and as a render had given."""
+"""raylex.Atlas: layers, bright words and suggestions after the render, equal to the program's and to rendered ones."""
 
 import unittest
 
@@ -9,18 +9,18 @@ from support import CORNELL, Case, run_program
 
 SETTINGS = dict(spp=8, resolution=(20, 14), max_depth=4)
 SPLIT = {"direct": "C<RD>L", "indirect": "C<RD>[DS]+L"}
-ROUNDING = 2.0 ** -23  # a word, their sum and the rendered layer are rounded to float once each, 2^-24 at most
+ROUNDING = 2.0 ** -23  # a word, their sum and the rendered layer are rounded to float once each, at most 2^-24
 
 
 class Asked(Case):
     def render(self, name="a.atlas.exr", **more):
-        """An image, and its atlas."""
+        """An image and its atlas."""
         file = self.folder / name
         scene = raylex.Scene(CORNELL).label("light", "area:0", "key")
         image = raylex.render(scene, **{**SETTINGS, "atlas": {"file": str(file), "length": 6}, **more})
         return image, raylex.Atlas(more["atlas"]["file"] if "atlas" in more else file)
 
-    def test_layers_are_what_a_render_had_given(self):
+    def test_layers_equal_rendered_ones(self):
         image, atlas = self.render(lpe=SPLIT, shipped=True, light_groups=True)
         asked = atlas.ask(SPLIT, shipped=True, light_groups=True)
         self.assertEqual(asked.names, image.names)
@@ -32,7 +32,7 @@ class Asked(Case):
             if name != "alpha":
                 difference = np.abs(asked[name].astype(float) - image[name])
                 self.assertTrue((difference <= ROUNDING * whole).all(), name)
-        # And what the program says of the same file.
+        # The program gives the same for this file.
         layers = self.folder / "layers.exr"
         done = run_program("ask", atlas.path, "--lpe", "direct=C<RD>L", "-o", layers)
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -48,7 +48,7 @@ class Asked(Case):
         self.assertLessEqual(verdict.largest_relative, ROUNDING)
         self.assertEqual((atlas.width, atlas.height, atlas.length, atlas.by), (20, 14, 6, "label,lobe,group"))
 
-    def test_why_a_pixel_is_bright(self):
+    def test_brightest_words_of_a_pixel(self):
         image, atlas = self.render()
         pixel = atlas.at(9, 7, top=3)
         self.assertEqual(len(pixel), 3)
@@ -97,7 +97,7 @@ class Asked(Case):
         self.assertRaylexError("both have seed 1", raylex.atlases.merge, [files[0], files[0]], self.folder / "c.exr")
         self.assertRaylexError("would be overwritten", raylex.atlases.merge, files, files[0])
 
-    def test_what_cannot_be_answered(self):
+    def test_requests_that_cannot_be_answered(self):
         _, atlas = self.render(atlas={"file": str(self.folder / "g.atlas.exr"), "by": "group", "length": 1})
         error = self.assertRaylexError("cannot be computed exactly", atlas.ask, {"two": "CDDL"})
         self.assertIn("lpe 'two'", error.file)

@@ -1,4 +1,5 @@
-"""SceneBuilder: parameters of every kind, media, objects, motion, what is refused, and scenes as pbrt-v4's files."""
+"""SceneBuilder: parameters of every kind, media, objects, motion, errors, and scenes equal to those of pbrt-v4
+files."""
 
 import re
 import unittest
@@ -54,7 +55,7 @@ class Parameters(Written):
         again = raylex.Scene(self.folder / "scene.pbrt")
         self.assertSameBits(raylex.render(again, spp=4)["beauty"], raylex.render(self.scene, spp=4)["beauty"])
 
-    def test_words_of_the_method_can_be_parameters(self):
+    def test_argument_names_of_the_method_can_be_parameters(self):
         builder = raylex.SceneBuilder()
         builder.texture("by position", "float", "constant", value=0.25)
         builder.texture(name="by keyword", value="float", type="constant", parameters={"value": 0.75})
@@ -87,7 +88,7 @@ class Parameters(Written):
             builder.material("diffuse", name="blue", reflectance=(0, 0, 0.5))
             builder.shape("sphere", material=builder.material("mix", materials=names, amount=0.25))
             image = raylex.render(builder.finish(), spp=256)["beauty"][3:5, 3:5].mean(axis=(0, 1))
-            # Three quarters of the hits are red: 1024 coins a pixel of four pixels, five standard deviations.
+            # Three quarters of the hits are red: 1024 samples in each of four pixels, five standard deviations.
             share = image[0] / (image[0] + image[2])
             self.assertLess(abs(share - 0.75), 5 * np.sqrt(0.75 * 0.25 / 1024), number)
             self.assertEqual(image[1], 0)
@@ -109,7 +110,7 @@ class Refused(Case):
         self.assertTrue(error.file.endswith(".py"), error.file)
         self.assertGreater(error.line, 0)
 
-    def test_values_that_are_no_parameters(self):
+    def test_invalid_parameter_values(self):
         b = self.builder
         self.refuses("parameter 'radius' is None; expected a bool, int, float or str", b.shape, "sphere", radius=None)
         self.refuses("parameter 'radius' is not a number", b.shape, "sphere", radius=float("nan"))
@@ -134,7 +135,7 @@ class Refused(Case):
         self.refuses("a parameter name is 5", b.film, "rgb", parameters={5: 1})
         self.refuses("'iso' is given in `parameters` and as a keyword", b.film, "rgb", parameters={"iso": 1}, iso=2)
 
-    def test_what_is_no_handle(self):
+    def test_invalid_handles(self):
         b = self.builder
         light, grey, fog = b.area_light(L=1), b.material("diffuse"), b.medium("fog", "homogeneous")
         self.refuses("material is 5 .*; expected a Material", b.shape, "sphere", material=5)
@@ -190,7 +191,7 @@ class Refused(Case):
         self.refuses("eye has nan", b.camera, "perspective", eye=(0, np.nan, 0), look=(0, 1, 0))
         self.refuses("'up' is parallel", b.look_at, (0, 0, 0), (0, 1, 0))
 
-    def test_a_builder_that_failed_is_spent(self):
+    def test_a_builder_that_failed_cannot_be_used_again(self):
         self.builder.shape("sphere", material="nobody")
         self.assertRaylexError("nobody", self.builder.finish)
         self.refuses("finished; expected a new SceneBuilder", self.builder.finish)
@@ -205,7 +206,7 @@ class Refused(Case):
 class Worlds(Written):
     def test_media(self):
         # Through the middle of a ball of radius 1 that only absorbs, before a sky of 1: exp(-sigma chord). The four
-        # pixels in the middle see chords of 2 down to those at their corners, which stand at most 0.53 off the axis.
+        # pixels in the middle see chords from 2 down to those at their corners, at most 0.53 off the axis.
         def through(inside):
             builder = raylex.SceneBuilder()
             camera(builder)
@@ -218,7 +219,7 @@ class Worlds(Written):
         self.assertEqual(through("ink"), through(None))
 
     def test_the_cameras_medium(self):
-        # A camera in an absorbing medium that ends at a ball around it, 0.5 away.
+        # A camera in an absorbing medium that ends at a ball of radius 0.5 around it.
         builder = raylex.SceneBuilder()
         builder.film("rgb", xresolution=8, yresolution=8)
         ink = builder.medium("ink", "homogeneous", sigma_a=1, sigma_s=0)
@@ -260,7 +261,8 @@ class Worlds(Written):
             black = builder.material("diffuse", reflectance=0.0)
             builder.mesh([[-9, -9, 0], [0, -9, 0], [0, 9, 0], [-9, 9, 0]], [[0, 1, 3, 2]], material=black, **motion)
             return builder
-        # The left half is black; a quad that has left when the shutter is three quarters open hides it half the time.
+        # The left half is black. A quad that has moved away when the shutter is three quarters open hides it half the
+        # time.
         still, moving = centre(scene().finish()), scene(moved_to=moved(-40, 0, 0))
         text = self.text(moving)
         self.assertIn("TransformTimes 0.25 0.75", text)

@@ -1,4 +1,4 @@
-"""raylex.experiment: a study run, read and judged; an integrator in Python convicted of its mistake."""
+"""raylex.experiment: a study is run, read and judged; the mistake of a Python integrator is found."""
 
 import contextlib
 import io
@@ -7,7 +7,7 @@ import unittest
 from unittest import mock
 
 import raylex
-import test_plugins  # noqa: F401  registers test_path
+import test_plugins  # registers test_path
 from support import CORNELL, Case, run_program
 
 CONFIG = """
@@ -54,19 +54,19 @@ class Studies(Case):
         self.assertTrue(all(row["relmse_mean"] > 0 for row in errors))
         self.assertEqual(results.mean(cells[0]["id"]).shape, (16, 16, 3))
         self.assertEqual({row["variant"] for row in rows(results.bias())}, {"path", "lights"})
-        # The cells have the bits of the program's own.
+        # The cells have the bits of the program's cells.
         done = run_program("experiment", "run", config, "-o", self.folder / "program")
         self.assertEqual(done.returncode, 0, done.stderr)
         theirs = raylex.experiment.Results(self.folder / "program")
         for row in cells:
             self.assertSameBits(results.mean(row["id"]), theirs.mean(row["id"]))
-        # Once more is refused, and resumed there is nothing left to do.
+        # A second run is refused, and a resumed one has nothing left to do.
         self.assertRaylexError("resume", raylex.experiment.run, config, self.folder / "out")
         raylex.experiment.run(config, self.folder / "out", resume=True)
 
     def test_rows_are_named_and_results_print_a_summary(self):
         results = raylex.experiment.run(self.write(CONFIG.format(scene=CORNELL)), self.folder / "out")
-        with mock.patch.dict(sys.modules, {"pandas": None}):  # as where it is not installed
+        with mock.patch.dict(sys.modules, {"pandas": None}):  # as without pandas
             bias = results.bias()
             self.assertEqual(bias["variant"], [row["variant"] for row in bias])
             self.assertEqual(bias[0].variant, "path")
@@ -103,7 +103,7 @@ class Studies(Case):
 
 
 class Verdicts(Case):
-    def test_a_mistake_is_found_and_named_and_the_right_one_passes(self):
+    def test_a_mistake_is_found_and_named_and_a_correct_integrator_passes(self):
         judged = dict(resolution=(32, 32), spp=(16,), replicates=8, reference_spp=4096, max_depth=3)
         told = io.StringIO()
         with contextlib.redirect_stdout(told):
@@ -119,7 +119,7 @@ class Verdicts(Case):
                                       reference_spp=4, quiet=True)
         self.assertRegex(told.getvalue(), r"^test_path on scene: BIASED[^\n]+bounce2[^\n]*\n$")
         found = {row["channel"] for row in rows(wrong.bias()) if row["variant"] == "judged" and row["convicts"]}
-        self.assertIn("bounce2", found)  # a tenth of the light of two scatterings is missing
+        self.assertIn("bounce2", found)  # a tenth of the light with two scattering events is missing
         self.assertNotIn("bounce1", found)
         self.assertEqual(rows(wrong.first_words())[0]["channel"], "bounce2")
 

@@ -1,4 +1,4 @@
-"""Images: arrays without copies, views with names, verdicts, metrics, what notebooks show."""
+"""Images: arrays without copies, views with names, checks, metrics, display in notebooks."""
 
 import html.parser
 import json
@@ -26,7 +26,7 @@ class Arrays(Case):
         self.assertNotIn("direkt", self.image)
         self.assertIn("did you mean 'direct'", str(self.assertRaylexError("direkt", lambda: self.image["direkt"])))
 
-    def test_layers_go_by_the_names_that_the_command_line_takes(self):
+    def test_layers_have_the_names_of_the_command_line(self):
         file = self.folder / "prefix.exr"
         raylex.render(CORNELL, spp=1, resolution=(24, 16), lpe={"ViewLayer.DiffDir": "CDL"}, output=file)
         image = raylex.read(file)
@@ -46,7 +46,7 @@ class Arrays(Case):
         self.assertEqual(np.from_dlpack(self.image.view("beauty")).ctypes.data, first.ctypes.data)
         self.assertEqual(memoryview(first).nbytes, 16 * 24 * 3 * 4)
 
-    def test_torch_takes_them_as_they_are(self):
+    def test_torch_uses_them_without_a_copy(self):
         try:
             import torch
         except ImportError:
@@ -57,7 +57,7 @@ class Arrays(Case):
     def test_arrays_outlive_the_image(self):
         array = raylex.render(white_furnace(), spp=1)["beauty"]
         copy = array.copy()
-        for _ in range(4):  # memory that was given back would be taken by these
+        for _ in range(4):  # these would reuse freed memory
             raylex.render(white_furnace(0.25), spp=1)
         self.assertSameBits(array, copy)
 
@@ -89,7 +89,7 @@ class Judging(Case):
         self.assertTrue(verdict)
         self.assertLessEqual(verdict.largest_relative, verdict.bound)
         self.assertEqual(verdict.residual.shape, (16, 16))
-        # Arrays are the image's own memory: what is changed in them is judged.
+        # Arrays are the image's own memory, so changes in them affect the check.
         image["directDiffuse"][3, 5] += 1
         verdict, = image.verify()
         self.assertFalse(verdict)
@@ -123,7 +123,7 @@ class Judging(Case):
         self.assertEqual(raylex.compare(*images, "mse"), raylex.compare(*arrays, "mse"))
         difference = images[0]["beauty"].astype(float) - images[1]["beauty"]
         mean = (difference ** 2).mean()
-        # Sums of 768 doubles in another order: each rounding below 2^-53, 768 of them below 1e-13.
+        # Sums of 768 doubles in another order: each rounding is below 2^-53, 768 of them below 1e-13.
         self.assertTrue(np.isclose(raylex.compare(*images, "mse"), mean, rtol=1e-12))
         self.assertTrue(np.isclose(raylex.error_image(*images, "mse").mean(), mean, rtol=1e-12))
         self.assertIn("relmse", raylex.metrics())
@@ -147,7 +147,7 @@ class Shown(Case):
         self.assertEqual(raylex.picture(image, "Nn").dtype, np.uint8)
         dark, bright = (raylex.picture(image, exposure=stops).mean() for stops in (-4, 0))
         self.assertLess(dark, bright)
-        # Arrays are pictures too, of light; what is none says what is expected.
+        # Arrays of light are pictures too; other values give an error with the expected type.
         np.testing.assert_array_equal(raylex.picture(image["beauty"]), raylex.picture(image))
         np.testing.assert_array_equal(raylex.picture(image.view("beauty")), raylex.picture(image))
         self.assertEqual(raylex.picture(np.ones((4, 6))).shape, (4, 6, 3))
@@ -178,7 +178,7 @@ class Shown(Case):
         self.assertIn("CDL", page)
         names = [a["id"] for tag, a in found if tag == "input"]
         self.assertEqual(len(names), len(set(names)))
-        self.assertNotEqual(page, image._repr_html_())  # two outputs of one notebook have ids of their own
+        self.assertNotEqual(page, image._repr_html_())  # two outputs in one notebook have different ids
 
     def test_html_of_proofs(self):
         self.assertIn("C,- L,-", raylex.lpe.check({"a": "CDL"})._repr_html_())

@@ -1,5 +1,5 @@
-"""The package as it is installed: its types as declared; by `cmake --install`; by pip, offline, in a venv, which is of
---full."""
+"""The installed package: its types match the declarations; installation by `cmake --install`, and by pip, offline, in a
+venv (only with --full)."""
 
 import ast
 import os
@@ -21,7 +21,7 @@ def clean_environment(**more):
 
 
 class Declared(Case):
-    def test_stubs_declare_what_there_is(self):
+    def test_stubs_match_the_module(self):
         stub = ast.parse((ROOT / "experiments" / "python" / "raylex" / "_raylex.pyi").read_text())
         declared = {}
         for node in stub.body:

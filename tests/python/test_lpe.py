@@ -17,7 +17,7 @@ class Proofs(Case):
         self.assertEqual(str(path), "C,- L,-")
         self.assertEqual([event.type for event in path.events], ["C", "L"])
         self.assertEqual(len(path), 2)
-        # The counterexample is what it says: neither channel accepts it.
+        # The counterexample is correct: neither channel accepts it.
         self.assertFalse(lpe.match("C<RD>L", path))
         self.assertFalse(lpe.match("C<RD>[DS]+L", path))
 
@@ -34,7 +34,7 @@ class Proofs(Case):
             self.assertIsNone(check.counterexample)
 
     def test_relative_to_a_scene(self):
-        # Nothing in this scene is specular, and it has neither media nor background: two channels are all there is.
+        # Nothing in this scene is specular, and it has neither media nor background, so two channels are enough.
         channels = {"seen": "CL", "diffuse": "CD+L"}
         self.assertFalse(lpe.check(channels))
         self.assertTrue(lpe.check(channels, scene=CORNELL))
@@ -75,7 +75,7 @@ class Proofs(Case):
 
 
 class BadInput(Case):
-    def test_where_an_expression_cannot_be_read(self):
+    def test_column_of_an_invalid_expression(self):
         error = self.assertRaylexError("expected", lpe.parse, "C<RD")
         self.assertEqual(error.column, 5)
         self.assertEqual(error.excerpt, "C<RD")

@@ -1,4 +1,4 @@
-"""The notebooks run, every cell of them, and show what they should. Of --full: each takes a minute."""
+"""Runs every cell of the notebooks and checks their output. Only with --full: each takes a minute."""
 
 import json
 import subprocess
@@ -18,7 +18,7 @@ def has_nbconvert():
 @unittest.skipUnless(FULL, "of --full")
 class Notebooks(Case):
     def outputs(self, name):
-        """Executes it; [[output as text and HTML] for each cell with code]."""
+        """Executes a notebook. Returns [[output as text and HTML] for each cell with code]."""
         if not has_nbconvert():
             self.skipTest("jupyter-nbconvert is not installed")
         done = subprocess.run([sys.executable, "-m", "nbconvert", "--to", "notebook", "--execute",
@@ -40,7 +40,7 @@ class Notebooks(Case):
 
     def test_split_a_scene(self):
         cells = self.outputs("split-a-scene.ipynb")
-        self.assertIn("fails", cells[1])  # the split that forgets a path, and the path
+        self.assertIn("fails", cells[1])  # the split that misses a path, and the path
         self.assertIn("C,-", cells[1])
         self.assertIn("data:image/png;base64,", cells[3])
         self.assertIn("auto:", cells[3])

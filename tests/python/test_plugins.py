@@ -1,4 +1,4 @@
-"""Integrators, textures and sample filters in Python: right against C++, and what happens when they are wrong."""
+"""Integrators, textures and sample filters in Python: agreement with C++, and errors."""
 
 import threading
 import traceback
@@ -16,7 +16,7 @@ def over(pdf):
 
 @raylex.integrator("test_path")
 class Path:
-    """A path tracer by light sampling, in arrays."""
+    """A path tracer with light sampling, in arrays."""
 
     def __init__(self, maxdepth=5, mistake=False):
         self.maxdepth = maxdepth
@@ -49,16 +49,16 @@ class Integrators(Case):
                       aovs=["Nn", "z"])
         mine = raylex.render(CORNELL, spp=256, integrator="test_path", **layers)
         right = raylex.render(CORNELL, spp=4096, integrator="path", **layers)
-        # Eight renders of 64 samples tell the standard error of a layer's mean, by sqrt(64 / 256) that of 256 samples,
-        # and more than that of the reference (64 / 4096 of the variance, taken as 1 / 16). 6 of them is chance in 1 of
-        # 2000 by Student's t with 7 degrees of freedom; the seeds are fixed.
+        # Eight renders of 64 samples give the standard error of a layer's mean; sqrt(64 / 256) times that is the error
+        # of 256 samples, and bounds that of the reference (64 / 4096 of the variance, taken as 1 / 16). By chance 6 of
+        # them are exceeded in 1 of 2000 cases, by Student's t with 7 degrees of freedom; the seeds are fixed.
         for name in ("beauty", "one", "two"):
             means = [raylex.render(CORNELL, spp=64, seed=9 + i, integrator="test_path", **layers)[name].mean()
                      for i in range(8)]
             error = np.std(means, ddof=1) * np.sqrt(64 / 256 + 1 / 16)
             self.assertLess(abs(mine[name].mean() - right[name].mean()), 6 * error + 1e-6 * right[name].mean(), name)
         self.assertTrue(all(mine.verify()))
-        # First hits are those of the same camera rays.
+        # First hits come from the same camera rays.
         few = [raylex.render(CORNELL, spp=4, integrator=each, **layers) for each in ("path", "test_path")]
         self.assertSameBits(few[0]["z"], few[1]["z"])
         self.assertSameBits(few[0]["Nn"], few[1]["Nn"])
@@ -73,7 +73,7 @@ class Integrators(Case):
         scene = white_furnace(0.5)
         for depth, value in ((0, 1), (1, 1.5), (2, 1.75)):
             image = raylex.render(scene, spp=16, integrator={"type": "test_path", "maxdepth": depth})
-            # 4 standard errors: light samples inside a sphere spread by less than their mean.
+            # 4 standard errors: light samples inside a sphere vary by less than their mean.
             self.assertLess(abs(image["beauty"].mean() - value), 4 / np.sqrt(16 * 256))
             same = raylex.render(scene, spp=16, integrator="test_path", max_depth=depth)
             self.assertSameBits(image["beauty"], same["beauty"])
@@ -89,7 +89,7 @@ class Integrators(Case):
         with self.assertRaisesRegex(ZeroDivisionError, "in the batch"):
             raylex.render(CORNELL, spp=4, resolution=(16, 16), integrator="test_throws")
 
-        @raylex.integrator("test_throws")  # again: it replaces
+        @raylex.integrator("test_throws")  # the second registration replaces the first
         class Shape:
             def integrate(self, batch):
                 points = batch.trace()
@@ -100,7 +100,7 @@ class Integrators(Case):
             self.fail("a wrong shape was taken")
         except raylex.RaylexError as error:
             self.assertRegex(str(error), r"wi has shape \(3, 2\); expected \(\d+, 3\)")
-            self.assertIn("points.evaluate(np.zeros((3, 2)))", traceback.format_exc())  # where in Python
+            self.assertIn("points.evaluate(np.zeros((3, 2)))", traceback.format_exc())  # the place in Python
 
     def test_a_constructor_that_fails_is_an_error_of_input(self):
         @raylex.integrator("test_constructor")
@@ -115,7 +115,7 @@ class Integrators(Case):
         self.assertRaylexError("radius must be above 0", raylex.render, CORNELL, spp=1,
                                integrator={"type": "test_constructor", "radius": -1.0})
 
-    def test_what_is_over_is_over(self):
+    def test_objects_are_invalid_after_their_call(self):
         kept = []
 
         @raylex.integrator("test_keeps")
@@ -174,7 +174,7 @@ class Integrators(Case):
             def integrate(self, batch):
                 if found:
                     return
-                # Takes far longer than integrate() has left; the ray through the middle of the image hits the box.
+                # Takes much longer than the rest of integrate(); the ray through the middle of the image hits the box.
                 rows = np.full(1 << 20, len(batch) * 9 // 16)
                 origins, directions = (getattr(batch, name)[rows] for name in ("origins", "directions"))
                 begins = threading.Event()
@@ -223,7 +223,7 @@ class Integrators(Case):
         right = raylex.render(CORNELL, spp=4, resolution=(16, 16), plugins=["planted_error"],
                               integrator={"type": "plantederror", "mistake": False})
         wrong = raylex.render(CORNELL, spp=4, resolution=(16, 16), integrator="plantederror")
-        # Its mistake: what survives roulette does not count for what does not.
+        # Its mistake: surviving paths are not weighted.
         self.assertLess(wrong["beauty"].mean(), right["beauty"].mean())
         self.assertRaylexError("no-such.so", raylex.load_plugin, self.folder / "no-such.so")
         (self.folder / "text.so").write_text("no library")
@@ -292,14 +292,14 @@ class Three:
 
 
 class Channels(Case):
-    """What plugins in Python write to channels that the render declares."""
+    """Values that Python plugins write to declared channels of a render."""
     declared = {"heat": "float", "number": "integer", "paint": "rgb"}
 
     def test_integrators(self):
         image = raylex.render(quad(), spp=4, integrator="test_calls", channels=self.declared)
         self.assertTrue((image["heat"] == 2.5).all())
         self.assertTrue((image["number"] == 7).all())
-        np.testing.assert_array_equal(image["paint"][..., 0], image["alpha"])  # alpha times what was written
+        np.testing.assert_array_equal(image["paint"][..., 0], image["alpha"])  # alpha times the written value
 
     def test_an_image_of_discarded_iterations_is_an_error(self):
         self.assertRaylexError("discarded all", raylex.render, quad(), spp=4, integrator="test_calls")
@@ -308,7 +308,7 @@ class Channels(Case):
         image = raylex.render(striped("test_writing"), spp=4, channels={"paint": "rgb"}, aovs=["a"], beauty=False)
         np.testing.assert_allclose(image["paint"][..., 1], 0.25 * image["a"], rtol=1e-6)
 
-    def test_services_are_over_when_the_call_is(self):
+    def test_services_are_invalid_after_the_call(self):
         kept = []
 
         @raylex.texture("test_keeps")
@@ -336,17 +336,17 @@ class Channels(Case):
 
 
 class Textures(Case):
-    def test_it_is_what_it_says_in_batches(self):
+    def test_it_evaluates_in_batches(self):
         image = raylex.render(striped("test_stripes", count=2), spp=4, max_depth=1)
         beauty = image["beauty"]
         self.assertTrue(np.all(beauty[..., 2] == 0))
-        # u runs from 0 at x = -2 to 1 at x = 2, and stripes change in the middle of the image alone; the pixels on both
+        # u runs from 0 at x = -2 to 1 at x = 2, and stripes change only in the middle of the image; the pixels on both
         # sides of it have samples beyond it.
         left, right = beauty[:, :3], beauty[:, 5:]
         self.assertTrue((left[..., 0] == 0).all() != (left[..., 1] == 0).all())
         self.assertTrue((right[..., 0] == 0).all() != (right[..., 1] == 0).all())
         self.assertNotEqual((left[..., 0] == 0).all(), (right[..., 0] == 0).all())
-        self.assertGreater(np.mean(Stripes.sizes), 16)  # whole batches of hits, not one by one
+        self.assertGreater(np.mean(Stripes.sizes), 16)  # whole batches of hits instead of single ones
 
     def test_wrong_shapes_and_exceptions(self):
         @raylex.texture("test_wrong")
@@ -401,12 +401,12 @@ class Filters(Case):
         self.assertGreater(len(kept), 1)
         for number, (_, array, then) in enumerate(kept):
             self.assertTrue((then == number).all())
-            self.assertSameBits(array, then)  # the memory of the next batch is another one
+            self.assertSameBits(array, then)  # the next batch uses other memory
         samples = kept[0][0]
         for use in (lambda: samples["beauty"], lambda: samples.names, lambda: samples.pixels, lambda: len(samples)):
             self.assertRaylexError("these samples are no longer valid", use)
 
-    def test_what_does_not_keep_splits_declares_none(self):
+    def test_filters_that_do_not_keep_splits_declare_none(self):
         @raylex.sample_filter("test_red")
         class Red:
             def apply(self, samples):
@@ -417,7 +417,7 @@ class Filters(Case):
         self.assertEqual(image.partitions, {})
         self.assertTrue(any("no longer sum" in each for each in image.warnings))
 
-    def test_what_is_wrong(self):
+    def test_errors(self):
         @raylex.sample_filter("test_wrong")
         class Wrong:
             def apply(self, samples):

@@ -1,4 +1,4 @@
-"""raylex.render: the program's own bits, layers by name, callbacks that stop and fail."""
+"""raylex.render: the program's bits, layers by name, callbacks that stop and fail."""
 
 import _thread
 import signal
@@ -25,7 +25,8 @@ time.sleep(1)
 """
 
 
-# Both daemon threads are in calls of raylex that callbacks make when the interpreter ends, or make them afterwards.
+# At the end of the interpreter, both daemon threads are in raylex calls made by callbacks, or make such calls
+# afterwards.
 DAEMON_CALLBACKS = """
 import sys, threading, time
 import raylex
@@ -44,7 +45,7 @@ for more in (dict(integrator="slow"), dict(progress=look)):
 time.sleep(1)
 """
 
-# What Python runs at its end after raylex's own part may still render, on threads that call Python.
+# Functions that Python runs at its end, after raylex's own, may still render on threads that call Python.
 AT_THE_END = """
 import atexit, sys
 import numpy
@@ -59,7 +60,7 @@ class Late:
 
 class Endings(Case):
     def test_a_render_in_a_daemon_thread_ends_with_the_interpreter(self):
-        # Without a stop and a wait for it, the thread was ended amid C++ code: "terminate called", signal 6.
+        # Without a stop and a wait, the thread would be ended in the middle of C++ code: "terminate called", signal 6.
         self.assertEqual(self.run_to_its_end(DAEMON), "")
 
     def test_callbacks_of_a_daemon_threads_render_end_with_the_interpreter(self):
@@ -88,7 +89,7 @@ class SameAsTheProgram(Case):
         self.assertEqual(ours.partitions, theirs.partitions)
         for name in ("beauty", "alpha", "direct", "rest", "z", "directDiffuse"):
             self.assertSameBits(ours[name], theirs[name])
-        # What the render wrote afterwards is that file too, pixel by pixel.
+        # The file written later equals it too, pixel by pixel.
         ours.write(self.folder / "python.exr")
         again = raylex.read(self.folder / "python.exr")
         for name in theirs.names:
@@ -97,7 +98,7 @@ class SameAsTheProgram(Case):
     def test_a_closed_form(self):
         image = raylex.render(white_furnace(0.5), spp=64, max_depth=3, lpe={"two": "CDDL"}, integrator="path")
         # 1 + 1/2 + 1/4 + 1/8. 4 standard errors of the mean of 16 x 16 x 64 samples: the deviation of a sample is below
-        # 1, since light samples inside a sphere spread by less than their mean and half the light needs none.
+        # 1, because light samples inside a sphere vary by less than their mean and half the light needs none.
         self.assertLess(abs(image["beauty"].mean() - 1.875), 4 / np.sqrt(16 * 16 * 64))
         self.assertLess(abs(image["two"].mean() - 0.25), 4 / np.sqrt(16 * 16 * 64))
         self.assertTrue(all(image.verify()))
@@ -140,7 +141,7 @@ class Asking(Case):
         self.assertTrue(all(image.verify()))
         self.assertEqual(image.expressions["a"], "CDL")
 
-    def test_a_partition_that_is_none_is_refused_before_a_ray(self):
+    def test_a_partition_that_does_not_hold_is_refused_before_a_ray(self):
         error = self.assertRaylexError("C,- L,-|camera, light", raylex.render, CORNELL, lpe={"a": "CDL"},
                                        partitions={"mine": ["a"]})
         self.assertIn("nothing was rendered", str(error))
@@ -181,7 +182,7 @@ class Asking(Case):
 
 
 class WhileItGoesOn(Case):
-    def test_early_stop_gives_what_there_is(self):
+    def test_an_early_stop_returns_the_partial_image(self):
         seen = []
 
         def stop(now):
@@ -193,7 +194,7 @@ class WhileItGoesOn(Case):
         self.assertGreater(image["beauty"].max(), 0)
         self.assertEqual(seen[-1][3:], ((24, 32, 3), (24, 32, 3)))
 
-    def test_what_a_callback_raises_comes_with_the_image(self):
+    def test_an_exception_of_a_callback_has_the_image(self):
         def fails(now):
             if now.samples > 0:
                 raise ZeroDivisionError("mine")
@@ -204,7 +205,7 @@ class WhileItGoesOn(Case):
         self.assertFalse(caught.exception.image.complete)
 
     def test_control_c_ends_it_with_the_image(self):
-        # What a shell starts in the background is deaf to it, and would render to the end.
+        # A process that a shell starts in the background ignores Ctrl-C and would render to the end.
         before = signal.signal(signal.SIGINT, signal.default_int_handler)
         self.addCleanup(signal.signal, signal.SIGINT, before)
         timer = threading.Timer(0.3, _thread.interrupt_main)
@@ -229,7 +230,7 @@ class WhileItGoesOn(Case):
         raylex.render(CORNELL, resolution=(16, 16), spp=1 << 20, time=0.5)
         over.set()
         thread.join()
-        self.assertGreater(counted[0] - before, 10)  # of some hundred; with the lock kept it would be one or two
+        self.assertGreater(counted[0] - before, 10)  # of some hundred; with the lock held it would be one or two
 
     def test_the_error_image_is_the_spread_of_renders(self):
         errors = []
@@ -240,18 +241,18 @@ class WhileItGoesOn(Case):
         raylex.render(CORNELL, spp=64, resolution=(16, 16), progress=watch)
         means = np.stack([raylex.render(CORNELL, spp=64, seed=1 + i, resolution=(16, 16))["beauty"] for i in range(16)])
         spread = means.std(axis=0, ddof=1).mean()
-        # Means over 768 deviations, each known from 16 renders to 18 %: below 2 %. Samples of a (0, 2)-sequence spread
-        # less than independent ones, for which the error image speaks: an upper bound, at most ten times too large.
+        # Means over 768 deviations, each known from 16 renders to 18 %: below 2 %. Samples of a (0, 2)-sequence vary
+        # less than independent ones, which the error image assumes: it is an upper bound, at most ten times too large.
         self.assertLess(spread, 1.1 * errors[0].mean())
         self.assertGreater(spread, 0.1 * errors[0].mean())
 
-    def test_progress_is_over_when_the_call_is(self):
+    def test_progress_is_invalid_after_the_call(self):
         kept = []
         raylex.render(white_furnace(), spp=4, progress=kept.append)
         self.assertTrue(kept)
         self.assertRaylexError("over", lambda: kept[0].fraction)
 
-    def test_progress_is_over_when_the_call_fails(self):
+    def test_progress_is_invalid_after_a_failed_call(self):
         kept = []
 
         def fails(now):

@@ -1,4 +1,4 @@
-"""Scenes: loaded, inspected, built from arrays, and what is refused."""
+"""Scenes: loading, inspection, building from arrays, and errors."""
 
 import json
 import unittest
@@ -10,7 +10,7 @@ from support import CORNELL, Case, quad, run_program, white_furnace
 
 
 class Loaded(Case):
-    def test_info_is_what_the_program_says(self):
+    def test_info_equals_the_programs(self):
         scene = raylex.Scene(CORNELL)
         facts = scene.info()
         told = self.folder / "info.json"
@@ -28,7 +28,7 @@ class Loaded(Case):
         self.assertEqual(grouped.words().terminals[0].labels, ("key",))
         self.assertEqual(scene.words().terminals[0].labels, ("",))
         image = raylex.render(grouped, spp=4, resolution=(16, 16), light_groups=True)
-        # The one light is in its group: the layer is the beauty, bit for bit.
+        # The only light is in its group, so the layer equals the beauty, bit for bit.
         self.assertSameBits(image["light_key"], image["beauty"])
 
     def test_errors_have_file_and_line(self):
@@ -43,11 +43,11 @@ class Loaded(Case):
 
 
 class Built(Case):
-    def test_a_mesh_from_arrays_is_lit_as_it_must_be(self):
+    def test_a_mesh_from_arrays_has_the_right_radiance(self):
         # A diffuse plane at distance 1 below a point light of intensity I at the camera: radiance albedo / pi I cos^3.
         image = raylex.render(quad(), spp=256, resolution=(9, 9), max_depth=1)
         centre = image["beauty"][4, 4]
-        # Across the middle pixel cos^3 falls from 1 by at most 3/2 tan^2(half pixel) with tan = tan(20 deg) / 9.
+        # In the middle pixel cos^3 falls from 1 by at most 3/2 tan^2(half pixel) with tan = tan(20 deg) / 9.
         slack = 1.5 * 2 * (np.tan(np.radians(20)) / 9) ** 2
         self.assertTrue(np.all(np.abs(centre / (0.5 / np.pi * 10) - 1) < slack), centre)
 
@@ -60,7 +60,8 @@ class Built(Case):
     def test_the_scene_as_a_file_is_the_same_scene(self):
         scene = white_furnace()
         path = str(self.folder / "furnace.pbrt")
-        self.assertTrue(any("group" in each for each in scene.write(path)))  # pbrt has no light groups, and it is said
+        # pbrt has no light groups, and a note reports that
+        self.assertTrue(any("group" in each for each in scene.write(path)))
         a = raylex.render(scene, spp=4)
         b = raylex.render(path, spp=4)
         self.assertSameBits(a["beauty"], b["beauty"])
@@ -73,7 +74,7 @@ class Built(Case):
         builder.light("distant", **{"from": ("point3", (0, 0, 1)), "to": ("point3", (0, 0, 0))})
         self.assertIn("sphere", str(builder.finish().info()))
 
-    def test_what_is_refused_says_where(self):
+    def test_errors_have_their_place(self):
         builder = raylex.SceneBuilder()
         error = self.assertRaylexError("reflectence", builder.material, "diffuse", reflectence=0.5)
         self.assertTrue(error.file.endswith("support.py") or error.file.endswith("test_scene.py"), error.file)
@@ -91,7 +92,7 @@ class Built(Case):
         builder.shape("sphere", material="nobody")
         self.assertRaylexError("nobody", builder.finish)
 
-    def test_a_finished_builder_is_spent(self):
+    def test_a_finished_builder_cannot_be_used_again(self):
         builder = raylex.SceneBuilder()
         builder.finish()
         self.assertRaylexError("finished", builder.shape, "sphere")

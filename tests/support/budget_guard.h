@@ -1,4 +1,4 @@
-// Smaller budgets for the time of a test, so that what exceeds them is small too.
+// Smaller budgets during a test, so that input beyond them is small too.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace raylex::test {
 
 class BudgetGuard {
   public:
-    /// "NAME=VALUE,..."
+    /// Sets the budgets "NAME=VALUE,...".
     explicit BudgetGuard(const std::string& assignments) {
         for (std::size_t i = 0; i < budget_table().size(); ++i) saved_.push_back(budget(static_cast<Budget>(i)));
         good_ = set_budgets(assignments).ok();

@@ -1,6 +1,7 @@
-"""The failed cases of Catch2's XML report, as text: name, then file, line, expression, values and what the test told.
+"""Prints the failed cases of Catch2's XML report: name, then file, line, expression, values and messages of the test.
 
-Usage: failed_cases.py REPORT.xml. Long messages are cut to their ends: a page or an image header may be among them.
+Usage: failed_cases.py REPORT.xml. Long messages are shortened to their ends, because they may contain a page or an
+image header.
 """
 
 import sys
@@ -16,7 +17,7 @@ def shortened(text):
 
 
 def assertions(case):
-    """Failed expressions, failures and exceptions of a case and of its sections, in the order of the report."""
+    """Returns failed expressions, failures and exceptions of a case and of its sections, in the order of the report."""
     told = []
     of_expressions = {id(thrown) for thrown in case.iterfind(".//Expression/Exception")}
     for element in case.iter():

@@ -1,4 +1,4 @@
-// A place for the files of one test.
+// A folder for the files of one test.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace raylex::test {
 
-/// A new folder that is removed with everything in it. Its name holds a space, as users' folders do.
+/// A new folder that is removed with its contents. Its name has a blank, like many users' folders.
 class Folder {
   public:
     Folder();
@@ -14,20 +14,20 @@ class Folder {
     Folder(const Folder&) = delete;
     Folder& operator=(const Folder&) = delete;
 
-    /// Of something in it, or its own.
+    /// Returns the path of an entry, or of the folder.
     [[nodiscard]] std::string path(const std::string& name = {}) const;
-    /// Makes the folders of "sub/folder/name" too; returns the path.
+    /// Writes a file; also makes the folders of "sub/folder/name". Returns the path.
     std::string write(const std::string& name, const std::string& bytes) const;
     [[nodiscard]] bool has(const std::string& name) const;
     [[nodiscard]] std::string read(const std::string& name) const;
-    /// Names of everything in it, sorted.
+    /// Returns the names of all entries, sorted.
     [[nodiscard]] std::vector<std::string> names() const;
 
   private:
     std::string path_;
 };
 
-/// Empty when there is no such file.
+/// Returns the content of a file; empty if there is no such file.
 std::string read_bytes(const std::string& path);
 void write_bytes(const std::string& path, const std::string& bytes);
 

@@ -1,4 +1,4 @@
-// Where the sources and the build lie, for tests that read or write files there.
+// The folders of the sources and of the build, for tests that read or write files there.
 #pragma once
 
 #include <string>

@@ -141,7 +141,7 @@ int check_scene(const SceneCheckOptions& options) {
                    counted(scene->instances.size(), "instance") + ", " +
                    counted(scene->lights.size() + scene->area_lights.size(), "light") + ", " +
                    counted(scene->warnings.size() + (*built)->warnings.size(), "warning") + ", " +
-                   counted(doubts.size(), "doubt") +
+                   counted(doubts.size(), "likely mistake") +
                    (scene->placeholders.empty()
                         ? ""
                         : ", " + counted(scene->placeholders.size(), "file") + " that cannot be found"));

@@ -1,4 +1,4 @@
-// raylex lpe check and explain on files of channels as RenderMan users write them.
+// raylex lpe check and explain on channel files as RenderMan users write them.
 #include <catch2/catch.hpp>
 
 #include "experiments/job/text/json.h"
@@ -8,13 +8,13 @@ using namespace raylex::test;
 
 namespace {
 
-/// A display channel as a RIB has it, with what scene exporters put around it.
+/// Returns a display channel of a RIB file, with the parameters that scene exporters add.
 std::string channel(const std::string& name, const std::string& expression, const std::string& more = "") {
     return "DisplayChannel \"color " + name + "\" \"string source\" [\"color lpe:" + expression +
            "\"] \"string filter\" [\"gaussian\"] \"float[2] filterwidth\" [2 2]" + more + "\n";
 }
 
-/// RenderMan's documented basic set, the beauty and depth beside it.
+/// Returns RenderMan's documented basic set, with beauty and depth.
 std::string basic_set() {
     return "##RenderMan RIB-Structure 1.1\nversion 3.04\n# beauty\nDisplayChannel \"color Ci\"\nDisplayChannel \"float "
            "a\"\n"
@@ -25,7 +25,8 @@ std::string basic_set() {
            channel("transmissive", "C<TS>[DS]*[<L.>O]");
 }
 
-/// What a denoiser wants besides: spreads of the same expressions, albedo and normal by prefixed recipes.
+/// Returns the further channels of a denoiser: statistics of the same expressions, albedo and normal by prefixed
+/// recipes.
 std::string denoiser_set() {
     const std::string mse = " \"string statistics\" [\"mse\"]";
     return "DisplayChannel \"color mse\" \"string source\" [\"color Ci\"]" + mse + "\n" +
@@ -36,7 +37,7 @@ std::string denoiser_set() {
 
 }  // namespace
 
-TEST_CASE("a show's RIB file gets the verdict that it deserves by one command") {
+TEST_CASE("one command gives the correct result for a production's RIB file") {
     const Folder folder;
     folder.write("show.rib", basic_set() + denoiser_set());
     const Outcome holds = run_raylex(folder, "lpe check show.rib");
@@ -50,12 +51,12 @@ TEST_CASE("a show's RIB file gets the verdict that it deserves by one command") 
     const Outcome volume = run_raylex(folder, "lpe check show.rib --volume");
     CHECK(volume.code == 1);
     CHECK(contains(volume.out, "C,- V,- L,-"));
-    // The file's own V speaks for media, and --no-volume against them; RenderMan itself does not read it.
+    // A V in the file includes media, --no-volume excludes them; RenderMan itself does not read V.
     folder.write("fog.rib", basic_set() + channel("fog", "CV.*"));
     CHECK(run_raylex(folder, "lpe check fog.rib --for raylex").code == 1);
     CHECK(run_raylex(folder, "lpe check fog.rib --for raylex --no-volume").code == 0);
     CHECK(run_raylex(folder, "lpe check fog.rib --for raylex --no-volume --volume").code == 2);
-    // A job of raylex itself has media.
+    // A raylex job includes media.
     CHECK(run_raylex(folder, "lpe check show.rib -o show.toml").code == 0);
     CHECK(contains(folder.read("show.toml"), "subsurface"));
     folder.write("job.toml", "[[channel]]\nname = \"a\"\nlpe = \"C[DS]*[<L.>O]\"\n");
@@ -65,7 +66,7 @@ TEST_CASE("a show's RIB file gets the verdict that it deserves by one command") 
     CHECK(run_raylex(folder, "lpe check job.toml --no-volume").code == 0);
 }
 
-TEST_CASE("lpe check shows every overlap and every hole before the verdict") {
+TEST_CASE("lpe check prints every overlap and every gap before the result") {
     const Folder folder;
     folder.write("show.rib", channel("diffuse", "CD[DS]*[<L.>O]") + channel("direct", "C<RD>[<L.>O]") +
                                  channel("key", "C[DS]+<L.'key'>"));
@@ -89,7 +90,7 @@ TEST_CASE("lpe check shows every overlap and every hole before the verdict") {
     CHECK(json[0]["volume"] == false);
 }
 
-TEST_CASE("several splits of one beauty in a file are told apart") {
+TEST_CASE("several splits of one beauty in a file are recognised") {
     const Folder folder;
     const std::string lights = channel("key", "C[DS]*<L.'key'>") + channel("rest", "C[DS]*[<L.[^'key']>O]");
     folder.write("show.rib",
@@ -100,7 +101,7 @@ TEST_CASE("several splits of one beauty in a file are told apart") {
     CHECK(contains(holds.out, "a partition by themselves: 'key', 'rest'"));
     CHECK(contains(holds.out, "a partition by themselves: 'diffuse', 'specular'"));
     CHECK(contains(holds.out, "the layers are 3 partitions of the beauty"));
-    // A layer that is in none of them is counted twice.
+    // A layer in none of the splits is counted twice.
     folder.write("more.rib", folder.read("show.rib") + channel("caustics", "CDS+L"));
     const Outcome more = run_raylex(folder, "lpe check more.rib");
     INFO(more.out);
@@ -111,7 +112,7 @@ TEST_CASE("several splits of one beauty in a file are told apart") {
     CHECK(run_raylex(folder, "lpe check twice.rib").code == 1);
 }
 
-TEST_CASE("lpe check names every expression that cannot be read") {
+TEST_CASE("lpe check names every invalid expression") {
     const Folder folder;
     folder.write("show.rib",
                  channel("a", "C<RX>.*") + channel("good", "CL") + channel("b", "C[DS") + channel("c", "noSuchName"));
@@ -128,7 +129,7 @@ TEST_CASE("lpe check names every expression that cannot be read") {
     CHECK(contains(macro.err, "m.ini:1:25: found 'X'"));
 }
 
-TEST_CASE("what RenderMan does not read is an error in files that are for it", "[law7]") {
+TEST_CASE("expressions that RenderMan cannot read are errors in its files", "[law7]") {
     const Folder folder;
     folder.write("show.rib", channel("seen", "C[<L.>O]") + channel("glossy", "C<RG>.*") +
                                  channel("mirror", "C(<RS>-<RG>).*") + channel("fog", "CV.*") +
@@ -147,7 +148,7 @@ TEST_CASE("what RenderMan does not read is an error in files that are for it", "
                  "    uniform token sourceType = \"lpe\"\n}\n");
     check_refused(folder, "lpe check a.usda", {"a.usda:4:", "'G'"});
     CHECK(run_raylex(folder, "lpe check a.usda --dialect osl").code == 1);
-    // What is written for RenderMan is held to the same; its text has neither blanks nor comments.
+    // Text written for RenderMan must follow its rules; it has neither blanks nor comments.
     folder.write("mine.toml",
                  "[[channel]]\nname = \"glossy\"\nlpe = \"C<RG>.*\"\n[[channel]]\nname = \"others\"\n"
                  "lpe = \"C.*-C<RG>.*\"\n");
@@ -178,7 +179,7 @@ TEST_CASE("several files are reported one by one, then together") {
     CHECK(all != std::string::npos);
     CHECK(contains(both.out, "each of the 2 files splits the beauty by itself"));
     CHECK(raylex::experiments::parse_json(run_raylex(folder, "lpe check lobes.rib lights.rib --json").out).size() == 3);
-    // What both have in common is no overlap; one of them that does not hold alone is named.
+    // A layer that both have is not an overlap; a file that does not hold alone is named.
     const std::string emission = channel("seen", "C[<L.>O]");
     folder.write("a.rib", emission + channel("d", "CD[DS]*[LO]") + channel("s", "CS[DS]*[LO]"));
     folder.write("b.rib", emission + channel("k", "C[DS]+<L.'key'>") + channel("g", "C[DS]+[<L.[^'key']>O]"));
@@ -188,7 +189,7 @@ TEST_CASE("several files are reported one by one, then together") {
     INFO(less.out);
     CHECK(less.code == 1);
     CHECK(contains(less.out, "3 channels are a partition of the beauty"));
-    // Files that are one split together hold together.
+    // Files that form one split together hold together.
     folder.write("c.rib", channel("d", "CD[DS]*[LO]"));
     folder.write("e.rib", channel("s", "CS[DS]*[LO]") + emission);
     CHECK(run_raylex(folder, "lpe check c.rib e.rib").code == 0);
@@ -196,7 +197,7 @@ TEST_CASE("several files are reported one by one, then together") {
     check_refused(folder, "lpe check c.rib f.rib", {"f.rib:1", "'d' is used twice with two meanings", "c.rib:1"});
 }
 
-TEST_CASE("conversions keep statistics and AOVs, and name what has no place") {
+TEST_CASE("conversions keep statistics and AOVs, and name everything that the format cannot store") {
     const Folder folder;
     const std::string mse = " \"string statistics\" [\"mse\"]";
     folder.write("show.rib",
@@ -215,7 +216,7 @@ TEST_CASE("conversions keep statistics and AOVs, and name what has no place") {
                    "channel 'caustics_mse' of show.rib contains statistics (mse) of an expression that no other"));
     CHECK(contains(toml.err, "left out: 'odd'"));
     CHECK(run_raylex(folder, "lpe check show.toml --no-volume").code == 0);
-    // And back, and to the others.
+    // The conversion back, and to the other formats.
     CHECK(run_raylex(folder, "lpe check show.toml --no-volume -o again.rib").code == 0);
     CHECK(contains(folder.read("again.rib"), "DisplayChannel \"color diffuse_mse\""));
     CHECK(contains(folder.read("again.rib"), "DisplayChannel \"float z\""));
@@ -233,7 +234,7 @@ TEST_CASE("conversions keep statistics and AOVs, and name what has no place") {
     CHECK(contains(folder.read("same.rib"), "DisplayChannel \"float depth\" \"string source\" [\"z\"]"));
 }
 
-TEST_CASE("conversions of a TOML file lose no definition without a word") {
+TEST_CASE("conversions of a TOML file never lose a definition silently") {
     const Folder folder;
     const std::string all =
         "[macros]\ncaustics = \"C<RD>S+[<L.>O]\"\n[lobe_slots]\nspecular5 = \"coat\"\n[channels]\n"
@@ -274,7 +275,7 @@ TEST_CASE("conversions of a TOML file lose no definition without a word") {
                                  "all.toml:30: ", "the partition 'mine'"})
             CHECK(contains(out.err, lost));
         CHECK(contains(out.err, "all.toml:4: USD has no place for the lobe slot 'specular5'") == (format == "usda"));
-        // Of rendermn.ini the macro itself is a channel too.
+        // In rendermn.ini the macro itself is also a channel.
         CHECK(run_raylex(folder, "lpe check x." + format + " --for raylex --volume").code == (format == "ini" ? 1 : 0));
     }
     const std::string rib = folder.read("x.rib");
@@ -287,13 +288,13 @@ TEST_CASE("conversions of a TOML file lose no definition without a word") {
     INFO(back.err << folder.read("back.toml"));
     CHECK(contains(folder.read("back.toml"), "rules = { z = \"zmax\" }"));
     CHECK(contains(folder.read("back.toml"), "[[layer]]\nname = \"z_far\"\nchannel = \"z\"\nrule = \"zmin\""));
-    // For RenderMan a macro's expression is what counts.
+    // For RenderMan the expression of the macro is checked.
     folder.write("plain.toml", "[macros]\nmine = \"C[DS]*[<L.>O]\"\n[[channel]]\nname = \"all\"\nlpe = \"$mine\"\n");
     CHECK(run_raylex(folder, "lpe check plain.toml --no-volume -o plain.rib").code == 0);
     check_refused(folder, "lpe check all.toml -o x.rib", {"all.toml:", "'other' has '!'"});
 }
 
-TEST_CASE("every error of a file of channels is named at once", "[law7]") {
+TEST_CASE("all errors of a channel file are reported together", "[law7]") {
     const Folder folder;
     folder.write("bad.rib", channel("a", "C<RD>L") + channel("b", "C[DS+L") + "DisplayChanel \"color c\"\n" +
                                 channel("d", "") + channel("e", "C<RX>L") + channel("a", "C<RS>L") +
@@ -312,7 +313,7 @@ TEST_CASE("every error of a file of channels is named at once", "[law7]") {
     check_refused(folder, "lpe explain bad.rib", {"bad.rib:3:1"});
 }
 
-TEST_CASE("what is offered as a rest is readable by the application of the file") {
+TEST_CASE("the suggested rest can be read by the application of the file") {
     const Folder folder;
     folder.write("show.rib",
                  channel("Ci", "C.*[<L.>O]") + channel("diffuse", "C<RD>[DS]*[<L.>O]") + channel("seen", "C[<L.>O]"));
@@ -329,13 +330,13 @@ TEST_CASE("what is offered as a rest is readable by the application of the file"
     const Outcome whole = run_raylex(folder, "lpe check whole.rib");
     INFO(whole.out << whole.err);
     CHECK(whole.code == 0);
-    // With --of the beauty of the file is no layer either.
+    // With --of, the beauty of the file is not a layer either.
     const Outcome of = run_raylex(folder, "lpe check show.rib --of 'C[DS]*[<L.>O]' --rest others");
     INFO(of.out << of.err);
     CHECK(of.code == 0);
 }
 
-TEST_CASE("groups and labels that exist are given to lpe check, and slips are named without a scene") {
+TEST_CASE("lpe check accepts known groups and labels, and finds misspelt ones without a scene") {
     const Folder folder;
     folder.write("lights.rib",
                  channel("key", "C[DS]*<L.'key'>") + channel("fill", "C[DS]*<L.'fill'>") + channel("glow", "C[DS]*O"));
@@ -357,7 +358,7 @@ TEST_CASE("groups and labels that exist are given to lpe check, and slips are na
     CHECK(run_raylex(folder, "lpe check lights.rib --groups key --scene scene.pbrt").code == 2);
 }
 
-TEST_CASE("a bare file of channels is taken as one") {
+TEST_CASE("a channel file without an option is recognised") {
     const Folder folder;
     folder.write("show.rib", basic_set());
     folder.write("a=b.rib", basic_set());
@@ -382,7 +383,7 @@ TEST_CASE("a bare file of channels is taken as one") {
     CHECK(contains(all.out, "transmissive    C<TS>"));
     CHECK(run_raylex(folder, "lpe explain show.rib CL CDL").code == 2);
     CHECK(run_raylex(folder, "lpe explain CL --nothing").code == 2);
-    // A slip in the name of a channel is one of the file's names, not of those that are built in.
+    // For a misspelt channel name, the suggestion is a name of the file, not a built-in one.
     folder.write("rim.rib", "DisplayChannel \"color rimDiffuse\" \"string source\" \"color lpe:C<RD>[<L.>]\"\n");
     check_refused(folder, "lpe explain rim.rib rimDifuse", {"'rimDifuse'", "did you mean 'rimDiffuse'?"});
     check_refused(folder, "lpe check rim.rib --of rimDifuse", {"'rimDifuse'", "did you mean 'rimDiffuse'?"});
@@ -390,7 +391,7 @@ TEST_CASE("a bare file of channels is taken as one") {
     CHECK(run_raylex(folder, "lpe graph show.rib").code == 0);
 }
 
-TEST_CASE("a file of five hundred channels is checked quickly, and its overlaps are folded", "[release-only]") {
+TEST_CASE("a file of five hundred channels is checked quickly, and its overlaps are summarised", "[release-only]") {
     const Folder folder;
     std::string text;
     for (int group = 0; group < 125; ++group)
@@ -402,7 +403,7 @@ TEST_CASE("a file of five hundred channels is checked quickly, and its overlaps 
     CHECK(outcome.code == 1);
     CHECK(contains(outcome.out, "125 pairs count the same light"));
     CHECK(outcome.out.size() < 4000);
-    // Labels too many for a rest as text, and channels too large together for one proof, still get their verdicts.
+    // Too many labels for a rest as text, and channels too large for one proof, still give a result.
     folder.write("lights.rib", text);
     const Outcome lights = run_raylex(folder, "lpe check lights.rib");
     CHECK(lights.code == 1);

@@ -1,4 +1,4 @@
-// raylex lpe equal, contains, empty, words, difference, ..., explain, graph, and match on a path that does not match.
+// raylex lpe equal, contains, empty, words, difference, ..., explain, graph, and match with a path that does not match.
 #include <catch2/catch.hpp>
 
 #include "support.h"
@@ -6,10 +6,10 @@
 
 using namespace raylex::test;
 
-TEST_CASE("lpe equal, contains and empty prove, or print a path that match reads") {
+TEST_CASE("lpe equal, contains and empty prove a statement, or print a counterexample that match reads") {
     const Folder folder;
     CHECK(run_raylex(folder, "lpe equal 'C.*' 'C.*[LOB]'").code == 0);
-    CHECK(run_raylex(folder, "lpe equal '[C]L' '[C]L'").code == 0);  // no list of CLI11
+    CHECK(run_raylex(folder, "lpe equal '[C]L' '[C]L'").code == 0);  // not a list for CLI11
     const Outcome differ = run_raylex(folder, "lpe equal 'C[DS]*L' 'osl:C.*'");
     CHECK(differ.code == 1);
     const std::string path = differ.out.substr(differ.out.find('\n') + 1);
@@ -24,7 +24,7 @@ TEST_CASE("lpe equal, contains and empty prove, or print a path that match reads
     CHECK(run_raylex(folder, "lpe equal 'CL'").code == 2);
 }
 
-TEST_CASE("lpe check can prove disjointness and coverage alone") {
+TEST_CASE("lpe check can prove only disjointness or only coverage") {
     const Folder folder;
     CHECK(run_raylex(folder, "lpe check --what disjoint 'a=CL' 'b=CDL'").code == 0);
     CHECK(run_raylex(folder, "lpe check --what disjoint 'a=CL' 'b=C.*L'").code == 1);
@@ -35,7 +35,7 @@ TEST_CASE("lpe check can prove disjointness and coverage alone") {
     CHECK(run_raylex(folder, "lpe check --what nothing 'a=CL'").code == 2);
 }
 
-TEST_CASE("lpe check holds the parts against the channel that is the beauty, whatever its name") {
+TEST_CASE("lpe check compares the parts with the channel that equals the beauty, whatever its name") {
     const Folder folder;
     folder.write("list.rib",
                  "DisplayChannel \"color Ci\" \"string source\" \"color lpe:C[DS]*[<L.>O]\"\n"
@@ -48,12 +48,12 @@ TEST_CASE("lpe check holds the parts against the channel that is the beauty, wha
     CHECK(run_raylex(folder, "lpe check --channels list.rib --of 'C.*'").code == 0);
     CHECK(run_raylex(folder, "lpe check --channels list.rib --of 'C.*' --volume").code == 1);
     folder.write("alone.rib", "DisplayChannel \"color Ci\" \"string source\" \"color lpe:C.*\"\n");
-    CHECK(run_raylex(folder, "lpe check --channels alone.rib").code == 0);  // one channel alone is a partition of it
+    CHECK(run_raylex(folder, "lpe check --channels alone.rib").code == 0);  // a single channel is a partition of itself
     CHECK(run_raylex(folder, "lpe check 'all=C.*' 'a=CL'").out.find("both count") !=
           std::string::npos);  // given one by one
 }
 
-TEST_CASE("lpe words, complement, intersection, union and difference show paths, or that there is none") {
+TEST_CASE("lpe words, complement, intersection, union and difference print paths, or that there are none") {
     const Folder folder;
     const Outcome words = run_raylex(folder, "lpe words 'C<RD>L'");
     CHECK(words.code == 0);
@@ -70,7 +70,7 @@ TEST_CASE("lpe words, complement, intersection, union and difference show paths,
     CHECK(run_raylex(folder, "lpe words 'CL' --samples 0").code == 2);
 }
 
-TEST_CASE("lpe explain says what an expression means and ends with 1 when nothing matches") {
+TEST_CASE("lpe explain describes an expression and ends with 1 if no path matches") {
     const Folder folder;
     const Outcome direct = run_raylex(folder, "lpe explain 'C<RD>[<L.>O]'");
     CHECK(direct.code == 0);

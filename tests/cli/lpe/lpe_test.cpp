@@ -1,11 +1,11 @@
-// raylex lpe: what it prints and the code it ends with.
+// raylex lpe: its output and exit codes.
 #include <catch2/catch.hpp>
 
 #include "support.h"
 
 using namespace raylex::test;
 
-TEST_CASE("lpe match prints the verdict and ends with 0 or 1") {
+TEST_CASE("lpe match prints the result and ends with 0 or 1") {
     const Folder folder;
     Outcome yes = run_raylex(folder, "lpe match 'CDL' 'C,- R,D,floor L,-,key'");
     CHECK(yes.code == 0);
@@ -14,13 +14,13 @@ TEST_CASE("lpe match prints the verdict and ends with 0 or 1") {
     CHECK(no.code == 1);
     CHECK(no.out.find("no match\n") == 0);  // the reason follows
     CHECK(run_raylex(folder, "lpe match --dialect osl 'C[DG]L' 'C,- R,D L,-'").code == 0);
-    // Labels with blanks and commas stand in quotes.
+    // Labels with blanks and commas need quotes.
     CHECK(run_raylex(folder, "lpe match \"C<RD'the floor, left'>L\" \"C,- R,D,'the floor, left' L,-\"").code == 0);
-    // An expression that CLI11 could take for a list.
+    // An expression that CLI11 could read as a list.
     CHECK(run_raylex(folder, "lpe match '[C]' 'C,-'").code == 0);
 }
 
-TEST_CASE("an expression that does not parse is shown with a caret, and ends with 2", "[law7]") {
+TEST_CASE("an invalid expression is shown with a caret, and the exit code is 2", "[law7]") {
     const Folder folder;
     Outcome outcome = run_raylex(folder, "lpe match 'CD(L' 'C,- R,D L,-'");
     CHECK(outcome.code == 2);
@@ -32,7 +32,7 @@ TEST_CASE("an expression that does not parse is shown with a caret, and ends wit
     CHECK(events.err.find("^") != std::string::npos);
 }
 
-TEST_CASE("lpe vectors prints rows that disagree and counts") {
+TEST_CASE("lpe vectors prints differing rows and counts") {
     const Folder folder;
     folder.write("v.tsv", "# comment\nCDL\tC,- R,D L,-\t1\nCDL\tC,- R,S L,-\t0\nCD(L\tC,-\tERR\n");
     Outcome good = run_raylex(folder, "lpe vectors v.tsv");
@@ -50,7 +50,7 @@ TEST_CASE("lpe vectors prints rows that disagree and counts") {
     CHECK(row.err.find("x.tsv:1") != std::string::npos);
 }
 
-TEST_CASE("lpe check proves a partition or prints the shortest path against it") {
+TEST_CASE("lpe check proves a partition or prints the shortest counterexample") {
     const Folder folder;
     CHECK(run_raylex(folder, "lpe check 'seen=C[<L.>O]' 'lit=C[DSV]+[<L.>O]'").code == 0);
     Outcome missed = run_raylex(folder, "lpe check 'lit=C[DSV]+[<L.>O]'");

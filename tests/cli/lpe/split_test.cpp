@@ -21,7 +21,7 @@ TEST_CASE("lpe split writes every format, and lpe check reads each back as a par
         CHECK(check.code == 0);
         CHECK(check.out.find("33 channels are a partition of the beauty") != std::string::npos);
     }
-    // Without media in the split a path through one is in no channel.
+    // Without media in the split, no channel has a path through a medium.
     CHECK(run_raylex(folder, "lpe split --by lobe --no-volume -o dry.toml").code == 0);
     const Outcome dry = run_raylex(folder, "lpe check --channels dry.toml");
     CHECK(dry.code == 1);
@@ -30,7 +30,7 @@ TEST_CASE("lpe split writes every format, and lpe check reads each back as a par
     CHECK(printed.code == 0);
     CHECK(printed.out.find("DisplayChannel \"color diffuse\" \"string source\" [\"color lpe:C<RD>.*[<L.>O]\"]") !=
           std::string::npos);
-    // For RenderMan itself a split has no media.
+    // A split for RenderMan itself has no media.
     check_refused(folder, "lpe split --by lobe -o r.rib", {"'V', which RenderMan does not support", "--no-volume"});
     CHECK(run_raylex(folder, "lpe split --by light-group,lobe --groups key --no-volume -o r.usda").code == 0);
     CHECK(run_raylex(folder, "lpe check r.usda --no-volume").code == 0);
@@ -40,7 +40,7 @@ TEST_CASE("lpe split writes every format, and lpe check reads each back as a par
     CHECK_FALSE(folder.has("split.txt"));
 }
 
-TEST_CASE("groups and objects that a scene lacks are named, with what it has", "[law7]") {
+TEST_CASE("unknown groups and objects are named, with the known ones", "[law7]") {
     const Folder folder;
     folder.write("scene.pbrt", small_scene());
     check_refused(folder, "lpe split --by light-group --groups left,right --scene scene.pbrt -o x.toml",
@@ -76,7 +76,7 @@ TEST_CASE("lpe check suggests the rest, adds it, and converts files") {
           std::string::npos);
 }
 
-TEST_CASE("errors point through the escapes of TOML strings") {
+TEST_CASE("errors have the right column in TOML strings with escapes") {
     const Folder folder;
     folder.write("m.toml",
                  "[macros]\nbad = \"C<R\\u0044>\\tD*LX\"\n[[channel]]\nname = \"a\"\nlpe = \"\"\"\nC<RD>\\\n   "
@@ -109,7 +109,7 @@ TEST_CASE("partitions that a TOML file declares are checked one by one") {
     CHECK(bad.out.find("partition 'bad': 'a' and 'c' both count") != std::string::npos);
 }
 
-TEST_CASE("macros and lobe slots of a job decide what its layers hold", "[law1]") {
+TEST_CASE("macros and lobe slots of a job determine its layers", "[law1]") {
     const Folder folder;
     folder.write("scene.pbrt", small_scene());
     const auto job = [](const std::string& slots, const std::string& lobe) {
@@ -127,11 +127,11 @@ TEST_CASE("macros and lobe slots of a job decide what its layers hold", "[law1]"
         INFO(render.err);
         CHECK(render.code == 0);
     }
-    // What was in D2 is in D3 now, to the bit, and D2 is empty.
+    // The light of D2 is now in D3, bit for bit, and D2 is empty.
     CHECK(run_raylex(folder, "compare moved.exr usual.exr --layer numbered --metric mae").out == "0\n");
     CHECK(run_raylex(folder, "compare usual.exr usual.exr --layer numbered --metric mean-ratio").out == "1\n");
     CHECK(run_raylex(folder, "compare gone.exr usual.exr --layer numbered --metric mean-ratio").out == "0\n");
-    // A macro in a job is what it stands for.
+    // A macro in a job equals its expression.
     CHECK(run_raylex(folder, "compare usual.exr usual.exr --layer named --metric mean-ratio").out == "1\n");
     folder.write("wrong.toml", "[scene]\nfile = \"scene.pbrt\"\n[lobe_slots]\ndiffuse7 = \"diffuse\"\n");
     const Outcome wrong = run_raylex(folder, "render wrong.toml -o wrong.exr");

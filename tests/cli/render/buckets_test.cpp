@@ -1,5 +1,5 @@
-// raylex render --memory and --bucket-rows: an image in buckets of rows, each saved when it is finished, has the bits
-// of the one rendered as a whole, whatever ends the program.
+// raylex render --memory and --bucket-rows: an image in buckets of rows, each saved when finished, has the bits of the
+// whole image, however the program ends.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -53,7 +53,7 @@ TEST_CASE("an image in buckets has the bits of the whole, for any size of bucket
     CHECK(run_raylex(folder, "verify out.exr").code == 0);
 }
 
-TEST_CASE("crops, display filters and single parts go with buckets", "[buckets][law3]") {
+TEST_CASE("crops, display filters and single parts work with buckets", "[buckets][law3]") {
     const SceneFolder folder;
     const std::string what = "render room.pbrt" + bucket_layers +
                              " --crop 3,5,30,33 --display-filter grade:exposure=1 --exr single --sample-filter "
@@ -65,8 +65,8 @@ TEST_CASE("crops, display filters and single parts go with buckets", "[buckets][
     CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
 }
 
-// Only in Release: sanitizers take memory of their own.
-TEST_CASE("--memory makes buckets of what does not fit, and stays within it", "[buckets][release-only]") {
+// Only in Release, because sanitizers need memory themselves.
+TEST_CASE("--memory renders large images in buckets and stays within the limit", "[buckets][release-only]") {
     const SceneFolder folder;
     const std::string what =
         "render room.pbrt -o out.exr --spp 1 --resolution 800x700 --threads 2 --lpe 'a=CDL' "
@@ -78,7 +78,7 @@ TEST_CASE("--memory makes buckets of what does not fit, and stays within it", "[
     const Outcome too_little = run_raylex(folder, what + " --memory 1MiB");
     CHECK(too_little.code == 2);
     CHECK(contains(too_little.err, "not even a row of it fits: expected --memory of at least "));
-    // The message's own number, and room for some rows; 170 MiB is what the image alone takes.
+    // The number in the message, and room for some rows; the image alone takes 170 MiB.
     const auto least = all_matches(too_little.err, "at least ([0-9.]+) MiB");
     REQUIRE(least.size() == 1);
     const int memory = static_cast<int>(std::stod(least[0][1])) + 60;
@@ -92,7 +92,7 @@ TEST_CASE("--memory makes buckets of what does not fit, and stays within it", "[
     CHECK(json["peak_memory_bytes"].get<double>() <= memory * 1048576.0);
 }
 
-TEST_CASE("a job asks for buckets too", "[buckets]") {
+TEST_CASE("a job can request buckets", "[buckets]") {
     const SceneFolder folder;
     folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\nbucket_rows = 3\nmemory = \"64G\"\n");
     REQUIRE(run_raylex(folder, "render job.toml -o out.exr").code == 0);
@@ -117,11 +117,11 @@ TEST_CASE("finished buckets are not rendered again after a kill, whatever the si
     REQUIRE(killed.code == 0);
     const std::size_t saved = buckets_in(folder).size();
     REQUIRE(saved >= 2);
-    // The lock of a process that was killed holds nobody up, and goes with whoever comes next.
+    // The lock of a killed process blocks nobody, and the next process removes it.
     CHECK(folder.has("out.exr.checkpoint.lock"));
     run_raylex(folder, what + " -o out.exr --bucket-rows 4");
     CHECK_FALSE(folder.has("out.exr.checkpoint.lock"));
-    // What a kill amid writing leaves: of a process that is no more, and of rows that no bucket will have again.
+    // Files left by a kill during writing: of a process that no longer exists, and of rows that no further bucket has.
     folder.write("out.exr.checkpoint/rows-00012-00016.bucket.2147483647-3.partial", "half a bucket");
     check_refused(folder, what + " -o out.exr --bucket-rows 4", {"--resume continues it"});
     check_refused(folder, what + " -o out.exr --resume", {"these are the buckets of a render with --memory"});
@@ -144,7 +144,7 @@ TEST_CASE("finished buckets are not rendered again after a kill, whatever the si
     CHECK_FALSE(folder.has("out.exr.checkpoint"));
 }
 
-TEST_CASE("a full disk amid buckets loses none that are finished", "[buckets][law7]") {
+TEST_CASE("a full disk during a render in buckets loses no finished bucket", "[buckets][law7]") {
     const SceneFolder folder;
     // 40 x 37 pixels: a bucket of 4 rows takes 10 to 25 kB, one of all rows 100 to 200, and so does the image.
     const std::string what = "render room.pbrt" + bucket_layers;
@@ -171,7 +171,7 @@ TEST_CASE("a full disk amid buckets loses none that are finished", "[buckets][la
     CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
 }
 
-TEST_CASE("what is stopped amid a bucket is written, and goes on amid it", "[buckets][law3][release-only]") {
+TEST_CASE("a render stopped inside a bucket is written, and resumes inside it", "[buckets][law3][release-only]") {
     const SceneFolder folder;
     const std::string what = "render room.pbrt --spp 2048" + bucket_layers;
     REQUIRE(run_raylex(folder, what + " -o whole.exr").code == 0);
@@ -192,7 +192,7 @@ TEST_CASE("what is stopped amid a bucket is written, and goes on amid it", "[buc
     CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
 }
 
-TEST_CASE("what cannot be rendered in buckets is refused by name", "[buckets][law7]") {
+TEST_CASE("requests that buckets do not support are refused by name", "[buckets][law7]") {
     const SceneFolder folder;
     const std::string buckets = "render room.pbrt -o out.exr --bucket-rows 4 ";
     check_refused(folder, buckets + "--integrator lighttracer", {"buckets", "lighttracer", "land anywhere"});

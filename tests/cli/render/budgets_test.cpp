@@ -1,4 +1,4 @@
-// The program on input that is made to hurt: a message and exit code 2, not a signal, and budgets that can be raised.
+// Hostile input: the program ends with a message and exit code 2, not by a signal, and budgets can be raised.
 #include <catch2/catch.hpp>
 
 #include "tests/experiments/support.h"
@@ -21,7 +21,7 @@ void refuses(const Folder& folder, const std::string& arguments, const std::stri
 
 }  // namespace
 
-TEST_CASE("TOML tables inside one another without end are refused with line and column", "[law7][budget]") {
+TEST_CASE("deeply nested TOML tables are refused with line and column", "[law7][budget]") {
     const Folder folder;
     std::string header = "[a", dotted = "a", list = "a = ", inline_table = "a = ";
     for (int i = 0; i < 50'000; ++i) header += ".a", dotted += ".a", list += "[", inline_table += "{a=";
@@ -68,7 +68,7 @@ TEST_CASE("a budget is raised by a flag or the environment, and a wrong one is r
     CHECK(contains(wrong.err, "RAYLEX_BUDGETS"));
 }
 
-TEST_CASE("an empty name of a file is refused where it is given", "[law7]") {
+TEST_CASE("an empty file name is refused, and its option is named", "[law7]") {
     const Folder folder;
     folder.write("scene.pbrt", small_scene());
     refuses(folder, "render scene.pbrt -o ''", "the name is empty");
@@ -76,7 +76,7 @@ TEST_CASE("an empty name of a file is refused where it is given", "[law7]") {
     refuses(folder, "render ''", "empty");
 }
 
-TEST_CASE("a zero byte in a name does not cut the message short", "[law7]") {
+TEST_CASE("a zero byte in a name does not truncate the message", "[law7]") {
     const Folder folder;
     folder.write("a.pbrt",
                  "WorldBegin NamedMaterial \"flo" + std::string(1, '\0') + "or\x1b[31m\"\nShape \"sphere\"\n");

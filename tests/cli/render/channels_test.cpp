@@ -19,7 +19,7 @@ std::string refusal(const Folder& folder, const std::string& arguments) {
 
 }  // namespace
 
-TEST_CASE("statistics become layers that belong together and leave the beauty alone", "[statistics][law2]") {
+TEST_CASE("statistics become consistent layers and do not change the beauty", "[statistics][law2]") {
     const SceneFolder folder;
     REQUIRE(run_raylex(folder, "render room.pbrt -o plain.exr --lpe direct=CDL").code == 0);
     const Outcome outcome = run_raylex(folder,
@@ -47,7 +47,7 @@ TEST_CASE("statistics become layers that belong together and leave the beauty al
         const std::vector<float> variance = plane(*a, "beauty_variance", name), mse = plane(*a, "beauty_mse", name),
                                  even = plane(*a, "beauty_even", name), odd = plane(*a, "beauty_odd", name);
         for (std::size_t i = 0; i < beauty.size(); ++i) {
-            // 4 samples of weight 1: rounding to float and no more.
+            // 4 samples of weight 1: only rounding to float.
             CHECK(mse[i] == Approx(variance[i] / 4).epsilon(1e-6));
             CHECK((even[i] + odd[i]) / 2 == Approx(beauty[i]).epsilon(1e-6));
             light += static_cast<double>(even[i]);
@@ -67,7 +67,7 @@ TEST_CASE("statistics become layers that belong together and leave the beauty al
     CHECK(contains(refusal(folder, "render bad.toml"), "bad.toml:4:19"));
 }
 
-TEST_CASE("a channel may have another rule, and then stands in no partition", "[statistics]") {
+TEST_CASE("a channel with another rule belongs to no partition", "[statistics]") {
     const SceneFolder folder;
     const Outcome outcome = run_raylex(folder,
                                        "render room.pbrt -o a.exr --lpe all='C.*' --lpe brightest='C.*' "
@@ -88,7 +88,7 @@ TEST_CASE("a channel may have another rule, and then stands in no partition", "[
         CHECK(most != mean);
         for (std::size_t i = 0; i < mean.size(); ++i) CHECK(most[i] >= mean[i] * (1 - 1e-6f));
     }
-    // The nearest sample's normal is of unit length, where a filtered one need not be.
+    // The nearest sample's normal has unit length; a filtered one need not.
     const std::vector<float> x = plane(*a, "Nn", "X"), y = plane(*a, "Nn", "Y"), z = plane(*a, "Nn", "Z");
     for (std::size_t i = 0; i < x.size(); ++i) {
         const float square = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
@@ -104,7 +104,7 @@ TEST_CASE("a channel may have another rule, and then stands in no partition", "[
                    "cannot be part of partition 'shipped'"));
 }
 
-TEST_CASE("channels with user events stand outside of splits") {
+TEST_CASE("channels with user events belong to no split") {
     const SceneFolder folder;
     const Outcome outcome =
         run_raylex(folder, "render room.pbrt --spp 4 -o out.exr --lpe 'albedo=CU2L' --lpe 'direct=C<RD>L'");
@@ -122,7 +122,7 @@ TEST_CASE("channels with user events stand outside of splits") {
                    "channel 'albedo' (user events) cannot be part of partition 'mine'"));
 }
 
-TEST_CASE("layers that will be black say why, in either dialect, and what was meant") {
+TEST_CASE("warnings of black layers give the reason and a suggestion, in either dialect") {
     const SceneFolder folder;
     const auto warned = [&](const std::string& lpe, const std::string& why) {
         const Outcome outcome = run_raylex(folder, "render room.pbrt --spp 1 --resolution 4x4 -o black.exr " + lpe);
@@ -137,7 +137,6 @@ TEST_CASE("layers that will be black say why, in either dialect, and what was me
     warned("--lpe 'a=lpe:D+'", "did you mean 'lpe:CD+L'?");
     warned("--lpe \"a=C<RD>L'key'\"", "did you mean 'C<RD><L.'key'>'?");
     warned("--lpe 'a=CDL|CSL'", "did you mean '(CDL)|(CSL)'?");
-    // An L that is a label's last letter and the next label far behind it look like a light with a label of that
-    // length.
+    // An L at the end of a label, with another label far behind it, looks like a light with a very long label.
     warned("--lpe \"a=D'L'" + std::string(60'000, ' ') + "'key'D\"", "it has neither the camera (C) nor a light");
 }

@@ -1,4 +1,4 @@
-// raylex render --cryptomatte and --aov: what a user types, what the file holds, what is refused.
+// raylex render --cryptomatte and --aov: options, contents of the file, and refused requests.
 #include <bit>
 
 #include <catch2/catch.hpp>
@@ -50,7 +50,7 @@ TEST_CASE("cryptomattes are written with their manifests, and the report shows t
     CHECK(folder.read("page.html").find("as bright as it covers the pixel") != std::string::npos);
 }
 
-TEST_CASE("a job asks for cryptomattes and every AOV by name") {
+TEST_CASE("a job can request cryptomattes and every AOV by name") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     std::string aovs;
@@ -75,7 +75,7 @@ TEST_CASE("a job asks for cryptomattes and every AOV by name") {
     CHECK(image->layer("a")->planes[0].values == image->layer("beauty")->plane("A")->values);
 }
 
-TEST_CASE("what cannot be a cryptomatte or an AOV is refused with the reason") {
+TEST_CASE("invalid cryptomattes and AOVs are refused with the reason") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const auto refused = [&](const std::string& arguments, const std::string& words) {

@@ -1,11 +1,11 @@
-// Effects as the program prints and takes them.
+// Effects in the output and the options of the program.
 #include <catch2/catch.hpp>
 
 #include "support.h"
 
 using namespace raylex::test;
 
-TEST_CASE("raylex render says what it simulates and what not, and takes choices from flags and jobs") {
+TEST_CASE("raylex render lists simulated and omitted effects, and flags and jobs can force them") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     Outcome outcome = run_raylex(folder, "render room.pbrt");
@@ -32,7 +32,7 @@ TEST_CASE("raylex render says what it simulates and what not, and takes choices 
     CHECK(outcome.out.find("alpha on") != std::string::npos);
 }
 
-TEST_CASE("raylex render says which kinds of AOV are asked for, and by whom") {
+TEST_CASE("raylex render lists the needed kinds of AOVs and the channels that need them") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     Outcome outcome = run_raylex(folder, "render room.pbrt");
@@ -50,7 +50,7 @@ TEST_CASE("raylex render says which kinds of AOV are asked for, and by whom") {
     CHECK(outcome.out.find("curvature                 off          not requested\n") != std::string::npos);
 }
 
-TEST_CASE("choices of effects that cannot be are errors that say where and what was expected") {
+TEST_CASE("invalid choices of effects are errors with their place and the expected form") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const auto refused = [&](const std::string& arguments, const std::string& part) {

@@ -1,4 +1,4 @@
-// Sample and display filters by flag and by job, and what becomes of partitions.
+// Sample and display filters by flag and by job, and their effect on partitions.
 #include <catch2/catch.hpp>
 
 #include "display/output/reader/exr_reader.h"
@@ -17,12 +17,12 @@ std::vector<float> plane(const Folder& folder, const std::string& file, const st
     return raylex::test::plane(*image, layer, name);
 }
 
-/// A render of `arguments` that must not be.
+/// Runs a render with `arguments` that must be refused.
 void check_render_refused(const Folder& folder, const std::string& arguments, const std::vector<std::string>& words) {
     check_refused(folder, arguments + " -o refused.exr", words);
 }
 
-/// A point light, a plate under it, and the ground that its shadow falls on.
+/// A point light, a plate below it, and the ground with the plate's shadow.
 const char* shadow_scene = R"(Film "rgb" "integer xresolution" 32 "integer yresolution" 32
 PixelFilter "box" "float xradius" 0.5 "float yradius" 0.5
 Sampler "independent" "integer pixelsamples" 4
@@ -71,7 +71,7 @@ TEST_CASE("sample filters apply in the order of job and flags, and splits still 
     check_render_refused(folder, "render room.pbrt --sample-filter grade:offset=1", {"no longer sum"});
 }
 
-TEST_CASE("no sample filter is one that every integrator takes", "[filters]") {
+TEST_CASE("the sample filter 'none' works with every integrator", "[filters]") {
     const SceneFolder folder;
     for (const char* integrator : {"path", "lighttracer", "pssmlt"}) {
         CAPTURE(integrator);
@@ -86,7 +86,7 @@ TEST_CASE("no sample filter is one that every integrator takes", "[filters]") {
                          {"takes no sample filters ('clamp')"});
 }
 
-TEST_CASE("a filter that changes one layer of a partition takes the partition out, and says so", "[filters][law1]") {
+TEST_CASE("a filter that changes one layer of a partition removes the partition, with a warning", "[filters][law1]") {
     const SceneFolder folder;
     const Outcome outcome = run_raylex(
         folder,
@@ -96,7 +96,7 @@ TEST_CASE("a filter that changes one layer of a partition takes the partition ou
     CHECK(outcome.err.find("partition 'auto' is left out of the file: a filter changes 'direct'") != std::string::npos);
     auto image = read_exr(folder.path("a.exr"));
     REQUIRE(image);
-    REQUIRE(image->partitions.size() == 1);  // what the filter leaves alone still holds
+    REQUIRE(image->partitions.size() == 1);  // the partition that the filter does not change still holds
     CHECK(image->partitions[0].name == "light_groups");
     REQUIRE(run_raylex(folder, "render room.pbrt -o b.exr --lpe direct=CDL").code == 0);
     const std::vector<float> graded = plane(folder, "a.exr", "direct", "R"),
@@ -105,7 +105,7 @@ TEST_CASE("a filter that changes one layer of a partition takes the partition ou
     CHECK(plane(folder, "a.exr", "beauty", "R") == plane(folder, "b.exr", "beauty", "R"));
 }
 
-TEST_CASE("display filters change what is written and shown, not deep images or statistics", "[filters]") {
+TEST_CASE("display filters change files and viewers, but not deep images or statistics", "[filters]") {
     const SceneFolder folder;
     REQUIRE(run_raylex(folder,
                        "render room.pbrt -o plain.exr --deep plain.deep.exr --statistics beauty=mse --lpe direct=CDL")
@@ -129,7 +129,7 @@ TEST_CASE("display filters change what is written and shown, not deep images or 
     REQUIRE(flattened);
     CHECK(flattened->holds);
 
-    // Linear and of all light: the partition stays and holds.
+    // Linear, and applied to all light: the partition stays and holds.
     folder.write("job.toml",
                  "[scene]\nfile = \"room.pbrt\"\n[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\n"
                  "[[display_filter]]\ntype = \"grade\"\ngain = [0.5, 1.0, 2.0]\n");
@@ -164,7 +164,7 @@ TEST_CASE("a holdout's shadow goes into alpha and a layer", "[filters]") {
         CAPTURE(name, outcome.err);
         REQUIRE(outcome.code == 0);
     }
-    // A point light is found by sampling alone: the two ways are the same ratio.
+    // A point light is found only by light sampling, so the two ways give the same ratio.
     const std::vector<float> shadow = plane(folder, "held.exr", "shadow", "shadow"),
                              alpha = plane(folder, "held.exr", "beauty", "A"),
                              plate = plane(folder, "none.exr", "beauty", "A");
@@ -172,18 +172,18 @@ TEST_CASE("a holdout's shadow goes into alpha and a layer", "[filters]") {
     int dark = 0, lit = 0;
     for (std::size_t i = 0; i < shadow.size(); ++i) {
         CHECK(pair[i] == Approx(shadow[i]).margin(1e-6));
-        CHECK(alpha[i] == Approx(plate[i] + shadow[i]).margin(1e-6));  // the plate itself is no holdout, and opaque
+        CHECK(alpha[i] == Approx(plate[i] + shadow[i]).margin(1e-6));  // the plate itself is not a holdout, and opaque
         dark += shadow[i] == 1;
         lit += shadow[i] == 0 && plate[i] == 0;
     }
-    // The plate hides 0.96 x 0.96 of the ground, its shadow is 1.6 x 1.6, and a pixel 0.14 wide.
+    // The plate hides 0.96 x 0.96 of the ground; its shadow is 1.6 x 1.6, and a pixel is 0.14 wide.
     CHECK(dark > 10);
     CHECK(lit > 500);
     folder.write("taken.toml", job + held + filter + "shadows = \"shadows\"\n" + filter + "shadows = \"shadows\"\n");
     check_render_refused(folder, "render taken.toml", {"whose name is taken"});
 }
 
-TEST_CASE("filter mode splat by flag and job; what it cannot do is named", "[splat]") {
+TEST_CASE("filter mode splat by flag and job; its limitations are named", "[splat]") {
     const SceneFolder folder;
     REQUIRE(run_raylex(folder, "render room.pbrt -o flag.exr --filter-mode splat --threads 1 --lpe direct=CDL --aov z")
                 .code == 0);
@@ -224,7 +224,7 @@ Shape "sphere")");
         return std::pair(rgb, outcome.err);
     };
     const std::vector<float> clamped = centre("").first, free = centre("--sample-filter none").first;
-    // Of XYZ, as in pbrt: X is the largest, by the matrix of IEC 61966-2-1, whose digits are good to 2e-4 of it.
+    // In XYZ, as in pbrt: X is the largest, by the matrix of IEC 61966-2-1, whose digits are accurate to 2e-4.
     const double x = 0.4124 * 10 + 0.3576 * 5 + 0.1805 * 1;
     for (std::size_t c = 0; c < 3; ++c) CHECK(clamped[c] == Approx(free[c] * 2 / x).epsilon(3e-4));
     const auto [splatted, said] = centre("--integrator lighttracer");
@@ -234,8 +234,8 @@ Shape "sphere")");
     CHECK(both[0] == clamped[0]);
     CHECK_FALSE(contains(nothing_said, "maxcomponentvalue"));
 
-    // Splats are bounded each by itself: of one scattering there is a splat a light path at most, so that an image's
-    // mean is at most the limit for samples, and once more for splats.
+    // Each splat is bounded separately. With one scattering event there is at most one splat per light path, so an
+    // image's mean is at most the limit for samples plus the limit for splats.
     folder.write("floor.pbrt", R"(LookAt 0 2 2  0 0 0  0 1 0
 Camera "perspective" "float fov" 40
 Film "rgb" "integer xresolution" 8 "integer yresolution" 8 "float maxcomponentvalue" 0.001
@@ -252,7 +252,8 @@ AttributeBegin Rotate -90 1 0 0 Shape "disk" "float radius" 3 AttributeEnd)");
         for (const float value : plane(folder, "floor.exr", "beauty", "G")) sum += value / 64.0;
         return sum;
     };
-    // Of white light Y is G; the filter's noise of 64 pixels' 16 splats each moves their mean by a tenth at most.
+    // For white light Y equals G; the filter's noise of 64 pixels with 16 splats each moves the mean by at most a
+    // tenth.
     CHECK(mean("") < 1.1 * 0.002);
     CHECK(mean("--sample-filter none") > 0.02);
 }

@@ -8,7 +8,7 @@
 namespace raylex::test {
 namespace {
 
-/// Shown by Catch when it fails: the text itself is no part of the expression.
+/// Shown by Catch after a failure; the text is not part of the expression.
 }  // namespace
 
 TEST_CASE("a channel feeds several layers, by flag and by job alike", "[cli][layers]") {
@@ -42,12 +42,12 @@ TEST_CASE("a channel feeds several layers, by flag and by job alike", "[cli][lay
     CHECK(differs);
     CHECK(a->attributes.at("source/far") == "VLen");
     CHECK(a->attributes.at("rule/far") == "zmax");
-    // Asking for layers changes nothing else (Law 2).
+    // Requesting layers changes nothing else (Law 2).
     REQUIRE(run_raylex(folder, "render scene.pbrt -o c.exr").code == 0);
     CHECK(plane(*display::read_exr(folder.path("c.exr")), "") == mean);
 }
 
-TEST_CASE("layers that cannot be are refused before rendering", "[cli][layers][law7]") {
+TEST_CASE("invalid layers are refused before rendering", "[cli][layers][law7]") {
     const Folder folder;
     folder.write("scene.pbrt", small_scene());
     const auto says = [&](const std::string& arguments, const std::string& message) {

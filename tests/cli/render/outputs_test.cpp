@@ -1,4 +1,4 @@
-// Where a render's image goes: storage, drivers, viewers, deep images, memory.
+// Outputs of a render: storage, drivers, viewers, deep images, memory.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ std::size_t occurrences(const std::string& text, const std::string& word) {
 
 }  // namespace
 
-TEST_CASE("storage is chosen by flag and job, and headers hold the verdicts") {
+TEST_CASE("flags and jobs choose the storage, and headers contain the results of checks") {
     const SceneFolder folder;
     folder.write("job.toml",
                  "[scene]\nfile = \"room.pbrt\"\n[channels]\nshipped_partition = true\naovs = [\"Nn\"]\n"
@@ -44,7 +44,7 @@ TEST_CASE("storage is chosen by flag and job, and headers hold the verdicts") {
     check_refused(folder, "render bad.toml -o b.exr", {"bad.toml:4", "expected uint"});
 }
 
-TEST_CASE("memory is told before rendering and limited by name") {
+TEST_CASE("the memory of layers is printed before rendering, and a limit refuses by name") {
     const SceneFolder folder;
     const Outcome outcome =
         run_raylex(folder, "render room.pbrt --lpe direct=CDL --aov z --stats s.json --memory-limit 1G");
@@ -99,14 +99,14 @@ TEST_CASE("a deep image flattens to the image, for any number of threads", "[law
         REQUIRE(outcome.code == 0);
         CHECK(outcome.out.find("deep: 2 layers flattened equal the image") != std::string::npos);
         const std::string bytes = folder.read("deep.exr");
-        data.push_back(bytes.substr(bytes.size() / 2));  // pixels; the header holds the time
+        data.push_back(bytes.substr(bytes.size() / 2));  // pixels; the header contains the time
         auto image = read_exr(folder.path("room.exr"));
         REQUIRE(image);
         const auto verdict = raylex::display::check_deep(folder.path("deep.exr"), *image);
         REQUIRE(verdict.ok());
         CHECK(verdict->holds);
         CHECK(verdict->most_samples <= 3);
-        // A pixel that sees nothing holds no sample; one that sees something holds at least one.
+        // An empty pixel has no sample; any other has at least one.
         const auto* alpha = image->layer("")->plane("A");
         REQUIRE(alpha != nullptr);
         const auto covered = std::count_if(alpha->values.begin(), alpha->values.end(), [](float a) { return a > 0; });
@@ -129,7 +129,7 @@ TEST_CASE("a deep image flattens to the image, for any number of threads", "[law
     CHECK(!folder.read("j.exr").empty());
 }
 
-TEST_CASE("a render shows itself in a viewer, and does without one", "[tev]") {
+TEST_CASE("a render can be watched in a viewer, and continues without one", "[tev]") {
     const SceneFolder folder;
     {
         TevReceiver viewer;

@@ -1,4 +1,4 @@
-// raylex render --checkpoint and --resume: whatever ends the program, and whenever, the image ends in the same bits.
+// raylex render --checkpoint and --resume: the image has the same bits, however and whenever the program ends.
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cerrno>
@@ -23,13 +23,13 @@ using raylex::display::FileCall;
 
 namespace {
 
-/// What the renders of this file are, but for their checkpoints: layers of every kind, and samples that are not even.
+/// The arguments of this file's renders except checkpoints: layers of every kind, and an uneven number of samples.
 const std::string what = " --lpe direct=CDL --aov Nn --aov id --aov sampleCount --cryptomatte object --threads 2";
 
-/// Shell: goes on when the first checkpoint is there, so that the program is well amid its render.
+/// Shell code that waits for the first checkpoint, so that the program is in the middle of its render.
 const std::string until_saved = "for i in $(seq 1500); do [ -e out.exr.checkpoint ] && break; sleep 0.02; done\n";
 
-/// The statistics that add up over sessions.
+/// The statistics that are summed over sessions.
 std::string sums_of(const Folder& folder, const std::string& name) {
     auto json = raylex::experiments::parse_json(folder.read(name));
     json["samples"].erase("per_cpu_second");
@@ -58,22 +58,22 @@ std::vector<std::string> short_run(const Folder& folder, bool resume) {
 
 }  // namespace
 
-TEST_CASE("a render that is killed goes on to the same bits", "[release-only][law3]") {
+TEST_CASE("a killed render resumes with the same bits", "[release-only][law3]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
-    // Long enough to be killed in: half a second and more.
+    // Long enough to be killed: at least half a second.
     const std::string render = "render room.pbrt --spp 8192 --stats s.json" + what;
     REQUIRE(run_raylex(folder, render + " -o whole.exr").code == 0);
     const std::string sums = sums_of(folder, "s.json");
     int kills = 0;
     std::string resume;
     for (; kills < 4; ++kills) {
-        // From the first checkpoint on, so that there is something to go on from.
+        // After the first checkpoint, so that it can be resumed.
         const Outcome outcome =
             run_shell(folder, "\"$RAYLEX\" " + render + " -o out.exr --checkpoint 0.02s" + resume + " & pid=$!\n" +
                                   until_saved + "sleep 0.1\nkill -9 $pid || exit 7\nwait $pid\n[ $? = 137 ]");
         CAPTURE(outcome.out, outcome.err);
-        if (kills > 0 && outcome.code != 0) break;  // it had come to its end
+        if (kills > 0 && outcome.code != 0) break;  // it had finished
         REQUIRE(outcome.code == 0);
         REQUIRE(folder.has("out.exr.checkpoint"));
         CHECK_FALSE(folder.has("out.exr"));
@@ -91,7 +91,7 @@ TEST_CASE("a render that is killed goes on to the same bits", "[release-only][la
     CHECK(folder.names() == std::vector<std::string>{"out.exr", "room.pbrt", "s.json", "whole.exr"});
 }
 
-TEST_CASE("Ctrl-C leaves an image of what there is and a checkpoint to go on from") {
+TEST_CASE("Ctrl-C writes a partial image and a checkpoint to resume from") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const std::string render = "render room.pbrt --spp 20000" + what;
@@ -101,7 +101,7 @@ TEST_CASE("Ctrl-C leaves an image of what there is and a checkpoint to go on fro
     REQUIRE(stopped.code == 130);
     CHECK(stopped.out.find("out.exr.checkpoint: --resume continues from here") != std::string::npos);
     CHECK(folder.names() == std::vector<std::string>{"out.exr", "out.exr.checkpoint", "room.pbrt"});
-    // Another render would lose it.
+    // Another render would overwrite it.
     const Outcome refused = run_raylex(folder, render + " -o out.exr --checkpoint 60s");
     CHECK(refused.code == 2);
     CHECK(refused.err.find("out.exr.checkpoint: this is the checkpoint of an unfinished render") != std::string::npos);
@@ -111,7 +111,7 @@ TEST_CASE("Ctrl-C leaves an image of what there is and a checkpoint to go on fro
     CHECK_FALSE(folder.has("out.exr.checkpoint"));
 }
 
-TEST_CASE("what cannot be resumed is refused with exit 2 and left alone", "[law7]") {
+TEST_CASE("checkpoints that do not match are refused with exit code 2 and kept", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const auto refused = [&](const std::string& arguments, const std::string& word) {
@@ -151,10 +151,10 @@ TEST_CASE("what cannot be resumed is refused with exit 2 and left alone", "[law7
     refused("--spp 20000 --resume", "scene: ");
 }
 
-TEST_CASE("a render that is at work has its checkpoint to itself", "[law7]") {
+TEST_CASE("a running render locks its checkpoint", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
-    // The second one comes while the first saves, and leaves it alone.
+    // The second render starts while the first one saves, and does not touch its checkpoint.
     const Outcome both = run_shell(
         folder, "\"$RAYLEX\" render room.pbrt --spp 200000 -o out.exr --checkpoint 0.2s & pid=$!\n" + until_saved +
                     "\"$RAYLEX\" render room.pbrt --spp 200000 -o out.exr --resume 2>second\n"
@@ -163,13 +163,13 @@ TEST_CASE("a render that is at work has its checkpoint to itself", "[law7]") {
     CHECK(both.out.find("code 2") != std::string::npos);
     CHECK(folder.read("second").find("another process is rendering this image") != std::string::npos);
     CHECK(folder.names().size() == 4);  // room.pbrt, out.exr, its checkpoint, second
-    // It has let go, and what it saved is looked at.
+    // After the first one has ended, its checkpoint can be used.
     const Outcome third = run_raylex(folder, "render room.pbrt --spp 200000 -o out.exr --resume --seed 1");
     CHECK(third.code == 2);
     CHECK(third.err.find("seed: 0 there, 1 here") != std::string::npos);
 }
 
-TEST_CASE("a job asks for checkpoints and for adaptive sampling") {
+TEST_CASE("a job can request checkpoints and adaptive sampling") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     folder.write("job.toml", R"([scene]
@@ -231,7 +231,7 @@ neighbourhood = 2
     refused("[\"beauty\", {", "[3, {", "bad.toml:16:13: a channel of [adaptive] is neither");
 }
 
-TEST_CASE("--until-error says what it reached, and --spp is the most") {
+TEST_CASE("--until-error prints the error reached, and --spp is the maximum") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const Outcome outcome = run_raylex(folder, "render room.pbrt --until-error 1% --spp 100");
@@ -239,10 +239,10 @@ TEST_CASE("--until-error says what it reached, and --spp is the most") {
     REQUIRE(outcome.code == 0);
     CHECK(outcome.out.find("error of beauty ") != std::string::npos);
     CHECK(outcome.out.find("pixels are above 1 %") != std::string::npos);
-    CHECK(run_raylex(folder, "verify room.exr").code == 2);  // nothing was split
+    CHECK(run_raylex(folder, "verify room.exr").code == 2);  // there is no partition
 }
 
-TEST_CASE("--time ends a render by the clock, and --spp with the samples it reached gives the same bits", "[law3]") {
+TEST_CASE("--time ends a render, and --spp with the number of samples gives the same bits", "[law3]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const Outcome timed = run_raylex(folder, "render room.pbrt -o timed.exr --time 0.2s");
@@ -254,7 +254,7 @@ TEST_CASE("--time ends a render by the clock, and --spp with the samples it reac
     CHECK(timed.out.find(spp + " samples per pixel; --spp " + spp + " gives the same bits") != std::string::npos);
     REQUIRE(run_raylex(folder, "render room.pbrt -o counted.exr --spp " + spp).code == 0);
     CHECK((image_bits(folder.path("timed.exr")) == image_bits(folder.path("counted.exr"))));
-    // --spp is the most, and the job's key is the same limit.
+    // --spp is the maximum, and the job's key sets the same limit.
     folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\ntime = \"30s\"\nspp = 3\n");
     CHECK(run_raylex(folder, "render job.toml").out.find("time: 3 samples per pixel") != std::string::npos);
     const auto refused = [&](const std::string& arguments, const std::string& word) {
@@ -275,14 +275,15 @@ TEST_CASE("a fault in any write, sync or rename of a run costs no bit", "[releas
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const std::string out = folder.path("out.exr"), checkpoint = out + ".checkpoint";
-    setenv("TMPDIR", folder.path().c_str(), 1);  // where an image goes that cannot be written to its place
+    setenv("TMPDIR", folder.path().c_str(), 1);  // for images that cannot be written to their place
     REQUIRE(run_here(short_run(folder, false)) == 0);
     const std::string expected = image_bits(out);
-    // An image of an earlier run: it must stand until the new one takes its place.
+    // The image of an earlier run must stay until the new one replaces it.
     const std::string earlier = folder.read("out.exr");
     int failed_runs = 0, faults = 0;
     std::set<FileCall> of_checkpoints;
-    // Calls for checkpoints and for the image are numbered apart: how many checkpoints a run makes is the clock's.
+    // File calls for checkpoints and for the image are counted separately, because the number of checkpoints depends on
+    // time.
     for (const bool for_checkpoints : {false, true})
         for (int faulty = 0;; ++faulty) {
             std::remove(checkpoint.c_str());
@@ -306,7 +307,7 @@ TEST_CASE("a fault in any write, sync or rename of a run costs no bit", "[releas
             ++faults;
             if (for_checkpoints) of_checkpoints.insert(kind);
             REQUIRE((code == 0 || code == 2));
-            if (for_checkpoints) CHECK(code == 0);  // no reason to lose a render
+            if (for_checkpoints) CHECK(code == 0);  // no reason to fail a render
             if (code == 0) {
                 CHECK((image_bits(out) == expected));
                 continue;
@@ -324,7 +325,7 @@ TEST_CASE("a fault in any write, sync or rename of a run costs no bit", "[releas
     CHECK(failed_runs > 3);
 }
 
-TEST_CASE("this program as one that dies at a file call", "[.][recovery-child]") {
+TEST_CASE("child process that ends at a file call", "[.][recovery-child]") {
     const char* folder = std::getenv("RAYLEX_TEST_FOLDER");
     const char* number = std::getenv("RAYLEX_TEST_CALL");
     if (folder == nullptr || number == nullptr) return;
@@ -334,14 +335,14 @@ TEST_CASE("this program as one that dies at a file call", "[.][recovery-child]")
         if (calls++ == last) std::raise(SIGKILL);
         return 0;
     });
-    std::vector<std::string> arguments = short_run(std::string(folder), false);  // what the parent resumes
+    std::vector<std::string> arguments = short_run(std::string(folder), false);  // the run that the parent resumes
     arguments.insert(arguments.begin(), "raylex");
     std::vector<const char*> words;
     for (const std::string& each : arguments) words.push_back(each.c_str());
     std::_Exit(raylex::experiments::run_command_line(static_cast<int>(words.size()), words.data()));
 }
 
-TEST_CASE("a death at any file call of a run costs no bit", "[.full][recovery][law7]") {
+TEST_CASE("a crash at any file call of a run costs no bit", "[.full][recovery][law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     REQUIRE(run_here(short_run(folder, false)) == 0);
@@ -355,7 +356,7 @@ TEST_CASE("a death at any file call of a run costs no bit", "[.full][recovery][l
                                                       "' RAYLEX_TEST_CALL=" + std::to_string(deaths) + "\nexec '" +
                                                       binary_dir() + "/test_cli' '[recovery-child]'");
         CAPTURE(deaths, outcome.code, outcome.err);
-        CHECK((image_bits(out) == expected));  // the earlier image or the new one, never a part
+        CHECK((image_bits(out) == expected));  // the earlier image or the new one, never a mixture
         if (outcome.code == 0) break;
         REQUIRE(outcome.code == 137);
         const bool goes_on = std::filesystem::exists(checkpoint);
@@ -391,7 +392,7 @@ TEST_CASE("a hundred random kills cost no bit", "[.full][recovery][law3]") {
                 ended = outcome.code == 0 || kills >= most;
                 if (outcome.code == 137) ++kills;
                 resumed += goes_on ? 1 : 0;
-                if (ended && outcome.code == 137) {  // enough kills: let it come to its end
+                if (ended && outcome.code == 137) {  // enough kills: let it finish
                     REQUIRE(run_raylex(folder, render + " -o out.exr --checkpoint 0.05s" +
                                                    (folder.has("out.exr.checkpoint") ? " --resume" : ""))
                                 .code == 0);

@@ -1,4 +1,4 @@
-// "regularize": glossy lobes that materials have not, in sums, proofs, warnings and atlases.
+// "regularize": its glossy lobes, which materials do not have, in sums, proofs, warnings and atlases.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 using namespace raylex;
 using namespace raylex::test;
 
-TEST_CASE("layers of a regularized render sum, are proved so, and are asked of an atlas", "[lpe][law1][atlas]") {
+TEST_CASE("layers of a regularized render sum, are proved, and can be made from an atlas", "[lpe][law1][atlas]") {
     const Folder folder;
     folder.write("ball.pbrt", R"(Film "rgb" "integer xresolution" 10 "integer yresolution" 10
 Sampler "independent" "integer pixelsamples" 64
@@ -33,7 +33,7 @@ Shape "sphere" "float radius" 1)");
     CHECK_FALSE(contains(said, "matches no path"));
     float most = 0;
     for (const float value : plane(folder, "ball.exr", "tg", "G")) most = std::max(most, value);
-    CHECK(most > 0);  // light that came through the ball behind the floor
+    CHECK(most > 0);  // light through the ball behind the floor
     const Outcome proof = run_raylex(folder, "lpe check --scene ball.pbrt tg='C<RD><TG>+L' ts='C<RD><TS>+L'");
     CHECK_FALSE(contains(proof.out + proof.err, "matches no path"));
     const Outcome asked = run_raylex(folder, "ask ball.atlas.exr --lpe tg='C<RD><TG>+L' -o asked.exr");

@@ -1,4 +1,4 @@
-// render --channels: files of channels as other tools keep them, rendered.
+// render --channels: renders channel files of other tools.
 #include <catch2/catch.hpp>
 
 #include "display/output/reader/exr_reader.h"
@@ -49,14 +49,14 @@ TEST_CASE("channels of RIB, rendermn.ini, USD and TOML files are rendered as if 
         if (std::string(file) != "show.rib") continue;
         CHECK(outcome.err.find("channel 'beauty' of show.rib is the image itself") != std::string::npos);
         CHECK(outcome.err.find("that a job cannot store are left out: filter ('direct')") != std::string::npos);
-        // What holds the spread of another channel is that, and no light.
+        // A channel with statistics of another channel is a statistics layer, not light.
         CHECK(outcome.err.find(
                   "channel 'spread' of show.rib contains statistics (variance) of an expression that no other "
                   "channel has; it is left out") != std::string::npos);
         CHECK(plane(*image, "direct_mse", "G") != plane(*image, "direct", "G"));
         CHECK(image->layer("z") != nullptr);
     }
-    // In the order of the command line, beside flags and other files.
+    // In the order of the command line, together with flags and other files.
     const Outcome both =
         run_raylex(folder, "render room.pbrt -o both.exr --lpe seen=C.*B --channels show.ini --lpe 'glow=CO'");
     CAPTURE(both.err);
@@ -66,7 +66,7 @@ TEST_CASE("channels of RIB, rendermn.ini, USD and TOML files are rendered as if 
     CHECK(image->layer_names() == std::vector<std::string>{"", "seen", "direct", "indirect", "glow", "rest"});
 }
 
-TEST_CASE("channels of a file without expressions are AOVs, and a name is taken once or given anew") {
+TEST_CASE("channels of a file without expressions are AOVs, and duplicate names can be renamed") {
     const SceneFolder folder;
     const std::string albedo =
         "DisplayChannel \"color albedo\" \"string source\" "
@@ -94,7 +94,7 @@ TEST_CASE("channels of a file without expressions are AOVs, and a name is taken 
     REQUIRE(image);
     for (const char* layer : {"albedo", "rib_albedo", "z"}) CHECK(image->layer(layer) != nullptr);
     check_refused(folder, "render room.pbrt -o c.exr --channels show.rib --rename albdo=x", {"--rename", "'albdo=x'"});
-    // An atlas has no AOVs, and answers the rest of such a file.
+    // An atlas has no AOVs; it gives the other layers of such a file.
     folder.write("light.rib",
                  "DisplayChannel \"float z\"\nDisplayChannel \"color d\" \"string source\" \"lpe:C<RD>L\" "
                  "\"string filter\" [\"max\"]\n");
@@ -103,12 +103,12 @@ TEST_CASE("channels of a file without expressions are AOVs, and a name is taken 
     CHECK(asked.code == 0);
     CHECK(contains(asked.err, "'z' is left out"));
     CHECK(contains(asked.err, "the rule of 'd' is left out"));
-    // A name that means the same is one layer, however it is written.
+    // Channels of equal name and meaning are one layer, however they are written.
     const Outcome same = run_raylex(folder, "render room.pbrt -o d.exr --lpe 'd=C<RD>[<L.>O]' --lpe 'd=C<RD>[LO]'");
     INFO(same.err);
     CHECK(same.code == 0);
     check_refused(folder, "render room.pbrt -o e.exr --lpe 'd=C<RD>L' --lpe 'd=C<RS>L'", {"used twice"});
-    // Statistics and AOVs of a TOML file count as well.
+    // Statistics and AOVs of a TOML file also count.
     folder.write("set.toml",
                  "[channels]\naovs = [\"z\"]\n[[channel]]\nname = \"d\"\nlpe = \"C<RD>L\"\nstatistics = [\"mse\"]\n");
     REQUIRE(run_raylex(folder, "render room.pbrt -o f.exr --channels set.toml --spp 2").code == 0);
@@ -117,7 +117,7 @@ TEST_CASE("channels of a file without expressions are AOVs, and a name is taken 
     for (const char* layer : {"d", "d_mse", "z"}) CHECK(image->layer(layer) != nullptr);
 }
 
-TEST_CASE("filters of a file's channels that are rules become theirs, and the others are named") {
+TEST_CASE("filters of channels that are rules become rules, and other filters are named") {
     const SceneFolder folder;
     folder.write("filt.rib",
                  "DisplayChannel \"float z\" \"string source\" [\"z\"] \"string filter\" [\"zmax\"] "
@@ -144,7 +144,7 @@ TEST_CASE("filters of a file's channels that are rules become theirs, and the ot
         CHECK(again->attributes[rule] == image->attributes[rule]);
 }
 
-TEST_CASE("a generated layer that a channel has already is that channel") {
+TEST_CASE("a generated layer that equals a channel is that channel") {
     const SceneFolder folder;
     const std::string direct = " --lpe 'directDiffuse=C<RD>[<L.>O]'";
     REQUIRE(run_raylex(folder, "render room.pbrt -o groups.exr --spp 1 --light-groups").code == 0);
@@ -167,7 +167,7 @@ TEST_CASE("a generated layer that a channel has already is that channel") {
                   {"'directDiffuse' is used twice with two meanings"});
 }
 
-TEST_CASE("what is wrong in a file of channels is told at its place, and nothing is rendered", "[law7]") {
+TEST_CASE("errors in a channel file have their place, and nothing is rendered", "[law7]") {
     const SceneFolder folder;
     const auto refused = [&](const std::string& name, const std::string& text, const std::vector<std::string>& words) {
         folder.write(name, text);
@@ -199,7 +199,7 @@ TEST_CASE("what is wrong in a file of channels is told at its place, and nothing
     const Outcome absent = run_raylex(folder, "render room.pbrt -o x.exr --channels absent.rib");
     CHECK(absent.code == 2);
     CHECK(absent.err.find("absent.rib") != std::string::npos);
-    // A partition that is none ends the render as one of a job does.
+    // A partition that does not hold ends the render, as in a job.
     folder.write("split.toml",
                  "[[channel]]\nname = \"a\"\nlpe = \"C<RD>L\"\n[[partition]]\nname = \"mine\"\nchannels = [\"a\"]\n");
     CHECK(run_raylex(folder, "render room.pbrt -o x.exr --channels split.toml").code == 1);
@@ -231,7 +231,7 @@ TEST_CASE("layers by technique are proved to sum, of beauty and of channels, fro
     CHECK(outcome.code == 0);
     CHECK(outcome.out.find("'techniques_direct'") != std::string::npos);
 
-    // A method without light subpaths has less of them; a short depth leaves nothing beyond.
+    // A method without light subpaths has fewer techniques; a small depth leaves no longer paths.
     outcome = run_raylex(folder, "render room.pbrt -o path.exr --max-depth 1 --techniques pyramid");
     REQUIRE(outcome.code == 0);
     image = read_exr(folder.path("path.exr"));
@@ -240,7 +240,7 @@ TEST_CASE("layers by technique are proved to sum, of beauty and of channels, fro
           "beauty = beauty_s0t2 + beauty_s0t3 + beauty_s1t2 + beauty_s2t1");
     CHECK(total("beauty_s2t1") == 0);
 
-    // Paths in a body scatter as often as they need, so there is always a layer of longer ones.
+    // Paths inside a body can scatter any number of times, so there is always a layer of longer paths.
     folder.write("wax.pbrt",
                  "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\n"
                  "LookAt 0 1 4 0 0 0 0 1 0\nCamera \"perspective\" \"float fov\" 40\nWorldBegin\n"

@@ -1,4 +1,4 @@
-// raylex render end to end: what it writes, what it refuses, and that nothing is lost.
+// raylex render end to end: its files, its refusals, and that nothing is lost.
 #include <catch2/catch.hpp>
 
 #include "display/output/reader/exr_reader.h"
@@ -10,7 +10,8 @@ using raylex::display::read_exr;
 
 namespace {
 
-/// Refused with exit 2 and a message that holds every one of `words`; nothing but the inputs is left in the folder.
+/// Checks that the render is refused with exit code 2 and a message with all of `words`, and that only the inputs are
+/// left in the folder.
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
     const std::size_t at = text.find(from);
     REQUIRE(at != std::string::npos);
@@ -60,7 +61,7 @@ TEST_CASE("a render writes a verified file, a preview and statistics") {
     CHECK(json["rays"]["camera"] == 16 * 16 * 4);
     CHECK(json["rays"]["total"] == json["rays"]["camera"].get<int>() + json["rays"]["scattering"].get<int>() +
                                        json["rays"]["shadow"].get<int>());
-    CHECK(json["rays"]["pilot"] == 0);  // beauty takes all: nothing is to be learnt
+    CHECK(json["rays"]["pilot"] == 0);  // the beauty accepts everything, so there is nothing to learn
     std::uint64_t paths = 0;
     for (const auto& each : json["path_length_histogram"]) paths += each.get<std::uint64_t>();
     CHECK(paths == 16 * 16 * 4);
@@ -72,7 +73,7 @@ TEST_CASE("a render writes a verified file, a preview and statistics") {
     CHECK(json["warnings"].is_array());
 }
 
-TEST_CASE("asking for channels leaves the beauty's bits alone", "[law2]") {
+TEST_CASE("requested channels do not change the beauty's bits", "[law2]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     REQUIRE(run_raylex(folder, "render room.pbrt -o a.exr --threads 1").code == 0);
@@ -91,7 +92,7 @@ TEST_CASE("asking for channels leaves the beauty's bits alone", "[law2]") {
 TEST_CASE("an image of one tile adds up, with the same bits, on any number of threads", "[law1][law3]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
-    // 256 blocks of the same few pixels: threads meet there all the time.
+    // 256 blocks of the same few pixels, so that threads meet there all the time.
     CHECK(run_raylex(folder, "render room.pbrt -o a.exr --spp 4096 --threads 4 --lpe direct=CDL").code == 0);
     CHECK(run_raylex(folder, "render room.pbrt -o b.exr --spp 4096 --threads 1 --lpe direct=CDL").code == 0);
     auto a = read_exr(folder.path("a.exr")), b = read_exr(folder.path("b.exr"));
@@ -140,7 +141,7 @@ rest = "others"
     for (const auto& each : image->partitions) partitions.push_back(each.name);
     std::sort(partitions.begin(), partitions.end());
     CHECK(partitions == std::vector<std::string>{"light_groups", "mine", "shipped"});
-    // Both lights reach the image, each in its own layer.
+    // Both lights contribute to the image, each in its own layer.
     for (const char* name : {"light_key", "light_default", "floor", "directDiffuse"}) {
         CAPTURE(name);
         const auto* layer = image->layer(name);
@@ -162,7 +163,7 @@ rest = "others"
     check_refused(folder, "render bad.toml", {"bad.toml:19:", "^"});
 }
 
-TEST_CASE("a declared partition that is none is refuted before a ray is traced") {
+TEST_CASE("a declared partition that does not hold is refuted before a ray is traced") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     folder.write("job.toml",
@@ -176,7 +177,7 @@ TEST_CASE("a declared partition that is none is refuted before a ray is traced")
     CHECK_FALSE(folder.has("out.exr"));
 }
 
-TEST_CASE("channels that share paths get no rest layer, and the reason") {
+TEST_CASE("channels that share paths get no rest layer, with the reason") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     Outcome outcome = run_raylex(folder, "render room.pbrt --spp 1 --lpe all='C.*<L.>' --lpe direct=CDL");
@@ -189,32 +190,32 @@ TEST_CASE("channels that share paths get no rest layer, and the reason") {
     CHECK(run_raylex(folder, "verify room.exr").code == 2);
 }
 
-TEST_CASE("--dialect rules the --lpe that follow it") {
+TEST_CASE("--dialect applies to the --lpe after it") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
-    // 'B' and '?' are no osl; here only the second expression is read as osl.
+    // 'B' and '?' are invalid in osl; only the second expression is read as osl.
     REQUIRE(run_raylex(folder, "render room.pbrt --spp 1 --lpe a='CD?<L.>' --dialect osl --lpe b='CDDL'").code == 0);
     check_refused(folder, "render room.pbrt -o b.exr --spp 1 --dialect osl --lpe a='CD?L'", {"--lpe a", "^"});
     check_refused(folder, "render room.pbrt -o b.exr --dialect french --lpe a=CDL", {"french", "renderman or osl"});
-    // One that rules nothing is a slip, wherever it stands.
+    // A --dialect without a following --lpe is an error anywhere.
     const std::string no_effect = "follows '--dialect osl'";
     check_refused(folder, "render room.pbrt -o b.exr --lpe a=CDL --dialect osl", {no_effect, "expected it before"});
     check_refused(folder, "render room.pbrt -o b.exr --dialect osl --aov z", {no_effect});
     check_refused(folder, "render room.pbrt -o b.exr --dialect osl --dialect renderman --lpe a=CDL", {no_effect});
 }
 
-TEST_CASE("the map of a failure that an earlier render left goes when its split holds") {
+TEST_CASE("the residual map of an earlier failure is removed when the split holds") {
     const SceneFolder folder;
     for (const char* name : {"out.light_groups.residual.png", "out.other.residual.png", "other.residual.png"})
         folder.write(name, "of an earlier image");
     REQUIRE(run_raylex(folder, "render room.pbrt -o out.exr --spp 1 --light-groups").code == 0);
     CHECK_FALSE(folder.has("out.light_groups.residual.png"));
-    // A split of another name may be of anything.
+    // The map of a split with another name may belong to another image.
     CHECK(folder.has("out.other.residual.png"));
     CHECK(folder.has("other.residual.png"));
 }
 
-TEST_CASE("bad scenes end with file, line and what was expected", "[law7]") {
+TEST_CASE("errors in scenes have file, line and the expected form", "[law7]") {
     const Folder folder;
     check_refused(folder, "render absent.pbrt", {"absent.pbrt"});
     check_refused(folder, "render absent.toml", {"absent.toml"});
@@ -237,13 +238,13 @@ TEST_CASE("bad scenes end with file, line and what was expected", "[law7]") {
     check_refused(folder, "render a.pbrt", {"a.pbrt:1"});
 }
 
-TEST_CASE("bad flags end with what was expected", "[law7]") {
+TEST_CASE("errors in flags have the expected form", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     check_refused(folder, "render room.pbrt --lpe x='CD(L'", {"--lpe x", "CD(L", "^"});
     check_refused(folder, "render room.pbrt --lpe x=CDL --lpe x=CSL", {"'x'", "twice"});
     check_refused(folder, "render room.pbrt --lpe Nn=CDL --aov Nn", {"'Nn'", "twice"});
-    CHECK(run_raylex(folder, "render room.pbrt -o twice.exr --aov z --aov z").code == 0);  // the same is taken once
+    CHECK(run_raylex(folder, "render room.pbrt -o twice.exr --aov z --aov z").code == 0);  // duplicates count once
     fs::remove(folder.path("twice.exr"));
     check_refused(folder, "render room.pbrt --lpe z=CL --aov z", {"'z'", "twice"});
     check_refused(folder, "render room.pbrt --aov Nnn", {"Nnn"});
@@ -281,7 +282,7 @@ TEST_CASE("a full disk loses neither the program nor the earlier result", "[law7
     folder.write("room.pbrt", small_scene());
     REQUIRE(run_raylex(folder, "render room.pbrt -o out.exr").code == 0);
     const std::string earlier = folder.read("out.exr");
-    // 8 kB is less than an image of this size needs; the limit also holds for the rescue in the folder for temporary
+    // 8 kB is less than an image of this size needs; the limit also applies to the rescue in the folder for temporary
     // files.
     Outcome outcome =
         run_shell(folder, "ulimit -f 8; exec \"$RAYLEX\" render room.pbrt -o out.exr --seed 5 --resolution 64x64");
@@ -292,7 +293,7 @@ TEST_CASE("a full disk loses neither the program nor the earlier result", "[law7
     CHECK(folder.names() == std::vector<std::string>{"out.exr", "room.pbrt"});
 }
 
-TEST_CASE("Ctrl-C writes what is there, marked incomplete, and ends with 130", "[law7]") {
+TEST_CASE("Ctrl-C writes the partial image, marked incomplete, and ends with 130", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     for (const char* signal : {"INT", "TERM"}) {
@@ -312,7 +313,7 @@ TEST_CASE("Ctrl-C writes what is there, marked incomplete, and ends with 130", "
     }
 }
 
-TEST_CASE("rendering in another space scales nothing but the primaries") {
+TEST_CASE("rendering in another space changes only the primaries") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     REQUIRE(run_raylex(folder, "render room.pbrt -o a.exr").code == 0);
@@ -323,14 +324,14 @@ TEST_CASE("rendering in another space scales nothing but the primaries") {
     REQUIRE(image);
     REQUIRE(image->chromaticities);
     CHECK(image->chromaticities->red[0] == Approx(0.713).epsilon(1e-3));  // S-2014-004: AP1 red
-    // compare converts to the reference's primaries; the scene's albedo is nearly grey, so the light differs by little:
-    // products of colours are not the same in two sets of primaries, here by below one per cent.
+    // compare converts to the reference's primaries. The scene's albedo is nearly grey, so the light differs by less
+    // than one per cent: products of colours depend on the primaries.
     Outcome ratio = run_raylex(folder, "compare b.exr a.exr --metric mean-ratio --channel Y");
     REQUIRE(ratio.code == 0);
     CHECK(std::stod(ratio.out) == Approx(1.0).epsilon(0.01));
 }
 
-TEST_CASE("a seed that is no whole number of 64 bits is refused, not turned into another one") {
+TEST_CASE("a seed that is not a 64-bit integer is refused instead of being converted") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     for (const char* seed : {"-1", "18446744073709551616", "1e3", "x"})
@@ -338,7 +339,7 @@ TEST_CASE("a seed that is no whole number of 64 bits is refused, not turned into
     CHECK(run_raylex(folder, "render room.pbrt --spp 1 --seed 18446744073709551615").code == 0);
 }
 
-TEST_CASE("a job's parameter that its type does not have is refused before rendering, with its place", "[law7]") {
+TEST_CASE("an unknown parameter in a job is refused before rendering, with its place", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const std::string scene = "[scene]\nfile = 'room.pbrt'\n";

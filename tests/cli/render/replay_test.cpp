@@ -1,4 +1,4 @@
-// Law 6 from the command line: what is refused is told with the command that shows it again.
+// Law 6 on the command line: rejected samples are reported with the command that renders them again.
 #include <catch2/catch.hpp>
 
 #include "display/output/reader/exr_reader.h"
@@ -11,14 +11,14 @@ namespace {
 
 std::string broken_scene() {
     std::string text = small_scene();
-    // So near to the floor that its radiance there is beyond float.
+    // So close to the floor that the radiance there exceeds float.
     const std::string light = "\"rgb I\" [3 3 3] \"point3 from\" [0 2 1]";
     return text.replace(text.find(light), light.size(), "\"rgb I\" [3e38 3e38 3e38] \"point3 from\" [0 .4 1]");
 }
 
 }  // namespace
 
-TEST_CASE("refused samples come with the command that replays them", "[law6]") {
+TEST_CASE("rejected samples are reported with the command that replays them", "[law6]") {
     const Folder folder;
     folder.write("it's.pbrt", broken_scene());
     const Outcome outcome =

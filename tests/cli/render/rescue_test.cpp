@@ -1,4 +1,4 @@
-// A full disk at the end of a render: what is written elsewhere then, and what is said of it.
+// A full disk at the end of a render: the file that is written elsewhere, and the message about it.
 #include <catch2/catch.hpp>
 
 #include <cerrno>
@@ -17,7 +17,7 @@ using raylex::display::FileCall;
 
 namespace {
 
-/// $TMPDIR, until it goes out of scope.
+/// Sets $TMPDIR until it goes out of scope.
 class TemporaryFolder {
   public:
     explicit TemporaryFolder(const std::string& path) {
@@ -37,7 +37,7 @@ class TemporaryFolder {
 
 }  // namespace
 
-TEST_CASE("what cannot be written to its place goes to the folder for temporary files", "[law7]") {
+TEST_CASE("a file that cannot be written is saved in the folder for temporary files", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const std::string temporary = "temporary", place = folder.path("place") + "/", saved = folder.path(temporary) + "/";
@@ -71,7 +71,7 @@ TEST_CASE("what cannot be written to its place goes to the folder for temporary 
         if (name == "out.exr") CHECK((image_bits(saved + name) == expected));
         if (name == "a.atlas.exr") CHECK(run_here({"verify", saved + name}) == 0);
     }
-    // All that is saved of a shard merges.
+    // The saved files of a shard can be merged.
     const std::string record = "out.exr.shard-1-of-2", atlas = "a.atlas.exr.shard-1-of-2";
     std::vector<std::string> first{"--atlas", place + "a.atlas.exr", "--shard", "1/2"}, second = first;
     second.back() = "2/2";
@@ -81,13 +81,13 @@ TEST_CASE("what cannot be written to its place goes to the folder for temporary 
         std::filesystem::remove(place + atlas);
         CHECK(run(first, name) == 2);
         CHECK(std::filesystem::exists(saved + atlas) == (name == atlas));
-        CHECK_FALSE(std::filesystem::exists(place + record));  // where it is, all of the shard is
+        CHECK_FALSE(std::filesystem::exists(place + record));  // its presence would mean that the shard is complete
         CHECK(run_here({"merge", saved + record, place + "out.exr.shard-2-of-2", "-o", place + "out.exr"}) == 0);
         CHECK((image_bits(place + "out.exr") == expected));
     }
 }
 
-TEST_CASE("a rescue says where the file is, and takes the name of no other", "[law7]") {
+TEST_CASE("a rescue prints the file's place and never replaces another file", "[law7]") {
     const Folder folder;
     const TemporaryFolder chosen(folder.path());
     folder.write("out.exr", "of an earlier render");

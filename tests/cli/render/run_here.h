@@ -1,4 +1,4 @@
-// The program within the process of a test, which then may set faults of files (display::set_file_fault).
+// Runs the program inside a test's process, so that the test can inject file faults (display::set_file_fault).
 #pragma once
 
 #include <fcntl.h>
@@ -11,7 +11,7 @@
 
 namespace raylex::test {
 
-/// Silent; the exit code.
+/// Runs the program without output and returns its exit code.
 inline int run_here(const std::vector<std::string>& arguments) {
     std::vector<const char*> words{"raylex"};
     for (const std::string& each : arguments) words.push_back(each.c_str());

@@ -1,4 +1,4 @@
-// raylex render --shard and raylex merge: the very image of one render, whatever ends a shard and whenever.
+// raylex render --shard and raylex merge: the same image as a single render, however and whenever a shard ends.
 #include <catch2/catch.hpp>
 
 #include "display/checkpoint/record_file.h"
@@ -29,7 +29,7 @@ std::string records(int parts, const std::string& image = "out.exr") {
 
 }  // namespace
 
-TEST_CASE("shards merge to the very image of one render, with layers of every kind", "[law3]") {
+TEST_CASE("shards merge to the image of one render, with layers of every kind", "[law3]") {
     const SceneFolder folder;
     folder.write("job.toml", R"(
 [scene]
@@ -67,12 +67,12 @@ group = "key"
         for (const int part : {3, 1, 2}) run_well(place, command + " -o out.exr --threads 2" + part_of(part, 3));
         const Outcome merged = run_well(place, "merge" + records(3) + " -o out.exr");
         CHECK(image_bits(place.path("whole.exr")) == image_bits(place.path("out.exr")));
-        // What is judged is judged alike.
+        // The results of checks are the same.
         for (const auto& line : all_matches(whole.out, "partition '[^\n]*")) CHECK(contains(merged.out, line.front()));
         auto one = raylex::display::read_exr(place.path("whole.exr")),
              sum = raylex::display::read_exr(place.path("out.exr"));
         CHECK(sum->attributes["raylex/shards"] == "3");
-        for (auto* each : {&*one, &*sum})  // of this run, not of the image
+        for (auto* each : {&*one, &*sum})  // attributes of the run, not of the image
             for (const char* name :
                  {"raylex/shards", "raylex/merge_command", "raylex/command", "raylex/time", "raylex/threads"})
                 each->attributes.erase(name);
@@ -80,7 +80,7 @@ group = "key"
     }
 }
 
-TEST_CASE("a shard that is done is not rendered again, and one of another render is not taken for it", "[law7]") {
+TEST_CASE("a finished shard is not rendered again, and a shard of another render is not mistaken for it", "[law7]") {
     const SceneFolder folder;
     const std::string shard = "render room.pbrt -o out.exr --spp 32 --lpe direct=CDL", record = "out.exr.shard-1-of-2";
     CHECK(contains(run_well(folder, shard + part_of(1, 2)).out, record + ": shard 1/2, samples 0 to 15 of 32"));
@@ -92,7 +92,7 @@ TEST_CASE("a shard that is done is not rendered again, and one of another render
     check_refused(folder, "render room.pbrt -o out.exr --spp 64 --lpe direct=CDL" + part_of(1, 2),
                   {"samples per pixel: 32 there, 64 here"});
     check_refused(folder, shard + part_of(1, 2) + " --lpe more=CSL", {"channel more"});
-    // Damage is seen, and mended.
+    // Damage is found and repaired.
     std::string damaged = bits;
     damaged[damaged.size() / 2] ^= 1;
     folder.write(record, damaged);
@@ -102,7 +102,7 @@ TEST_CASE("a shard that is done is not rendered again, and one of another render
     run_well(folder, "merge" + records(2) + " -o out.exr");
 }
 
-TEST_CASE("what is no whole render is not merged, by name, and what has no shards is refused", "[law7]") {
+TEST_CASE("an incomplete render is not merged, and renders that cannot be sharded are refused by name", "[law7]") {
     const SceneFolder folder;
     const std::string shard = "render room.pbrt -o out.exr --spp 48";
     for (const int part : {1, 2, 3}) run_well(folder, shard + part_of(part, 3));
@@ -120,7 +120,7 @@ TEST_CASE("what is no whole render is not merged, by name, and what has no shard
     check_refused(folder, "merge room.pbrt" + to, {"room.pbrt", "record"});
     check_refused(folder, "merge gone" + to, {"gone"});
     check_refused(folder, "merge" + records(3) + " -o sum.png", {"sum.png", ".exr"});
-    // Halves and thirds of one render go together where they fit.
+    // Halves and thirds of one render can be combined if they fit.
     run_well(folder, shard + part_of(1, 2));
     check_refused(folder, "merge out.exr.shard-1-of-2 " + third + to, {"samples 16 to 31"});
     run_well(folder, "merge out.exr.shard-2-of-2 " + first + to);
@@ -136,7 +136,7 @@ TEST_CASE("what is no whole render is not merged, by name, and what has no shard
     check_refused(folder, shard + part_of(1, 3) + " --integrator pssmlt", {"Markov chains of integrator 'pssmlt'"});
 }
 
-TEST_CASE("a shard that was killed at any time ends in the same bits", "[law3]") {
+TEST_CASE("a shard that was killed at any time resumes with the same bits", "[law3]") {
     const SceneFolder folder;
     const std::string shard =
         "render room.pbrt -o out.exr --spp 4096 --lpe direct=CDL --cryptomatte object --threads 2";
@@ -165,7 +165,7 @@ TEST_CASE("a shard that was killed at any time ends in the same bits", "[law3]")
     }
 }
 
-TEST_CASE("shards of another build, scene, seed or config are refused by that name", "[law7]") {
+TEST_CASE("shards of another build, scene, seed or config are refused, and the difference is named", "[law7]") {
     const SceneFolder folder;
     for (const int part : {1, 2}) run_well(folder, "render room.pbrt -o out.exr --spp 32" + part_of(part, 2));
     const std::string first = "out.exr.shard-1-of-2", second = "out.exr.shard-2-of-2";
@@ -188,14 +188,14 @@ TEST_CASE("shards of another build, scene, seed or config are refused by that na
             folder, "merge " + first + " other -o sum.exr",
             {"other", "'" + first + "' (here)", "different " + kind + ":", std::string(field) + ": another there, "});
     }
-    // As they are mixed up in fact.
+    // Mix-ups as they really happen.
     folder.write("other.pbrt", folder.read("room.pbrt") + "\nLightSource \"point\"\n");
     run_well(folder, "render other.pbrt -o scene.exr --spp 32" + part_of(2, 2));
     check_refused(folder, "merge " + first + " scene.exr.shard-2-of-2 -o sum.exr", {"different scene:", "scene: "});
     run_well(folder, "render room.pbrt -o config.exr --spp 32 --max-depth 2" + part_of(2, 2));
     check_refused(folder, "merge " + first + " config.exr.shard-2-of-2 -o sum.exr",
                   {"different config:", "max depth: 2"});
-    // One that was cut on its way.
+    // A truncated record.
     const std::string bytes = folder.read(second);
     for (const std::size_t size : {std::size_t{10}, bytes.size() / 2, bytes.size() - 1}) {
         folder.write("cut", bytes.substr(0, size));
@@ -206,7 +206,7 @@ TEST_CASE("shards of another build, scene, seed or config are refused by that na
     check_refused(folder, "merge " + first + " -o sum.exr", {"samples 16 to 31 of 32 are in no record"});
 }
 
-TEST_CASE("shards in buckets of any size merge to the very image of one render", "[buckets][law3]") {
+TEST_CASE("shards in buckets of any size merge to the image of one render", "[buckets][law3]") {
     const SceneFolder folder;
     const std::string what =
         "render room.pbrt --spp 56 --resolution 40x37 --lpe direct=CDL --aov z --statistics beauty=mse";

@@ -1,4 +1,4 @@
-// Signals and the clock end the program in every phase within a second or so, and never by an abort.
+// Signals and the time limit end the program in every phase within about a second, and never by an abort.
 #include <catch2/catch.hpp>
 
 #include <chrono>
@@ -11,7 +11,7 @@ using namespace raylex::test;
 
 namespace {
 
-/// Light that is never lost in a box without a hole.
+/// Light is never lost in a box without a hole.
 std::string endless_scene() {
     return R"(Film "rgb" "integer xresolution" 16 "integer yresolution" 16
 Integrator "path" "integer maxdepth" 1000000 "bool roulette" false
@@ -24,8 +24,8 @@ Shape "sphere" "float radius" 2
 )";
 }
 
-/// The program is sent `signal` a while after it has begun to hear signals (what comes before that is the shell's to
-/// decide); its exit code and how long it took to end. One that does not is killed after a minute.
+/// Sends `signal` to the program some time after its handlers are installed (before that, the shell decides). Returns
+/// its exit code and the time it took to end. A program that does not end is killed after a minute.
 struct Stopped {
     Outcome outcome;
     double seconds = 0;
@@ -49,7 +49,7 @@ Stopped stop_by(const Folder& folder, const std::string& arguments, const std::s
     return stopped;
 }
 
-/// Under nohup hanging up is ignored, by children too, and the program keeps to that: it would never end here.
+/// Under nohup, SIGHUP is ignored by children too, and the program keeps that: it would never end here.
 class HangingUpIsHeard {
   public:
     HangingUpIsHeard() : before_(std::signal(SIGHUP, SIG_DFL)) {}
@@ -61,12 +61,12 @@ class HangingUpIsHeard {
     void (*before_)(int);
 };
 
-/// The second that stopping may take, and what a machine with other work to do may add.
+/// The second that stopping may take, plus a margin for a busy machine.
 constexpr double soon = 1 + 2;
 
 }  // namespace
 
-TEST_CASE("A path without end hears every signal that ends programs", "[cli][stopping]") {
+TEST_CASE("Every terminating signal stops a path without end", "[cli][stopping]") {
     const Folder folder;
     const HangingUpIsHeard heard;
     folder.write("box.pbrt", endless_scene());
@@ -80,7 +80,7 @@ TEST_CASE("A path without end hears every signal that ends programs", "[cli][sto
     }
 }
 
-TEST_CASE("A path without end hears the clock", "[cli][stopping]") {
+TEST_CASE("The time limit stops a path without end", "[cli][stopping]") {
     const Folder folder;
     folder.write("box.pbrt", endless_scene());
     const auto begin = std::chrono::steady_clock::now();
@@ -91,7 +91,7 @@ TEST_CASE("A path without end hears the clock", "[cli][stopping]") {
     CHECK_FALSE(folder.has("box.exr"));
 }
 
-TEST_CASE("Loading hears a signal", "[cli][stopping]") {
+TEST_CASE("A signal stops loading", "[cli][stopping]") {
     const Folder folder;
     std::string scene = "WorldBegin\n";
     for (int i = 0; i < 400'000; ++i) scene += "Translate 0.01 0 0\nShape \"sphere\" \"float radius\" 0.01\n";
@@ -104,7 +104,7 @@ TEST_CASE("Loading hears a signal", "[cli][stopping]") {
           std::string::npos);
 }
 
-TEST_CASE("What is out of range is named, and never ends the program by a signal", "[cli][law7]") {
+TEST_CASE("Values out of range are named and never end the program by a signal", "[cli][law7]") {
     const Folder folder;
     const std::string head = "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\n",
                       sky = "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n",
@@ -125,7 +125,7 @@ TEST_CASE("What is out of range is named, and never ends the program by a signal
          "scene.pbrt:10:1: the instance's transform is beyond what single precision inverts"},
         {instance("Scale 1e-10 1 1e10 Scale 1e-10 1 1e10"), "scene.pbrt:10:1: the instance reaches to 1e+20"},
         {instance("Scale 1e18 1e-18 1"), "the instance"},
-        // Invertible in double alone: in float the determinant is 0, or its first digit is a rounding.
+        // Invertible only in double: in float the determinant is 0, or its first digit is a rounding error.
         {instance("ConcatTransform [1 1 0 0  1 1.00000001 0 0  0 0 1 0  0 0 0 1]"),
          "scene.pbrt:10:1: the instance's transform is beyond what single precision inverts"},
         {instance("ConcatTransform [1 1 1 0  1 1 1.0000001 0  1 1.0000001 1 0  0 0 0 1]"),
@@ -149,7 +149,7 @@ TEST_CASE("What is out of range is named, and never ends the program by a signal
     }
 }
 
-TEST_CASE("what waits for a pipe is interrupted, and says so by its exit code", "[law7]") {
+TEST_CASE("waiting for a pipe can be interrupted, with the right exit code", "[law7]") {
     const SceneFolder folder;
     for (const char* command : {"render room.pbrt --channels <(sleep 20) -o x.exr", "lpe check --channels <(sleep 20)",
                                 "lpe vectors <(sleep 20)"}) {

@@ -1,4 +1,4 @@
-// How an image is stored: one part or many, with or without loss, all of it or a crop window.
+// Storage of an image: one part or many, with or without loss, all of it or a crop window.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ using namespace raylex::test;
 namespace display = raylex::display;
 using display::read_exr;
 
-TEST_CASE("a single part holds the channels of all parts, and its splits are judged") {
+TEST_CASE("a single part has the channels of all parts, and its splits are checked") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[exr]\nparts = \"single\"\n");
@@ -52,7 +52,7 @@ TEST_CASE("a single part holds the channels of all parts, and its splits are jud
     check_refused(folder, "render bad.toml -o x.exr", {"bad.toml:4", "expected single, multi"});
 }
 
-TEST_CASE("a crop has the bits of the whole image in its window, with everything that a render makes", "[law3]") {
+TEST_CASE("a crop has the bits of the whole image in its window, with all outputs of a render", "[law3]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const std::string layers = " --lpe direct=CDL --aov z --aov Nn --cryptomatte object --statistics beauty=variance";
@@ -84,7 +84,7 @@ TEST_CASE("a crop has the bits of the whole image in its window, with everything
                 }
     CHECK(run_raylex(folder, "verify part.exr").code == 0);
     CHECK(run_raylex(folder, "compare part.exr part.exr --metric all").code == 0);
-    // A job says so too, and a checkpoint is of its crop.
+    // A job can do the same, and a checkpoint belongs to its crop.
     folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\ncrop = [3, 5, 14, 13]\n");
     REQUIRE(run_raylex(folder, "render job.toml -o job.exr --checkpoint 1h" + layers).code == 0);
     auto job = read_exr(folder.path("job.exr"));
@@ -102,7 +102,7 @@ TEST_CASE("a crop has the bits of the whole image in its window, with everything
     check_refused(folder, "render bad.toml -o x.exr", {"bad.toml:4", "expected [x0, y0, x1, y1]"});
 }
 
-TEST_CASE("layers may lose what is hardly seen, and verify knows how much", "[law1]") {
+TEST_CASE("lossy layers are allowed, and verify accounts for the loss", "[law1]") {
     const SceneFolder folder;
     const std::string layers = " --lpe direct='C.L' --aov z --partition shipped";
     REQUIRE(run_raylex(folder, "render room.pbrt -o float.exr" + layers).code == 0);

@@ -1,4 +1,4 @@
-// Channels that a scene's own textures write to, asked for as AOVs.
+// Channels that a scene's textures write, requested as AOVs.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -9,7 +9,7 @@
 using namespace raylex::test;
 using raylex::display::read_exr;
 
-TEST_CASE("--aov and a job's aovs ask for the channel of a tee texture, and a slip names it") {
+TEST_CASE("--aov and a job's aovs request the channel of a tee texture, and misspelt names get a suggestion") {
     const Folder folder;
     std::string scene = small_scene();
     const std::string world = "WorldBegin";
@@ -30,7 +30,7 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1e3 -1e-2 1e3 
     double most[3] = {};
     for (std::size_t c = 0; c < 3; ++c)
         for (const float value : planes[c]->values) most[c] = std::max(most[c], double(value));
-    CHECK(most[0] > 0);  // in the rendering space, the scene's own: the numbers as they were written
+    CHECK(most[0] > 0);  // in the rendering space, the scene's own: the numbers as written
     CHECK(most[1] == Approx(most[0] / 2));
     CHECK(most[2] == Approx(most[0] / 4));
 

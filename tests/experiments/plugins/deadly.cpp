@@ -1,4 +1,4 @@
-// An integrator that ends its process, or never ends, in the way that a scene asks for.
+// An integrator that ends its process, or never ends, in a way that the scene chooses.
 #include <unistd.h>
 #include <csignal>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// A plugin that does not work, in the way that the environment variable MISBEHAVIOUR says.
+// A plugin that fails in the way given by the environment variable MISBEHAVIOUR.
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
@@ -16,7 +16,7 @@ RAYLEX_PLUGIN(host) {
         return error_at({}, "never made");
     };
     if (kind == "nothing") return;
-    // Something that must not stay behind when the plugin is refused.
+    // An object that must not stay registered when the plugin is refused.
     host.add_display_driver({"halfway", "registered before the plugin fails", {}, factory});
     if (kind == "exception") throw std::runtime_error("no licence for this machine");
     if (kind == "number") throw 42;

@@ -1,4 +1,4 @@
-// Prints a number made of the bits of the C library's functions, and one of ours, for masked_features_test.cpp.
+// Prints a number from the bits of the C library's functions, and one from raylex's, for masked_features_test.cpp.
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -23,7 +23,7 @@ struct Digest {
 int main() {
     Digest libm, own;
     for (int i = 0; i < 20000; ++i) {
-        volatile double argument = i * 0.0123 + 0.001;  // not for the compiler to evaluate
+        volatile double argument = i * 0.0123 + 0.001;  // prevents evaluation by the compiler
         const double x = argument;
         const auto y = static_cast<float>(x);
         for (const double value : {std::sin(x), std::exp(-x), std::log(x), std::pow(x, 2.4), std::atan(x), std::tan(x)})

@@ -1,4 +1,4 @@
-// One cell's samples over several runs: parts merge to the bits of the whole, and what is no whole is refused.
+// One cell's samples over several runs: parts merge to the bits of the whole, and incomplete sets are refused.
 #include <catch2/catch.hpp>
 
 #include <filesystem>
@@ -128,7 +128,7 @@ error = true
           std::string::npos);
 }
 
-TEST_CASE("parts that are no whole are refused by name, before anything is written", "[law7]") {
+TEST_CASE("incomplete sets of parts are refused by name, before anything is written", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", raylex::test::small_scene());
     folder.write("c.toml", scene + "[[method]]\nname = \"deep\"\n[budget]\nsamples = 56\n" + channels);
@@ -153,7 +153,7 @@ TEST_CASE("parts that are no whole are refused by name, before anything is writt
     CHECK(raylex_run(folder, "resume c.toml -o part1 --split-cells 2", 2).err.find("does not belong to this run") !=
           std::string::npos);
     CHECK(raylex_run(folder, split + "part1", 2).err.find("'raylex experiment resume' continues") != std::string::npos);
-    // A failed part makes a failed cell; done elsewhere, it is done.
+    // A failed part makes a failed cell; if another directory has it finished, it is finished.
     const std::string second = "part2/cells/" + cell + ".p2of3";
     const std::string good = folder.read(second + "/cell.json");
     edit(folder, second + "/cell.json", [](Json& json) { json["isa"] = "sse2"; });

@@ -1,6 +1,5 @@
-// How well the time to an error is predicted, on every scene that comes with raylex: what the live line of `render`
-// says, and what a report reads off its curves. In samples, which do not depend on the machine; a sample costs the same
-// early and late.
+// The accuracy of predicted times to an error, on every scene that comes with raylex: the live line of `render`, and
+// the curves of a report. Times are in samples, which do not depend on the machine; every sample costs the same.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -22,12 +21,11 @@ namespace transport = raylex::transport;
 
 namespace {
 
-/// Pixels of a reference are paid for with samples, so what needs one is small.
+/// Reference pixels cost many samples, so the images are small.
 struct Size {
     int width = 24, height = 16;
 };
-// All of experiments/scenes whose pixels have an error at all: furnaces and the point light on a plane have none to
-// predict.
+// All scenes in experiments/scenes whose pixels have noise; furnaces and the point light on a plane have none.
 const std::vector<std::string> scene_names{"cornell-color", "cornell-grey", "cornell-fog",
                                            "mis-plates",    "sky-image",    "still-life"};
 
@@ -52,7 +50,7 @@ transport::RenderSettings samples(std::uint64_t count, std::uint64_t seed) {
     return settings;
 }
 
-/// |predicted / needed - 1|, one for each scene.
+/// |predicted / needed - 1|, one value per scene.
 struct Differences {
     std::vector<double> values;
     double add(const char* what, const std::string& scene, double predicted, double needed) {
@@ -73,7 +71,7 @@ TEST_CASE("the samples to an error are predicted within a quarter", "[.full][stu
     constexpr Size size{96, 64};
     constexpr double pixels = size.width * size.height;
     Differences image, later, pixel;
-    // The seeds are fixed, so no chance is in it but that of another compiler's rounding.
+    // The seeds are fixed, so only another compiler's rounding can change the result.
     for (const std::string& name : scene_names) {
         const auto scene = scene_of(name);
         CAPTURE(name);
@@ -92,7 +90,7 @@ TEST_CASE("the samples to an error are predicted within a quarter", "[.full][stu
             const display::Forecast forecast = sampler_after(early, target).forecast().samples_to(target);
             const auto needed = static_cast<double>(rendered(scene, size, settings).samples.per_pixel);
             const double off = differences.add(what, name, forecast.expected, needed);
-            // What is said to take at least so long does not end before.
+            // A render does not end before its lower bound.
             if (forecast.least > 0)
                 std::printf("    at least %.0f: %+.1f %%\n", forecast.least, 100 * (forecast.least / needed - 1));
             CHECK(forecast.least <= needed);
@@ -101,7 +99,7 @@ TEST_CASE("the samples to an error are predicted within a quarter", "[.full][stu
         const transport::RenderOutput early = rendered(scene, size, samples(64, 1));
         const double off = half_error(image, "64 to half the error of the image", early);
         half_error(later, "256 to half the error of the image", rendered(scene, size, samples(256, 1)));
-        // --until-error: every pixel for itself, predicted by the first decision.
+        // --until-error: each pixel separately, predicted at the first decision.
         transport::RenderSettings by_pixel;
         by_pixel.samples.seed = 1;
         by_pixel.stop.adaptive.emplace().error = relative_error(early) / 2;
@@ -112,10 +110,10 @@ TEST_CASE("the samples to an error are predicted within a quarter", "[.full][stu
         const double each = pixel.add("64 to half the error, each pixel", name, predicted / pixels, needed / pixels);
         if (least > 0) std::printf("    at least %.0f: %+.1f %%\n", least / pixels, 100 * (least / needed - 1));
         CHECK(least <= needed);
-        // What is promised to users.
+        // The promise in the documentation.
         CHECK(std::abs(off) <= 0.25);
-        // A fifteenth of the still life's pixels takes three fifths of all samples in the end, hundreds of times the
-        // first 64, in which hardly any had met the light that makes it so.
+        // At the end, a fifteenth of the still life's pixels takes three fifths of all samples, hundreds of times the
+        // first 64, in which hardly any had met the light that dominates their error.
         if (name != "still-life") CHECK(std::abs(each) <= 0.25);
     }
     for (const auto& [what, differences] :
@@ -154,10 +152,11 @@ TEST_CASE("seconds to an error, two octaves beyond the measured budgets, are wit
         std::vector<BudgetGroup> groups;
         for (std::uint64_t count = 8; count <= last / 4; count *= 2) groups.push_back(squares(count));
         double mean = 0;
-        // The reference, 64 times as long, adds a 64th to a square: 0.8 % of the error.
+        // The reference, with 64 times the samples, adds a 64th to a square: 0.8 % of the error.
         for (const double each : squares(last).errors) mean += each / 8;
         const TimeToError time = time_to_error(groups, std::sqrt(mean));
-        // Where an early part says that the error does not fall any more, no time is given: as far off as can be.
+        // If an early part suggests that the error no longer falls, no time is given; this counts as the largest
+        // deviation.
         const bool given = std::isfinite(time.seconds.value);
         if (given) CHECK(time.extrapolated);
         report.add("off a report's curve", name, given ? time.seconds.value : HUGE_VAL, static_cast<double>(last));

@@ -1,4 +1,4 @@
-// The experiments that come with raylex: each is planned, and the mistake that one of them plants is found.
+// The experiments that come with raylex: each can be planned, and the planted mistake is found.
 #include <catch2/catch.hpp>
 
 #include <filesystem>
@@ -18,7 +18,7 @@ TEST_CASE("every ready experiment can be planned") {
     const Folder folder;
     int count = 0;
     for (const auto& entry : std::filesystem::directory_iterator(studies)) {
-        if (entry.path().extension() != ".toml") continue;  // pictures, the page about them
+        if (entry.path().extension() != ".toml") continue;  // pictures and their page
         CAPTURE(entry.path().string());
         const Outcome plan = run_raylex(folder, "experiment plan '" + entry.path().string() + "' --no-calibration");
         INFO(plan.err);
@@ -38,15 +38,15 @@ TEST_CASE("a planted mistake is found, and the first wrong path named", "[study]
     REQUIRE(run.code == 0);
     REQUIRE(run_raylex(folder, "experiment report" + common).code == 0);
     const std::string page = folder.read("out/report.html");
-    // Seeds are fixed, so this is no game of chance. Survivors of a roulette of 0.75 that are not weighted lose a
-    // quarter of the paths with three scatterings, and of those with fewer nothing.
+    // Seeds are fixed, so chance plays no role. Without weights, a roulette of 0.75 loses a quarter of the paths with
+    // three scattering events and none of those with fewer.
     CHECK(page.find(
               "Declared unbiased but differs from the reference:</span> planted-error on cornell-grey (beauty: -") !=
           std::string::npos);
     CHECK(page.find("is first wrong at the path <code>C,- R,D R,D R,D L,-</code>") != std::string::npos);
 }
 
-TEST_CASE("a channel without its beauty is compared with the same channel beside one, by the clock that is asked for",
+TEST_CASE("a channel without beauty is compared with the same channel of a full render, by the configured clock",
           "[study][release-only]") {
     const Folder folder;
     const std::string common = " '" + studies +
@@ -55,7 +55,7 @@ TEST_CASE("a channel without its beauty is compared with the same channel beside
     const Outcome run = run_raylex(folder, "experiment run" + common + " --report");
     INFO(run.out + run.err);
     REQUIRE(run.code == 0);
-    // Of the two channels that the full render has beside the beauty, `rest` is none of the other's.
+    // The full render has two channels besides the beauty; the other method does not have `rest`.
     CHECK(run.out.find("key on cornell-lamps16, method full to alone: ") != std::string::npos);
     CHECK(run.out.find("rest on cornell-lamps16, method") == std::string::npos);
     CHECK(run.err.find("omission") == std::string::npos);
@@ -76,7 +76,7 @@ TEST_CASE("a channel without its beauty is compared with the same channel beside
     refused("--set budget.error=0.1", "a budget of error applies to the beauty");
 }
 
-TEST_CASE("methods that begin at the lights agree with the path tracer in every channel of a partition, fog and all",
+TEST_CASE("methods that start at the lights agree with the path tracer in every channel of a partition, also in fog",
           "[study][release-only]") {
     const Folder folder;
     const Outcome run =
@@ -94,13 +94,13 @@ TEST_CASE("methods that begin at the lights agree with the path tracer in every 
             REQUIRE(at != std::string::npos);
             const std::string verdict = run.out.substr(at + who.size(), 13);
             CAPTURE(verdict);
-            // In fog, images of this size would miss a bias of a tenth: no bias is claimed, and none is excluded.
+            // In fog, images of this size would miss a bias of a tenth, so a bias is neither claimed nor excluded.
             const bool cannot_tell = verdict.starts_with("cannot tell");
             CHECK((verdict == "no bias found" || (cannot_tell && std::string(scene) == "cornell-fog")));
         }
 }
 
-TEST_CASE("one command passes the README's own integrator, and convicts it once it sees less than all",
+TEST_CASE("one command passes the README's integrator, and finds its bias when it misses some light",
           "[study][release-only]") {
     const Folder folder;
     folder.write("own.toml", "plugins = [\"" + binary_dir() + R"(/tests/libambient_occlusion.so"]

@@ -1,4 +1,4 @@
-// A cell has its name only when it is safe on disk, which happens beside the next cell's render.
+// A cell gets its name only when it is safely on disk, which happens during the next cell's render.
 #include <catch2/catch.hpp>
 
 #include <atomic>
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Files by the cell's name and their own, whatever the directory is called by now.
+/// Files by the cell's name and their own name, whatever the current name of the directory.
 std::string within_cell(const fs::path& path) {
     std::string cell = path.parent_path().filename().string();
     if (cell.ends_with(".partial")) cell.resize(cell.size() - 8);
@@ -40,7 +40,7 @@ raylex::Result<RunOutcome> run(const Folder& folder, bool resume) {
     RunRequest request;
     request.directory = folder.path("out");
     request.resume = resume;
-    request.isolated = false;  // the faults are of this process
+    request.isolated = false;  // the faults are injected into this process
     return run_experiment(*config, request, nullptr);
 }
 
@@ -58,7 +58,8 @@ TEST_CASE("a cell gets its name when all its files are on disk; one that cannot 
     std::set<std::string> synced;
     bool too_early = false;
     {
-        // The second cell's record does not reach the disk: known only while the third is being rendered, or after it.
+        // The second cell's record does not reach the disk, which is known only during the third cell's render or after
+        // it.
         const Faults faults([&](FileCall call, const std::string& path) {
             if (call != FileCall::sync || path.find("/cells/") == std::string::npos) return 0;
             const std::lock_guard lock(mutex);
@@ -74,7 +75,7 @@ TEST_CASE("a cell gets its name when all its files are on disk; one that cannot 
     CHECK_FALSE(too_early);
     CHECK(folder.has("out/cells/room.path.4spp.r0/cell.json"));
     CHECK_FALSE(folder.has("out/cells/" + second));
-    CHECK_FALSE(folder.has("out/cells/room.path.4spp.r2"));  // nothing follows a disk that takes nothing
+    CHECK_FALSE(folder.has("out/cells/room.path.4spp.r2"));  // nothing follows after a failed disk
     for (const auto& entry : fs::directory_iterator(folder.path("out/cells/room.path.4spp.r0")))
         CHECK(synced.contains(within_cell(entry.path())));
     folder.write("out/cells/" + second + ".partial/half.residual.png", "of the run that failed");

@@ -1,4 +1,4 @@
-// What an experiment's config hands to a shell, and what it names that is not there.
+// The shell commands of an experiment's config, and unknown names.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -17,7 +17,7 @@ using raylex::test::Outcome;
 using raylex::test::run_raylex;
 using raylex::test::small_scene;
 
-TEST_CASE("a value never becomes text that a shell reads, in whatever quotes its place stands", "[law7]") {
+TEST_CASE("a shell never interprets an inserted value, whatever the quotes around its placeholder", "[law7]") {
     const std::vector<std::string> nasty{"a b.pbrt",
                                          "$(touch pwned).pbrt",
                                          "`touch pwned`.pbrt",
@@ -33,7 +33,7 @@ TEST_CASE("a value never becomes text that a shell reads, in whatever quotes its
                                          "\"$(touch pwned)\"",
                                          "x) ; touch pwned #",
                                          "${IFS}touch${IFS}pwned"};
-    // Each command prints its first argument and a full stop; what a shell makes of the place is that argument.
+    // Each command prints its first argument, the value after the shell's interpretation, and a full stop.
     const std::vector<std::pair<std::string, std::string>> contexts{
         {"printf '%s.' {scene}", "@"},
         {"printf '%s.' '{scene}'", "@"},
@@ -65,7 +65,7 @@ TEST_CASE("a value never becomes text that a shell reads, in whatever quotes its
             CHECK(folder.read("log.txt") == expected + ".");
             CHECK_FALSE(folder.has("pwned"));
         }
-    // Another shell would read what this one has put in: refused, unless there is nothing to read.
+    // Another shell would interpret inserted values, so the command is refused unless the value is inert.
     for (const char* command : {"eval \"echo {scene}\"", "sh -c 'echo {scene}'", "bash -lc \"echo {scene}\"",
                                 "ssh farm render {scene}", "python3 -c 'print(\"{scene}\")'", "/bin/sh -ec 'x {scene}'",
                                 "cat <<END\n{scene}\nEND", "\"eval\" {scene}", "e\\val {scene}"}) {
@@ -84,7 +84,7 @@ TEST_CASE("a value never becomes text that a shell reads, in whatever quotes its
     CHECK_FALSE(has_place("x $RAYLEX_SPPX", "spp"));
 }
 
-TEST_CASE("a scene's file name stays a name in the quotes of a study's command", "[law7]") {
+TEST_CASE("a scene's file name stays one word in the quotes of a study's command", "[law7]") {
     const Folder folder;
     const std::string name = "$(touch pwned) 'it' `touch pwned`";
     folder.write(name + ".pbrt", small_scene());
@@ -95,12 +95,12 @@ command = "echo '{scene}' \"{scene}\" > seen.txt; : {out} {spp}"
 [budget]
 samples = 1
 )");
-    CHECK(run_raylex(folder, "experiment run c.toml -o out").code == 2);  // it writes no image
+    CHECK(run_raylex(folder, "experiment run c.toml -o out").code == 2);  // the command writes no image
     CHECK(folder.read("seen.txt").find(name + ".pbrt") != std::string::npos);
     CHECK_FALSE(folder.has("pwned"));
 }
 
-TEST_CASE("what a config, a job or a flag names and raylex lacks is an error with near misses", "[law7]") {
+TEST_CASE("unknown names in a config, a job or a flag are errors with the closest match", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const auto study = [&](const std::string& key) {
@@ -108,7 +108,7 @@ TEST_CASE("what a config, a job or a flag names and raylex lacks is an error wit
                                    "\n[budget]\nsamples = 1\n");
         return run_raylex(folder, "experiment run c.toml -o out");
     };
-    // Names of pbrt too: what was measured would be another method than the one that was asked for.
+    // Also names of pbrt, because another method than the requested one would be measured.
     for (const char* name : {"ambientocclusion", "mlt", "sppm", "simplepath", "paht"}) {
         CAPTURE(name);
         const Outcome refused = study(std::string("integrator = \"") + name + "\"");
@@ -133,15 +133,15 @@ TEST_CASE("what a config, a job or a flag names and raylex lacks is an error wit
           std::string::npos);
     CHECK(run_raylex(folder, "render room.pbrt -o x.exr --filter boxx").err.find("did you mean 'box'?") !=
           std::string::npos);
-    // A scene file's own names may fall back, with a word about it.
+    // Names in a scene file may be replaced, with a warning.
     folder.write("odd.pbrt", "Accelerator \"octree\"\n" + small_scene());
     CHECK(run_raylex(folder, "render odd.pbrt --spp 1 -o x.exr").err.find("accelerator 'octree' is none of pbrt's") !=
           std::string::npos);
 }
 
-TEST_CASE("a reference by a method that keeps no variances is not taken as exact") {
-    // Much noisier than the mean of the images: taken as exact it would accuse every method. Its noise is that of its
-    // own replicates.
+TEST_CASE("a reference by a method without variances does not count as exact") {
+    // The reference is much noisier than the mean of the images: if it counted as exact, every method would be reported
+    // as biased. Its noise is that of its method's replicates.
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     folder.write("c.toml", R"(replicates = 12
@@ -163,13 +163,14 @@ spp = 4
     INFO(run.out << run.err);
     REQUIRE(run.code == 0);
     CHECK(run.out.find("BIASED") == std::string::npos);
-    // So noisy a reference may hide more than a tenth; the method that made it is judged by the other one's images.
+    // Such a noisy reference can hide a bias of more than a tenth; its own method is judged by the other method's
+    // images.
     CHECK(std::regex_search(run.out, std::regex("\npath on room: (no bias found|cannot tell)")));
     CHECK(run.out.find("both on room: no bias found; a bias of ") != std::string::npos);
     CHECK(run.out.find("(compared with path)") != std::string::npos);
 }
 
-TEST_CASE("nobody is accused without evidence: of paths that it says it omits, of a slope through two budgets") {
+TEST_CASE("declared omissions and slopes through two budgets are not reported as bias") {
     const Folder folder;
     folder.write("c.toml", "replicates = 3\n[[scene]]\nname = \"glass\"\nfile = \"" + raylex::test::source_dir() +
                                R"(/experiments/scenes/still-life/scene.pbrt"
@@ -197,7 +198,7 @@ lpe = "C<RS>.*L"
     CHECK(run.out.find("BIASED") == std::string::npos);
     CHECK(run.out.find("not judged: it declares that it does not find C<.S>.* (beauty, mirrored, rest)") !=
           std::string::npos);
-    CHECK(run.out.find("warning: ") != std::string::npos);  // of the cell, on the terminal
+    CHECK(run.out.find("warning: ") != std::string::npos);  // of the cell, in the terminal
     std::istringstream lines(folder.read("out/results.jsonl"));
     int judged = 0, left_out = 0;
     for (std::string line; std::getline(lines, line);) {

@@ -1,4 +1,4 @@
-// An experiment's config, its plan and its arrays, without a render.
+// An experiment's config, its plan and its arrays, without rendering.
 #include <catch2/catch.hpp>
 
 #include <cstring>
@@ -74,7 +74,7 @@ TEST_CASE("axes are values, lists, ranges and powers of two") {
     }
 }
 
-TEST_CASE("sweeps and --set reach every value, and the variants are what they say") {
+TEST_CASE("sweeps and --set can set every value, and the variants follow") {
     const Made made;
     const std::string text = base + "[sweep]\nmax_depth = [3, 5]\n\"sampler.type\" = ['independent', 'sobol']\n";
     const ExperimentConfig config = config_of(made, text);
@@ -95,10 +95,10 @@ TEST_CASE("sweeps and --set reach every value, and the variants are what they sa
     CHECK(changed.reference.samples == 64);
     CHECK((changed.scenes[0].job.settings.film.resolution == std::array<int, 2>{8, 6}));
     CHECK(changed.hash != config.hash);
-    CHECK(config_of(made, "# a remark\n" + text).hash == config.hash);  // what it says counts, not how it is laid out
+    CHECK(config_of(made, "# a remark\n" + text).hash == config.hash);  // only the values count, not the layout
 }
 
-TEST_CASE("a method's only sample filter can be swept, and its settings are told by the keys of a sweep") {
+TEST_CASE("a method's only sample filter can be swept, and its settings have the keys of a sweep") {
     const Made made;
     const std::string clamped = base +
                                 "[[method]]\nname = \"clamp\"\nunbiased = false\n"
@@ -121,7 +121,7 @@ TEST_CASE("a method's only sample filter can be swept, and its settings are told
           std::pair<std::string, std::string>("sample_filter.luminance", "3"));
 }
 
-TEST_CASE("what is wrong in a config is told with its place", "[law7]") {
+TEST_CASE("errors in a config have their place", "[law7]") {
     const Made made;
     made.folder.write("c.toml", "");
     struct Case {
@@ -180,7 +180,7 @@ TEST_CASE("what is wrong in a config is told with its place", "[law7]") {
     }
 }
 
-TEST_CASE("a plan interleaves methods, leaves out what it is told to, and gives no seed twice") {
+TEST_CASE("a plan interleaves methods, honours exclusions, and never repeats a seed") {
     const Made made;
     const ExperimentConfig config = config_of(made, base + "[[exclude]]\nmethod = 'shallow'\nsamples = 8\n",
                                               {"replicates=500", "reference.method=path", "reference.spp=1"});
@@ -194,11 +194,11 @@ TEST_CASE("a plan interleaves methods, leaves out what it is told to, and gives 
     std::set<std::uint32_t> seeds;
     for (const std::uint64_t seed : plan->reference_seeds) CHECK(seeds.insert(short_seed(seed)).second);
     for (const PlannedCell& each : plan->cells) CHECK(seeds.insert(short_seed(each.cell.seed)).second);
-    // More replicates give the first ones the same seeds.
+    // More replicates keep the seeds of the first ones.
     auto more = make_plan(config_of(made, base, {"replicates=2", "reference.method=path", "reference.spp=1"}));
     REQUIRE(more);
     CHECK(more->cells[0].cell.seed == plan->cells[0].cell.seed);
-    // Another seed of the config shares none with it.
+    // Another seed of the config shares no seed with it.
     auto other = make_plan(config_of(made, base, {"seed=1"}));
     REQUIRE(other);
     for (const PlannedCell& each : other->cells) CHECK_FALSE(seeds.contains(short_seed(each.cell.seed)));
@@ -207,7 +207,7 @@ TEST_CASE("a plan interleaves methods, leaves out what it is told to, and gives 
     CHECK(nothing.error().message.find("matches no cell") != std::string::npos);
 }
 
-TEST_CASE("arrays are NumPy's, and come back bit by bit") {
+TEST_CASE("arrays have NumPy's format, and are read back bit by bit") {
     const Folder folder;
     const PixelArray array{2, 3, 2, {0.1, -2, 3e300, 5e-324, 0, 1, 2, 3, 4, 5, 6, 7}};
     REQUIRE(write_npy(folder.path("a.npy"), array));
@@ -218,7 +218,7 @@ TEST_CASE("arrays are NumPy's, and come back bit by bit") {
     CHECK(read->components == 2);
     CHECK((std::memcmp(read->values.data(), array.values.data(), 12 * sizeof(double)) == 0));
     const std::string bytes = folder.read("a.npy");
-    CHECK(bytes.size() % 64 == (12 * sizeof(double)) % 64);  // the data are aligned, as the format asks for
+    CHECK(bytes.size() % 64 == (12 * sizeof(double)) % 64);  // the data are aligned, as the format recommends
     CHECK(bytes.substr(10, 62) == "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3, 2), }");
     REQUIRE(write_npy_counts(folder.path("n.npy"), 1, 2, {7, 1ULL << 40}));
     auto counts = read_npy(folder.path("n.npy"));

@@ -1,4 +1,4 @@
-// Results whose files are not what was written: replay, resume, merge and report say so by name.
+// Damaged result files: replay, resume, merge and report name them.
 #include <catch2/catch.hpp>
 
 #include <filesystem>
@@ -16,7 +16,7 @@ using raylex::test::small_scene;
 
 namespace fs = std::filesystem;
 
-TEST_CASE("every file of a cell is checked: damage is named, rendered again, refused or left out", "[law7]") {
+TEST_CASE("damage in every file of a cell is named, and the cell is rendered again, refused or left out", "[law7]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     folder.write("c.toml", R"(threads = 1
@@ -89,7 +89,7 @@ lpe = "CDL"
         fs::remove_all(folder.path("merged"));
         begin_anew();
     }
-    // A checksum that was changed together with its file: the new render says it.
+    // A checksum changed together with its file: the new render shows the difference.
     std::string bytes = folder.read(cell + "direct.mean.npy");
     bytes[bytes.size() - 2] = static_cast<char>(bytes[bytes.size() - 2] ^ 1);
     folder.write(cell + "direct.mean.npy", bytes);
@@ -106,7 +106,7 @@ lpe = "CDL"
     CHECK(forged.code == 1);
     CHECK(forged.out.find("DIFFERS in direct.mean.npy") != std::string::npos);
     begin_anew();
-    // A reference is no less a file.
+    // The files of a reference are checked too.
     const std::string reference = results->scenes.front().reference.substr(folder.path("").size());
     fs::resize_file(folder.path(reference + "/beauty.mean.npy"), 100);
     for (const char* step : {"resume c.toml -o out", "merge out -o merged", "report c.toml -o out"}) {

@@ -1,4 +1,4 @@
-// A study whose scenes end the process that renders them, or never end: the others' cells are run.
+// A study with scenes that crash their process or never end: the cells of the other scenes run.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -60,9 +60,9 @@ const Cell& cell_of(const Experiment& results, const std::string& scene) {
 
 }  // namespace
 
-TEST_CASE("a scene that kills its process fails by itself: the others' cells are run, and resume goes on", "[law7]") {
+TEST_CASE("a scene that crashes its process fails alone: the other cells run, and resume continues", "[law7]") {
     const Folder folder;
-    // The address sanitizer would make an exit code of a segmentation fault.
+    // The address sanitizer would turn a segmentation fault into an exit code.
     const char* const options = std::getenv("ASAN_OPTIONS");
     setenv("ASAN_OPTIONS", (std::string(options == nullptr ? "" : options) + ":handle_segv=0").c_str(), 1);
     const std::vector<BadScene> bad{
@@ -89,7 +89,7 @@ TEST_CASE("a scene that kills its process fails by itself: the others' cells are
         if (each.way == "abort") CHECK(cell.failure.find("last words of the scene") != std::string::npos);
         CHECK_FALSE(folder.has("out/cells/" + cell.id + ".partial"));
     }
-    // What has failed stays so, and nothing dies of it again; on request it is tried once more.
+    // A failed cell stays failed and crashes nothing again; on request it is run again.
     const Outcome resumed = run_raylex(folder, "experiment resume c.toml -o out");
     CHECK(resumed.code == 2);
     CHECK(resumed.out.find("] abort-rendering") == std::string::npos);
@@ -98,7 +98,7 @@ TEST_CASE("a scene that kills its process fails by itself: the others' cells are
     CHECK(changed.code == 2);
     CHECK(changed.err.find("has changed since") != std::string::npos);
     folder.write("abort-rendering.pbrt", deadly_scene("abort", "rendering"));
-    folder.write("abort-loading.pbrt", small_scene());  // it was never anything else
+    folder.write("abort-loading.pbrt", small_scene());  // a scene that never crashed
     const Outcome retried = run_raylex(folder, "experiment resume c.toml -o out --retry");
     INFO(retried.out << retried.err);
     CHECK(retried.code == 2);
@@ -106,8 +106,7 @@ TEST_CASE("a scene that kills its process fails by itself: the others' cells are
     CHECK_FALSE(cell_of(results_of(folder), "abort-loading").failed);
 }
 
-TEST_CASE(
-    "a study of nothing but a scene that dies lists its cells as failed; a mistake in all scenes is told at once") {
+TEST_CASE("a study whose only scene crashes lists its cells as failed; an error in all scenes is reported at once") {
     const Folder folder;
     write_study(folder, {});
     folder.write("good.pbrt", deadly_scene("abort", "loading"));
@@ -120,7 +119,8 @@ TEST_CASE(
     CHECK_FALSE(folder.has("other/experiment.json"));
 }
 
-TEST_CASE("what never ends is ended by its timeout, and by an interrupt; no process is left", "[release-only][law7]") {
+TEST_CASE("a cell that never ends is ended by its timeout or an interrupt; no process is left",
+          "[release-only][law7]") {
     const Folder folder;
     write_study(folder, {{"endless", "rendering", "timeout"}}, "timeout = \"2s\"\n");
     const Outcome run = run_raylex(folder, "experiment run c.toml -o out");
@@ -129,7 +129,7 @@ TEST_CASE("what never ends is ended by its timeout, and by an interrupt; no proc
     const Experiment results = results_of(folder);
     CHECK(cell_of(results, "endless-rendering").failure.find("timeout of 2.00 s") != std::string::npos);
     CHECK_FALSE(cell_of(results, "good").failed);
-    // SIGTERM to the program alone, as a batch system sends it.
+    // SIGTERM only to the program, as a batch system sends it.
     write_study(folder, {{"endless", "rendering", ""}});
     const Outcome stopped = run_shell(folder, R"("$RAYLEX" experiment run c.toml -o stopped & program=$!
 for i in $(seq 200); do worker=$(pgrep -P $program); [ -n "$worker" ] && break; sleep 0.05; done
@@ -138,7 +138,7 @@ for i in $(seq 100); do kill -0 $worker 2>/dev/null || break; sleep 0.05; done
 kill -0 $worker 2>/dev/null && echo "left behind")");
     CHECK(stopped.out.find("code 130") != std::string::npos);
     CHECK(stopped.out.find("left behind") == std::string::npos);
-    // Nor when it is killed itself.
+    // No process is left if the program itself is killed.
     const Outcome killed = run_shell(folder, R"("$RAYLEX" experiment run c.toml -o killed & program=$!
 for i in $(seq 200); do worker=$(pgrep -P $program); [ -n "$worker" ] && break; sleep 0.05; done
 sleep 0.2; kill -KILL $program; wait $program
@@ -147,7 +147,7 @@ kill -0 $worker 2>/dev/null && echo "left behind")");
     CHECK(killed.out.find("left behind") == std::string::npos);
 }
 
-TEST_CASE("a child process answers, tells, dies with a reason and is begun again") {
+TEST_CASE("a child process answers, sends messages, crashes with a reason and is restarted") {
     ChildProcess process([] {
         return [count = 0](const std::string& request, const Tell& tell) mutable {
             if (request == "die") _exit(3);

@@ -1,4 +1,4 @@
-// What a study concludes: verdicts on bias with their reasons, which method is best, and how the page begins.
+// The conclusions of a study: bias verdicts with reasons, the best method, and the beginning of the page.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -37,7 +37,7 @@ std::string page_of(const Folder& folder, const Experiment& experiment) {
     return folder.read("study/report.html");
 }
 
-/// The reference as a method makes it that keeps no variances, with light in one channel that its replicates lack.
+/// Makes the reference by a method without variances, with light in one channel that its replicates lack.
 void spoil_reference(const SceneInfo& scene, const std::string& channel, double factor) {
     for (const ChannelInfo& each : scene.channels)
         std::filesystem::remove(scene.reference + "/" + each.name + ".m2.npy");
@@ -63,11 +63,11 @@ TEST_CASE("a verdict on bias has sign, size, interval and place", "[study]") {
         CHECK(entry->judgement() == BiasJudgement::differs);
         CHECK(mean.low < truth);
         CHECK(mean.high > truth);
-        CHECK(mean.low * mean.high > 0);  // the interval is at the level of the test that rejects
+        CHECK(mean.low * mean.high > 0);  // the interval is at the level of the rejecting test
     }
     CHECK(matches(finding_of(study, skewed), "\\+(4\\.9|5|5\\.0)[0-9]* % \\[[0-9.]+, [0-9.]+\\] of the mean"));
     CHECK(matches(finding_of(study, clamped), "-(9\\.9|10|10\\.0)[0-9]* % \\[-[0-9.]+, -[0-9.]+\\] of the mean"));
-    // A block of its own reads otherwise.
+    // A single block is described differently.
     BiasEntry block = skewed;
     block.verdict.worst_is_whole = false;
     block.verdict.worst = 5;  // of four across
@@ -76,7 +76,7 @@ TEST_CASE("a verdict on bias has sign, size, interval and place", "[study]") {
     CHECK(finding_of(study, block) == "+0.9 % [0.4, 1.4] in the block at (16, 16), +0.06 % [-0.01, 0.13] of the mean");
 }
 
-TEST_CASE("a method that declares what it omits is not judged for that reason, and for no other", "[study][report]") {
+TEST_CASE("a method is not judged on channels with its declared omissions, and only on those", "[study][report]") {
     if (!read_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, small);
@@ -93,7 +93,7 @@ TEST_CASE("a method that declares what it omits is not judged for that reason, a
     CHECK_FALSE(has(page, "No verdict on bias, because a few rare samples dominate"));
 }
 
-TEST_CASE("where a bias above a tenth would be missed, nothing is passed", "[study][report]") {
+TEST_CASE("if a bias above a tenth would be missed, the verdict is open", "[study][report]") {
     if (!read_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     // One degree of freedom: critical values of hundreds of standard errors.
@@ -110,7 +110,7 @@ TEST_CASE("where a bias above a tenth would be missed, nothing is passed", "[stu
     CHECK(has(folder.read("study/results.jsonl"), "\"verdict\":\"cannot tell: a bias below "));
 }
 
-TEST_CASE("values that are not finite are no agreement", "[study]") {
+TEST_CASE("values that are not finite do not count as agreement", "[study]") {
     const double nan = std::nan("");
     const BiasSide broken{{{1, nan}, {1.1, nan}}, {}}, all{{{nan, nan}, {nan, nan}}, {}},
         reference{{{1, 1}}, {0.01, 0.01}};
@@ -126,13 +126,13 @@ TEST_CASE("the method that made the reference is judged by another one", "[study
     CHECK(entry_of(study, "skewed", "bounce2").against == "path max_depth=4");
     CHECK(entry_of(study, "skewed", "bounce2").convicts());
     CHECK(entry_of(study, "path max_depth=4", "bounce2").against.empty());
-    // Two that disagree: one is wrong, and a reference by the other does not tell which.
+    // Two methods that disagree: one is wrong, and a reference by the other does not show which.
     experiment.scenes[0].reference_method = "path max_depth=4";
     study = judged(experiment);
     CHECK(entry_of(study, "path max_depth=4", "bounce2").judgement() == BiasJudgement::cannot_tell);
     CHECK(has(entry_of(study, "path max_depth=4", "bounce2").doubt, "no other method agrees with it"));
     CHECK(entry_of(study, "path max_depth=4", "bounce1").against == "skewed");
-    // No second method: judged by its own, and the table says so.
+    // Without a second method it is judged by its own reference, and the table shows that.
     const Folder alone;
     experiment = write_synthetic_study(alone, {64, 48, 1, 2, 5, 3, 1, 0.4});
     experiment.scenes[0].reference_method = "path max_depth=4";
@@ -141,30 +141,30 @@ TEST_CASE("the method that made the reference is judged by another one", "[study
     CHECK(has(entry_of(study, "path max_depth=4", "beauty").verdict.note, "a mistake in both is not found"));
 }
 
-TEST_CASE("a reference whose own error is unknown convicts only with another method's images", "[study]") {
+TEST_CASE("with a reference of unknown error, a bias needs confirmation by another method's images", "[study]") {
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 2, 0.4});
     experiment.scenes[0].reference_method = "path max_depth=4";
     spoil_reference(experiment.scenes[0], "bounce1", 1.1);
     const Study study = judged(experiment);
     const BiasEntry &met = entry_of(study, "skewed", "bounce1"), &wrong = entry_of(study, "skewed", "bounce2");
-    CHECK(met.verdict.differs);  // by the 10 % that the reference alone has
+    CHECK(met.verdict.differs);  // by the 10 % that only the reference has
     CHECK(met.judgement() == BiasJudgement::cannot_tell);
     CHECK(has(verdict_of(study, met),
               "cannot tell: it differs from the reference, whose own error is unknown, and no "
               "other method's images confirm it: -9"));
-    CHECK(wrong.convicts());  // the path's own images show it, too
+    CHECK(wrong.convicts());  // the path's own images confirm it
     CHECK(entry_of(study, "path max_depth=4", "bounce1").judgement() == BiasJudgement::cannot_tell);
     const std::vector<std::string> lines = verdict_lines(study);
     REQUIRE(lines.size() == 2);
     CHECK(has(lines[1], "whose own error is unknown"));
-    // What is not known is not taken off, and no plot claims it.
+    // Unknown noise is not subtracted, and no plot claims so.
     for (const Plot& plot : plots_of(study)) CHECK_FALSE(has(plot.json, "noise subtracted"));
     const Folder known;
     CHECK(has(plots_of(judged(write_synthetic_study(known, small))).front().json, "noise subtracted"));
 }
 
-TEST_CASE("a bias and missing paths end the times to an error where the measured ones end", "[study]") {
+TEST_CASE("with a bias or missing paths, times to an error are not extrapolated", "[study]") {
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 3, 0.4});
     const auto least_time = [&](const char* variant, const char* channel) {
@@ -182,7 +182,7 @@ TEST_CASE("a bias and missing paths end the times to an error where the measured
     CHECK(std::isfinite(least_time("path max_depth=4", "bounce1").value));
 }
 
-TEST_CASE("the first wrong path is one of the channel that the verdict names", "[study]") {
+TEST_CASE("the first wrong path belongs to the channel in the verdict", "[study]") {
     const Folder folder;
     const Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 3, 0.4});
     Study study = judged(experiment);
@@ -198,7 +198,7 @@ TEST_CASE("the first wrong path is one of the channel that the verdict names", "
     CHECK_FALSE(has(verdict_lines(study)[1], "first wrong path"));
 }
 
-TEST_CASE("the page begins with every channel by every method, and what is best", "[study][report]") {
+TEST_CASE("the page begins with all channels by all methods, and the best method", "[study][report]") {
     if (!read_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 6, 5, 3, 2, 0.4});
@@ -211,10 +211,11 @@ TEST_CASE("the page begins with every channel by every method, and what is best"
     // The path's largest budget: 512 samples at 0.01 s and 0.06 s of preparation.
     CHECK(bounce1.seconds == Approx(5.18));
     CHECK(bounce1.best == 0);
-    // In that time the other takes a quarter of the samples that it takes alone, at 0.011 s each after 0.06 s:
+    // In that time the other method takes a quarter of its largest number of samples, at 0.011 s each after 0.06 s. The
     // error goes as 1 / samples, so the ratio is that of the samples.
     const double samples = (5.18 / 4 - 0.06) / 0.011;
-    CHECK(bounce1.ratio.value == Approx(512 / samples).epsilon(0.03));  // straight lines in logs bend by the setup
+    // straight lines in logarithms bend because of the setup
+    CHECK(bounce1.ratio.value == Approx(512 / samples).epsilon(0.03));
     CHECK(bounce1.ratio.low > 1);
     CHECK(matches(best_sentence(study, bounce1),
                   "path max_depth=4 for bounce1: [0-9.]+ times less squared error in the same time than skewed "
@@ -224,11 +225,11 @@ TEST_CASE("the page begins with every channel by every method, and what is best"
     REQUIRE(table != std::string::npos);
     CHECK(table < verdicts);
     CHECK(page.find("<table") > table);
-    CHECK(has(page, "1 % not reached"));  // skewed in its wrong channel: it got as far as its bias
+    CHECK(has(page, "1 % not reached"));  // skewed, in its wrong channel, stops at its bias
     CHECK(has(page.substr(table, verdicts - table), "<b>"));
     CHECK_FALSE(has(page, "against seconds</th>"));
     CHECK(count_matches(page, "Slope over the last 4 octaves") == 3);  // one column, in the panel of each channel
-    // The axis of samples has the budgets that ran.
+    // The axis of samples shows the budgets of the study.
     const std::string plot = folder.read("study/plots/ramp.beauty.samples.svg");
     for (const char* budget : {">16</text>", ">32</text>", ">64</text>", ">128</text>", ">512</text>"})
         CHECK(has(plot, budget));
@@ -245,7 +246,7 @@ TEST_CASE("errors at a time between budgets, and outside of them", "[study]") {
     CHECK(one.standings[1].squared.value > one.standings[0].squared.value);
 }
 
-TEST_CASE("a ratio or a time of which nothing is known to a factor of 100 is no result", "[study]") {
+TEST_CASE("a ratio or time with an uncertainty of more than a factor of 100 is not a result", "[study]") {
     const std::vector<double> wild{1, 1e-3}, same{1, 1.01}, seconds{1, 1};
     const Interval none = speed_up_interval({wild, seconds}, {same, seconds});
     CHECK(std::isnan(none.value));
@@ -255,7 +256,7 @@ TEST_CASE("a ratio or a time of which nothing is known to a factor of 100 is no 
     CHECK(time_to_error(two, 0.1).seconds.note == wide_note);
 }
 
-TEST_CASE("a reference that is too coarse for the page's errors is named at its top", "[study][report]") {
+TEST_CASE("a reference that is too coarse for the errors is named at the top of the page", "[study][report]") {
     if (!read_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     // 0.8 / sqrt(65536) = 0.31 %, above half of 0.5 %; `small` has half of that.

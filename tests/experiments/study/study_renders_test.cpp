@@ -1,5 +1,5 @@
-// The statistics of studies on real renders: what simulations cannot promise about paths. A minute or two, so only on
-// request.
+// The statistics of studies on real renders: properties of paths that simulations do not show. It takes a minute or
+// two, so it runs only on request.
 #include <catch2/catch.hpp>
 
 #include <cstdio>
@@ -74,9 +74,10 @@ Coverage measure(const std::string& name, std::uint64_t samples, std::size_t rep
 TEST_CASE("95 % intervals cover the errors of real renders", "[.full][study][statistical]") {
     // 200 sets: one binomial standard error is 1.5 %. 91 % is below 95 % by 2.6 of them.
     const Coverage room = measure("cornell-color", 16, 8);
-    CHECK(room.heavy <= 10);  // diffuse surfaces under a lamp that is sampled
+    CHECK(room.heavy <= 10);  // diffuse surfaces under a light with light sampling
     CHECK(room.covered >= 0.91 * room.judged);
-    // Caustics of glass: intervals cover in two of three sets, so nearly all sets must say that theirs is not valid.
+    // Caustics of glass: intervals cover in two of three sets, so nearly all sets must have the note that theirs is not
+    // valid.
     const Coverage glass = measure("still-life", 16, 8);
     CHECK(glass.heavy >= 180);
 }
@@ -98,5 +99,5 @@ TEST_CASE("the bias test of real renders against renders of the same method keep
         alarms += test_bias(method, other, options).differs;
     }
     std::printf("bias test of a method against itself, level 5 %%: %d alarms in 100\n", alarms);
-    CHECK(alarms <= 11);  // 5 and three binomial standard errors of 2.2
+    CHECK(alarms <= 11);  // 5, plus three binomial standard errors of 2.2
 }

@@ -1,4 +1,4 @@
-// The report of a study whose truth is known: what its tables, files, plots and page say.
+// The report of a study with known results: its tables, files, plots and page.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -39,7 +39,7 @@ bool has_d3() {
     return bool(read_d3());
 }
 
-/// $RAYLEX_KEEP_REPORT keeps the page, for looking at it.
+/// $RAYLEX_KEEP_REPORT names a file for the page, for inspection.
 void keep_report(const Folder& folder, const std::string& name) {
     const char* to = std::getenv("RAYLEX_KEEP_REPORT");
     if (to != nullptr)
@@ -49,16 +49,16 @@ void keep_report(const Folder& folder, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("a study's report says what is true of it", "[study][report]") {
+TEST_CASE("a study's report has the known results", "[study][report]") {
     if (!has_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     const Experiment experiment = write_synthetic_study(folder, {});
-    std::filesystem::remove(experiment.cells[2].directory + "/bounce2.mean.npy");  // clamped, least budget
+    std::filesystem::remove(experiment.cells[2].directory + "/bounce2.mean.npy");  // clamped, smallest budget
     REQUIRE(write_study_report(experiment) == 0);
     keep_report(folder, "small");
     const std::string jsonl = folder.read("study/results.jsonl");
 
-    // Only the method with the planted error is accused, in its channel and not in the one that is right.
+    // Only the method with the planted error is reported, in its channel and not in the correct one.
     int skewed = 0, differing = 0;
     const std::vector<Json> bias = lines_of(jsonl, "bias");
     REQUIRE(bias.size() == 3 * 3);  // variants x channels
@@ -81,12 +81,12 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
         if (line["variant"] == "skewed") {
             ++named;
             CHECK(line["channel"] == "bounce2");
-            // Camera, two scatterings, light: four events.
+            // Camera, two scattering events, light: four events.
             CHECK(raylex::test::matches(line["path"].get<std::string>(), "C\\S* \\S+ \\S+ [LO]\\S*"));
         }
     CHECK(named == 1);
 
-    // One sample's deviation is 0.4 of its pixel, so relmse-mean is 0.16 / n times what the floor leaves of dark
+    // One sample's deviation is 0.4 of its pixel, so relmse-mean is 0.16 / n times the effect of the floor on dark
     // pixels.
     const auto reference = read_mean(experiment.scenes[0].reference, "bounce1");
     REQUIRE(reference);
@@ -112,15 +112,15 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
         if (line["variant"] == "path max_depth=4" && line["channel"] == "bounce1") {
             ++against_seconds;
             CHECK(line["against_seconds"]["slope"].get<double>() ==
-                  Approx(-1).margin(0.05));  // less the time to prepare
+                  Approx(-1).margin(0.05));  // without the preparation time
         }
         if (line["variant"] == "path max_depth=4")
             CHECK(line["against_samples"]["slope"].get<double>() == Approx(-1).margin(0.05));
         if (line["variant"] == "skewed" && line["channel"] == "bounce2") {
-            CHECK(line["too_shallow"] == false);  // the bias is the finding, once
+            CHECK(line["too_shallow"] == false);  // the bias is reported, and only once
             CHECK(line["verdict"] == "shallower than -1, as expected from the bias found here");
         }
-        if (line["variant"] == "clamped") CHECK(line["too_shallow"] == false);  // it never claimed otherwise
+        if (line["variant"] == "clamped") CHECK(line["too_shallow"] == false);  // it is declared biased
     }
     CHECK(slopes == 3);  // channels
     CHECK(shallow == 1);
@@ -130,18 +130,18 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
     for (const Json& line : lines_of(jsonl, "time_to_error"))
         if (line["variant"] == "path max_depth=4" && line["channel"] == "bounce1" && line["relative_error"] == 0.01) {
             ++extrapolated;
-            // 0.4^2 / 0.01^2 = 1600 samples of 0.01 s, less for the floor, and 0.06 s of setup.
+            // 0.4^2 / 0.01^2 = 1600 samples of 0.01 s, fewer because of the floor, and 0.06 s of setup.
             CHECK(line["seconds"]["value"].get<double>() == Approx(16 * kept + 0.06).epsilon(0.02));
             CHECK(line["extrapolated"] == true);
         }
     CHECK(extrapolated == 1);
-    // Methods are compared where they differ in one setting, swept or not: what it buys in every channel.
+    // Methods that differ in one setting, swept or not, are compared in every channel.
     const std::vector<Json> settings = lines_of(jsonl, "setting");
     REQUIRE(settings.size() == 2 * 3);
     int speed_ups = 0, costs = 0;
     for (const Json& line : settings) {
         CAPTURE(line.dump());
-        // Methods go by their names; in what they differ stands beside them.
+        // Methods are named, with the setting in which they differ.
         CHECK(line["setting"] == "method");
         CHECK(line["from"] == "path");
         const bool strategy = line["to"] == "skewed";
@@ -152,7 +152,7 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
         // The same error in 1.1 times the time, and 0.06 s of setup; replicates differ in their noise.
         if (strategy && line["channel"] == "bounce1") {
             CHECK(line["speed_up"]["value"].get<double>() == Approx(1 / 1.1).epsilon(0.02));
-            // Of normal noise a median varies 1.25 times as much as the mean.
+            // For normal noise, a median varies 1.25 times as much as the mean.
             CHECK(line["speed_up_by_medians"].get<double>() == Approx(1 / 1.1).epsilon(1.25 * 0.02));
         }
         if (!strategy) CHECK(line["speed_up"]["high"] < 1);  // a bias of a tenth costs most of the efficiency
@@ -164,7 +164,7 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
 
     const std::string csv = folder.read("study/results.csv");
     CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 4 * 5 * 3 * 3 - 1);
-    // The header is names that any program takes; a file beside it says what they mean, each once and in order.
+    // The header has names for any program; a file beside it describes them, each once and in order.
     const std::string header = csv.substr(0, csv.find("\r\n")), columns = folder.read("study/results.columns.csv");
     CHECK(raylex::test::matches(header, "[a-z][a-z0-9_]*(,[a-z][a-z0-9_]*)*"));
     CHECK(columns.find("relmse_mean,,\"mean((a-b)^2 / (b^2 + (0.1 m)^2)), m = mean(|b|)\"") != std::string::npos);
@@ -199,7 +199,8 @@ TEST_CASE("a study's report says what is true of it", "[study][report]") {
         CHECK(page.find(fetch) == std::string::npos);
 }
 
-TEST_CASE("error spectra tell noise from bias by its frequency, and maps show where images vary", "[study][report]") {
+TEST_CASE("error spectra distinguish noise from bias by frequency, and maps show where images vary",
+          "[study][report]") {
     if (!has_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     const Experiment experiment = write_synthetic_study(folder, {});
@@ -225,15 +226,16 @@ TEST_CASE("error spectra tell noise from bias by its frequency, and maps show wh
         for (std::size_t i = 0; i < power.size(); ++i) CHECK((least[i] <= power[i] && power[i] <= most[i]));
         if (line["channel"] != "bounce2" || line["variant"] == "clamped") continue;
         ++spectra;
-        // The study has the exact variance of the reference; `squares` is of the noisy reference. Its relative standard
-        // error is at most 2 x (0.4 / 256) / sqrt(count / 3), because a few bright pixels weigh more; four of them.
+        // The study knows the exact variance of the reference; `squares` is of the noisy reference. Its relative
+        // standard error is at most 2 x (0.4 / 256) / sqrt(count / 3), because a few bright pixels weigh more; four of
+        // them.
         CHECK(line["reference_error"].get<double>() ==
               Approx(0.4 / 256 * std::sqrt(squares) / mean).epsilon(4 * 2 * 0.4 / 256 / std::sqrt(count / 3)));
-        // But for the corners, the last rings have 5 x 3 x hundreds of values each, whose squares vary as much as their
-        // mean.
+        // Except at the corners, the last rings have 5 x 3 x hundreds of values each, whose squares vary as much as
+        // their mean.
         for (std::size_t i = power.size() - 5; i + 1 < power.size(); ++i) CHECK(power[i] == Approx(noise).epsilon(0.1));
         // 5 % too bright: the frequency 0 has pixels x 0.05^2, far above the noise; three components of five replicates
-        // of noise alone stay within a few times its mean.
+        // of pure noise stay within a few times its mean.
         const bool skewed = line["variant"] == "skewed";
         if (skewed) CHECK(power[0] == Approx(64 * 48 * 0.05 * 0.05).epsilon(0.2));
         else CHECK(power[0] < 10 * noise);
@@ -249,7 +251,7 @@ TEST_CASE("error spectra tell noise from bias by its frequency, and maps show wh
     for (const ErrorSpectrum& each : study->spectra) {
         CHECK(each.deviation.values.empty() == (each.curve->channel != "beauty"));
         if (each.deviation.values.empty()) continue;
-        // Where the disc is the noise is that of more light.
+        // On the disc, the noise is that of brighter light.
         const auto at = [&](double u, double v) {
             double sum = 0;
             for (int y = -2; y <= 2; ++y)
@@ -274,7 +276,7 @@ TEST_CASE("a study's page works in a browser", "[study][report]") {
     CHECK(page.err.find("Uncaught") == std::string::npos);
     REQUIRE_FALSE(page.out.empty());
     CHECK(raylex::test::count_matches(page.out, "100\\.0 %") >= 2);  // the beauty's share of itself, in A and in B
-    // The plot in the page is the one in the file but for the colour of text and paper.
+    // The plot on the page equals the one in the file except for the colours of text and paper.
     const std::string file = folder.read("study/plots/ramp.beauty.svg");
     const std::string line = file.substr(file.find("<path d=\"M", file.find("class=\"series\"")), 60);
     CHECK(page.out.find(line) != std::string::npos);
@@ -297,7 +299,7 @@ TEST_CASE("pictures keep half precision, and are reduced when a page would be to
     CHECK(bytes(17) == "YW55IGNhcm5hbCBwbGVhc3U=");
 }
 
-TEST_CASE("numbers stand as people write them", "[study][report]") {
+TEST_CASE("numbers are formatted as people write them", "[study][report]") {
     CHECK(plain_number(3210) == "3210");
     CHECK(plain_number(3214) == "3210");
     CHECK(plain_number(999.6) == "1000");
@@ -314,11 +316,12 @@ TEST_CASE("numbers stand as people write them", "[study][report]") {
     CHECK(latex_text("a_b & 5 % of {x}\\") == "a\\_b \\& 5 \\% of \\{x\\}\\textbackslash{}");
 }
 
-TEST_CASE("insets are the study's regions, else where variants are furthest from the reference", "[study][report]") {
+TEST_CASE("insets are the study's regions, else the places with the largest differences from the reference",
+          "[study][report]") {
     if (!has_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, {40, 40, 1, 1, 2, 3, 2, 0.01});
-    // An error of its own in the picture that stands for `skewed`: its last budget's first replicate.
+    // An additional error in the picture of `skewed`, the first replicate of its last budget.
     for (const Cell& cell : experiment.cells)
         if (cell.method == "skewed" && !cell.failed && cell.replicate == 0) {
             auto image = read_mean(cell.directory, "beauty");

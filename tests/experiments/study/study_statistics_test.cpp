@@ -1,5 +1,5 @@
-// The statistics of studies against simulations whose truth is known. All seeds are fixed, so these tests either always
-// pass or always fail; the bounds are binomial standard errors of the stated number of repetitions.
+// The statistics of studies on simulations with known results. All seeds are fixed, so these tests either always pass
+// or always fail; the bounds are binomial standard errors of the stated number of repetitions.
 #include <catch2/catch.hpp>
 
 #include <array>
@@ -27,8 +27,8 @@ void check_coverage(int covered) {
     CHECK(covered <= 970);
 }
 
-/// A replicate's mean squared error: the mean of 40 squared normals of mean `truth`, so its coefficient of variation is
-/// 22 %, as of an image in which forty pixels weigh most.
+/// Returns a replicate's mean squared error: the mean of 40 squared normals of mean `truth`, with a coefficient of
+/// variation of 22 %, like an image in which forty pixels dominate.
 double simulated_error(Random& random, double truth) {
     std::gamma_distribution<double> gamma(20, truth / 20);
     return gamma(random);
@@ -40,7 +40,7 @@ bool contains(const Interval& interval, double truth) {
 
 }  // namespace
 
-TEST_CASE("quantiles are those of the tables", "[study]") {
+TEST_CASE("quantiles agree with tables", "[study]") {
     CHECK(student_t_quantile(0.975, 7) == Approx(2.364624).epsilon(1e-6));
     CHECK(student_t_quantile(0.975, 1) == Approx(12.7062).epsilon(1e-5));
     CHECK(student_t_quantile(0.975, 1e12) == Approx(1.959964).epsilon(1e-6));
@@ -48,8 +48,8 @@ TEST_CASE("quantiles are those of the tables", "[study]") {
     CHECK(detectable_shift(0.05, 0.9, 1e12) == Approx(1.959964 + 1.281552).epsilon(1e-6));
     // n = 10 in one sample at 5 % and 80 %: a shift of 0.996 standard deviations (G*Power, two-sided one-sample t).
     CHECK(detectable_shift(0.05, 0.8, 9) / std::sqrt(10.0) == Approx(0.996).epsilon(2e-3));
-    // One degree, critical value 2 / (pi alpha): the two ways of finding it meet, to the 1 / critical that one leaves
-    // out.
+    // One degree of freedom, critical value 2 / (pi alpha): the two methods agree up to the 1 / critical that one of
+    // them neglects.
     const double pi = std::acos(-1.0);
     const auto per_critical = [&](double critical) { return detectable_shift(2 / (pi * critical), 0.9, 1) / critical; };
     CHECK(per_critical(1010) == Approx(per_critical(990)).epsilon(2e-3));
@@ -79,7 +79,7 @@ TEST_CASE("95 % intervals of errors cover, by t and by bootstrap", "[study][stat
     }
 }
 
-TEST_CASE("the reference's noise is taken off what was measured", "[study][statistical]") {
+TEST_CASE("the reference's noise is subtracted from the measured error", "[study][statistical]") {
     const double truth = 0.01, excess = 0.004;
     Random random(5);
     int covered = 0;
@@ -94,8 +94,8 @@ TEST_CASE("the reference's noise is taken off what was measured", "[study][stati
 }
 
 TEST_CASE("speed-ups cover when errors and times vary together", "[study][statistical]") {
-    // B is 2.5 times as efficient. Within a replicate a slow run is also a more accurate one, so that a ratio that
-    // ignored the covariance would be too wide, and one that took geometric means would be off.
+    // B is 2.5 times as efficient. Within a replicate a slow run is also more accurate, so a ratio without the
+    // covariance would be too wide, and one by geometric means would be wrong.
     Random random(77);
     std::normal_distribution<double> normal;
     int covered = 0;
@@ -145,12 +145,12 @@ TEST_CASE("slopes cover, and a shallow one is flagged where -1 is excluded", "[s
         caught += judge_slope(flattening, true).too_shallow;
     }
     check_coverage(covered);
-    CHECK(accused <= 40);  // 2.5 % on the shallow side, 25, and three standard errors
-    CHECK(caught >= 970);  // the last two octaves have to show it by themselves
+    CHECK(accused <= 40);  // 2.5 % on the shallow side, 25, plus three standard errors
+    CHECK(caught >= 970);  // the last two octaves must show it alone
 }
 
-TEST_CASE("a method that starts up is not taken for a biased one", "[study][statistical]") {
-    // Slopes of -0.14 to -0.91, coming nearer to -1: what a chain that warms up over a hundred samples looks like.
+TEST_CASE("a method with a start-up is not reported as biased", "[study][statistical]") {
+    // Slopes of -0.14 to -0.91 that approach -1, like a chain that warms up over a hundred samples.
     Random random(41);
     int accused = 0, starting = 0;
     for (int k = 0; k < repetitions; ++k) {
@@ -168,11 +168,11 @@ TEST_CASE("a method that starts up is not taken for a biased one", "[study][stat
         starting += verdict.nears;
         if (verdict.nears) CHECK(verdict.text.starts_with("not at -1 yet, but closer with every octave: from -0."));
     }
-    CHECK(accused <= 40);    // 2.5 %, and three standard errors
-    CHECK(starting >= 950);  // of those whose slope is seen to be shallower than -1 at all
+    CHECK(accused <= 40);    // 2.5 %, plus three standard errors
+    CHECK(starting >= 950);  // of those with a slope visibly shallower than -1
 }
 
-TEST_CASE("few budgets or replicates find no method too shallow", "[study]") {
+TEST_CASE("with few budgets or replicates no method is too shallow", "[study]") {
     std::vector<BudgetGroup> groups;
     for (const double budget : {64.0, 256.0, 1024.0, 4096.0}) {
         BudgetGroup group;
@@ -191,7 +191,7 @@ TEST_CASE("few budgets or replicates find no method too shallow", "[study]") {
     CHECK(judge_slope(groups, true).text.starts_with("shallower than -1; not judged: needs four budgets"));
 }
 
-TEST_CASE("a slope that is known well is not called noisy, and none by the name of its cause", "[study]") {
+TEST_CASE("a well-known slope is not called noisy, and no cause is claimed", "[study]") {
     const auto verdict_on = [](double early, double late, double scatter) {
         std::vector<BudgetGroup> groups;
         double error = 1;
@@ -220,7 +220,7 @@ TEST_CASE("a slope that is known well is not called noisy, and none by the name 
     CHECK(near.nears);
 }
 
-TEST_CASE("the time to an error covers inside and outside what was measured", "[study][statistical]") {
+TEST_CASE("the time to an error covers inside and outside the measured range", "[study][statistical]") {
     // Relative error r at K / r^2 + setup with K = 0.01 and setup 2: 1 % at 102 s, 5 % at 6 s.
     Random random(123);
     int covered_inside = 0, covered_outside = 0, predicted = 0;
@@ -257,14 +257,14 @@ TEST_CASE("the time to an error covers inside and outside what was measured", "[
     CHECK(time_to_error(stuck, 0.01).seconds.note == "not reached: the error no longer falls");
 }
 
-TEST_CASE("a heavy tail is told from pixels that are always hard", "[study][statistical]") {
+TEST_CASE("a heavy tail is distinguished from pixels that are always hard", "[study][statistical]") {
     Random random(31);
     std::normal_distribution<double> normal;
     std::uniform_real_distribution<double> uniform;
     int false_alarms = 0, found = 0;
     for (int k = 0; k < 200; ++k) {
         TailMonitor light, heavy;
-        // Pixels whose variances spread over a factor of e^2 either way, the same in every replicate.
+        // Pixels whose variances spread over a factor of e^2 either way, equal in every replicate.
         std::vector<double> spread(4096);
         for (double& each : spread) each = std::exp(0.5 * normal(random));
         for (int replicate = 0; replicate < 4; ++replicate) {
@@ -272,7 +272,7 @@ TEST_CASE("a heavy tail is told from pixels that are always hard", "[study][stat
             for (std::size_t i = 0; i < a.size(); ++i) {
                 const double z = normal(random);
                 a[i] = spread[i] * z * z;
-                b[i] = spread[i] * std::pow(1 - uniform(random), -1 / 0.9);  // Pareto with index 0.9: it has no mean
+                b[i] = spread[i] * std::pow(1 - uniform(random), -1 / 0.9);  // Pareto with index 0.9, which has no mean
             }
             light.add(a);
             heavy.add(b);
@@ -284,8 +284,8 @@ TEST_CASE("a heavy tail is told from pixels that are always hard", "[study][stat
     CHECK(found >= 190);
 }
 
-TEST_CASE("the bias test keeps its level and finds what it says it can", "[study][statistical]") {
-    // 12 blocks and the whole, eight replicates against a reference that is itself noisy.
+TEST_CASE("the bias test keeps its level and finds the stated detectable bias", "[study][statistical]") {
+    // 12 blocks and the whole image, eight replicates against a noisy reference.
     constexpr std::size_t blocks = 12, replicates = 8;
     const double mean = 2, sigma = 0.1, reference_sigma = 0.01;
     Random random(4711);
@@ -300,7 +300,7 @@ TEST_CASE("the bias test keeps its level and finds what it says it can", "[study
     };
     BiasOptions options;
     options.level = 0.05;
-    // The least bias of the whole image that is found, from the true deviations.
+    // The smallest bias of the whole image that is found, from the true deviations.
     const double whole_error = std::sqrt((sigma * sigma / replicates + reference_sigma * reference_sigma) / blocks);
     const double b = reference_sigma * reference_sigma;
     const double level = options.level / 2;  // one whole image
@@ -321,18 +321,18 @@ TEST_CASE("the bias test keeps its level and finds what it says it can", "[study
         found += test_bias(planted, reference, options).differs;
     }
     CAPTURE(alarms, found, stated, bias / mean);
-    // 5 % of 1,000 is 50 with standard error 6.9, the bound three of them above. The reference's known variance and the
-    // whole being the mean of the blocks put the true level at about half of that.
+    // 5 % of 1,000 is 50 with standard error 6.9; the bound is three standard errors above. The known variance of the
+    // reference, and the whole image as the mean of the blocks, make the true level about half of that.
     CHECK(alarms <= 71);
     CHECK(alarms >= 5);
     CHECK(found >= 900);
     CHECK(stated ==
-          Approx(bias / mean).epsilon(0.1));  // the estimate of a deviation from eight values varies, its mean hardly
+          Approx(bias / mean).epsilon(0.1));  // a deviation estimated from eight values varies, its mean hardly
 }
 
 TEST_CASE("the bias test keeps its level with three replicates and a good reference", "[study][statistical]") {
     // Among 300 blocks some triples agree by chance to a hundredth of their deviation: the trap for variances with two
-    // degrees.
+    // degrees of freedom.
     constexpr std::size_t blocks = 300;
     Random random(8);
     std::normal_distribution<double> normal;
@@ -350,25 +350,25 @@ TEST_CASE("the bias test keeps its level with three replicates and a good refere
         alarms += test_bias(method, reference, options).differs;
     }
     CAPTURE(alarms);
-    CHECK(alarms <= 71);  // 50 and three standard errors of 6.9
+    CHECK(alarms <= 71);  // 50, plus three standard errors of 6.9
 }
 
-TEST_CASE("the bias test says where it cannot judge", "[study]") {
+TEST_CASE("the bias test reports when it cannot judge", "[study]") {
     const std::vector<double> flat{1, 1, 1};
     BiasSide one{{flat}, {}}, two{{flat, flat}, {}}, other{{flat, flat}, {}};
     CHECK(test_bias(one, two).note == "needs two replicates");
     CHECK_FALSE(test_bias(one, two).tested);
     CHECK_FALSE(test_bias(two, other).differs);
     other.replicates = {{1, 1.01, 1.005}, {1, 1.01, 1.005}};
-    const BiasVerdict exact = test_bias(two, other);  // without noise any difference beyond rounding is one
+    const BiasVerdict exact = test_bias(two, other);  // without noise any difference beyond rounding counts
     CHECK(exact.differs);
     CHECK(exact.worst == 1);
     CHECK_FALSE(exact.worst_is_whole);
     CHECK(exact.worst_difference.value == Approx(-0.01 / 1.01));
 }
 
-TEST_CASE("replicates that do not show their noise convict of nothing", "[study]") {
-    // Light in the second block is so rare that no replicate met it; the reference did, and has noise of its own.
+TEST_CASE("replicates that do not show their noise are not evidence of bias", "[study]") {
+    // Light in the second block is so rare that no replicate met it; the reference did, and has its own noise.
     const BiasSide reference{{{1, 0.2, 0.5}}, {1e-6, 1e-4, 1e-6}};
     BiasSide method{{{1.01, 0, 0.505}, {0.99, 0, 0.495}, {1.02, 0, 0.51}, {0.98, 0, 0.49}}, {}};
     BiasVerdict verdict = test_bias(method, reference);
@@ -380,15 +380,15 @@ TEST_CASE("replicates that do not show their noise convict of nothing", "[study]
     CHECK(test_bias(method, reference).blind == "only 1 of 4 replicates have any light there");
     for (auto& replicate : method.replicates) replicate[1] = 0.01;
     CHECK(test_bias(method, reference).blind == "its replicates do not vary there");
-    // Of many replicates a dark one is no reason: light was met often enough in all.
+    // Among many replicates a dark one is no reason, because the light was met often enough in total.
     method.replicates.assign(40, {1, 0.01, 0.5});
     for (std::size_t i = 0; i < 40; ++i) method.replicates[i][1] *= 1 + 0.1 * static_cast<double>(i % 5);
     method.replicates[0][1] = 0;
     CHECK(test_bias(method, reference).differs);
-    // Where nothing is random in the reference either, the light is missing.
+    // If the reference has no noise there either, the light is missing.
     method.replicates.assign(4, {1, 0, 0.5});
     CHECK(test_bias(method, {{{1, 0.2, 0.5}}, {0, 0, 0}}).differs);
-    CHECK_FALSE(test_bias(method, {{{1, 0.2, 0.5}}, {}}).differs);  // of which that is not known
+    CHECK_FALSE(test_bias(method, {{{1, 0.2, 0.5}}, {}}).differs);  // for which that is unknown
 }
 
 TEST_CASE("block means and their variances", "[study]") {
@@ -404,7 +404,7 @@ TEST_CASE("block means and their variances", "[study]") {
     CHECK(variances[4] == Approx(0.5 / 340).epsilon(1e-14));
 }
 
-TEST_CASE("the first differing word is of no channel that agrees", "[study]") {
+TEST_CASE("the first differing word belongs to no channel that agrees", "[study]") {
     const std::vector<JudgedChannel> channels{{"direct", "C<R[DS]>[<L.>O]", "renderman", false, 0.4},
                                               {"indirect", "C[DSV]{2,}[<L.>O]", "renderman", true, 1e-9},
                                               {"two", "C[DSV]{2}[<L.>O]", "renderman", false, 0.5},
@@ -442,7 +442,7 @@ TEST_CASE("spectra hold the mean square, put a wave in its ring, and are flat fo
         // Sums of some thousand doubles: rounding of 2^-53 each stays below 1e-12.
         CHECK(power / static_cast<double>(count) == Approx(square).epsilon(1e-12));
     }
-    // A wave of 5 cycles across 40 pixels: all power but rounding at 1/8 cycle per pixel.
+    // A wave of 5 cycles across 40 pixels: all power except rounding at 1/8 cycle per pixel.
     PixelArray wave{24, 40, 1, {}};
     for (int y = 0; y < 24; ++y)
         for (int x = 0; x < 40; ++x) wave.values.push_back(std::cos(2 * 3.14159265358979323846 * 5 * x / 40.0));
@@ -459,7 +459,7 @@ TEST_CASE("spectra hold the mean square, put a wave in its ring, and are flat fo
         if (ring.count > 400) CHECK(ring.power == Approx(4).epsilon(5 / std::sqrt(1.5 * 400)));
 }
 
-TEST_CASE("the Pareto front keeps what nothing beats", "[study]") {
+TEST_CASE("the Pareto front keeps undominated points", "[study]") {
     const std::vector<CostPoint> points{{1, 5}, {2, 6}, {2, 3}, {3, 3}, {4, 1}, {2, 3}, {INFINITY, 0}};
     CHECK(pareto_front(points) == std::vector<std::size_t>{0, 2, 4});
 }
