@@ -152,7 +152,8 @@ TEST_CASE("an outcome is an image or a message, never a signal", "[stability][cl
                                     environment_case("vary.L = [1, 2]\nmeasure = \"outcome\"\nintegrator = { type = "
                                                      "\"deadly\", way = \"segmentation\" }\nexpected = 0\n"
                                                      "tolerance = \"exact\"") +
-                                    environment_case("with.L = 1\nexpected = \"3.5/3\"\ntolerance = \"2 ulp\"").replace(9, 20, "name = \"next\"");
+                                    environment_case("with.L = 1\nexpected = \"3.5/3\"\ntolerance = \"2 ulp\"")
+                                        .replace(9, 20, "name = \"next\""));
     const Outcome died = run_raylex(folder, "stability signal.toml");
     INFO(died.out << died.err);
     CHECK(died.code == 1);
