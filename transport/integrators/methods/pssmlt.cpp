@@ -115,15 +115,20 @@ class Pssmlt final : public Integrator {
     mutable std::vector<ChainGroup> groups_;  // [tile]
 };
 
-/// Paths are not split: a chain's numbers are of one path.
+/// Paths are not split: the numbers of a chain make one path.
+PathParameters unsplit(const WalkOptions& options) {
+    PathParameters parameters{options};
+    parameters.splits = false;
+    return parameters;
+}
+
 Pssmlt::Pssmlt(const PssmltParameters& parameters)
     : parameters_(parameters),
-      camera_(make_path_integrator({.max_depth = 0, .splits = false})),
+      camera_(make_path_integrator(unsplit({.max_depth = 0}))),
       path_(parameters.bidirectional ? make_bdpt_integrator({.depth = parameters.depth, .first_depth = 1})
-                                     : make_path_integrator({.max_depth = parameters.depth.max_depth,
-                                                             .roulette_below = parameters.depth.roulette_below,
-                                                             .splits = false,
-                                                             .first_depth = 1})) {}
+                                     : make_path_integrator(unsplit({.max_depth = parameters.depth.max_depth,
+                                                                     .roulette_below = parameters.depth.roulette_below,
+                                                                     .first_depth = 1}))) {}
 
 Status Pssmlt::prepare(const IntegratorContext& context) {
     context_ = context;
