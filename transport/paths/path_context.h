@@ -36,7 +36,7 @@ struct PathContext {
     [[nodiscard]] CameraView view() const { return {camera, width, height, filter_radius}; }
     /// Whether beauty or a channel takes light that was scattered.
     [[nodiscard]] bool takes_scattered_light() const {
-        return beauty || (events->any() && events->foresight().at_camera().scatters);
+        return beauty || (events->any() && events->liveness().at_camera().scatters);
     }
 };
 

@@ -321,7 +321,7 @@ TEST_CASE("packed channels get exactly what each gets alone", "[lpe_services][la
         return values;
     };
     int overflow = 0;
-    REQUIRE(build_setup(channels, 0).program().view().has_lanes());
+    REQUIRE(build_setup(channels, 0).program().view().has_parallel());
     const auto together = render(channels, overflow);
     double total = 0;
     for (std::size_t k = 1; k < channels.size(); ++k) {

@@ -9,7 +9,7 @@ namespace raylex::transport {
 void CameraConnections::add(const LightSubpathVertex& vertex, const SurfacePoint& point, const Bsdf& bsdf,
                             const Rgb& throughput, const DepthLimit& limit, const PixelSampler& sampler,
                             IntegratorCounters& counters) {
-    if (!vertex.ahead.seen) return counters.count(Pruned::joins);
+    if (!vertex.live.seen) return counters.count(Pruned::joins);
     const CameraView view = context_.view();
     const SubpathDimensions& dimensions = subpath_dimensions<TransportMode::importance>;
     const Vec2 lens =
