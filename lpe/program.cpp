@@ -1,13 +1,13 @@
-// Channels to tables: every channel becomes a minimal automaton (automata/languages.h), these become groups and lanes
-// (automata/groups.h, automata/lanes.h), and those are laid out as arrays here.
+// Channels to tables: every channel becomes a minimal automaton (automata/languages.h), these become groups and
+// bit-parallel automata (automata/groups.h, automata/bit_parallel.h), and those are laid out as arrays here.
 #include "lpe/program.h"
 
 #include <algorithm>
 #include <map>
 #include <utility>
 
+#include "lpe/automata/bit_parallel.h"
 #include "lpe/automata/groups.h"
-#include "lpe/automata/lanes.h"
 #include "lpe/automata/languages.h"
 #include "lpe/automata/layout.h"
 #include "lpe/failure.h"
@@ -17,17 +17,17 @@ namespace raylex::lpe {
 
 namespace {
 
-/// Writes groups and lanes as one set of arrays.
+/// Writes tables and bit-parallel automata as one set of arrays.
 class Layout {
   public:
     Layout(const EventClasses& classes, const Grouping& grouping) {
-        if (!grouping.lanes.empty()) { lanes_ = pack_lanes(grouping.lanes, grouping.lane_places); }
+        if (!grouping.parallel.empty()) { parallel_ = pack_bit_parallel(grouping.parallel, grouping.parallel_places); }
         merge_columns(classes, grouping);
         tables_.classes = classes.table();
         tables_.next_state.assign(tables_.class_count, Program::dead);
         for (const Group& group : grouping.tables) { append(group); }
-        if (!grouping.lanes.empty()) { append_lanes(); }
-        tables_.table_count = static_cast<std::uint32_t>(grouping.tables.size() + (grouping.lanes.empty() ? 0 : 1));
+        if (!grouping.parallel.empty()) { append_parallel(); }
+        tables_.table_count = static_cast<std::uint32_t>(grouping.tables.size() + (grouping.parallel.empty() ? 0 : 1));
     }
 
     ProgramTables take() { return std::move(tables_); }
@@ -36,13 +36,14 @@ class Layout {
     /// Classes that every group treats alike share a column.
     void merge_columns(const EventClasses& classes, const Grouping& grouping) {
         std::map<std::vector<std::uint32_t>, EventClass> columns;
-        std::map<std::vector<std::uint32_t>, std::uint32_t> images;
+        std::map<std::vector<std::uint32_t>, std::uint32_t> masks;
         for (std::size_t k = 0; k < classes.count(); ++k) {
             std::vector<std::uint32_t> key;
             for (const Group& group : grouping.tables) { key.push_back(group.dfa.column_of_class[k]); }
-            if (!grouping.lanes.empty()) {
-                key.push_back(lanes_.phase.dfa.column_of_class[k]);
-                key.push_back(images.emplace(lanes_.image[k], static_cast<std::uint32_t>(images.size())).first->second);
+            if (!grouping.parallel.empty()) {
+                key.push_back(parallel_.phase.dfa.column_of_class[k]);
+                key.push_back(
+                    masks.emplace(parallel_.masks[k], static_cast<std::uint32_t>(masks.size())).first->second);
             }
             const auto [place, fresh] = columns.emplace(std::move(key), static_cast<EventClass>(columns.size()));
             if (fresh) { class_of_column_.push_back(k); }
@@ -64,33 +65,32 @@ class Layout {
         }
     }
 
-    void append_lanes() {
+    void append_parallel() {
         const auto base = static_cast<State>(tables_.accept_begin.size() - 2);
-        tables_.first_ended = base + LaneTables::first_ended;
-        append(lanes_.phase);
-        tables_.lane_words = lanes_.words;
+        tables_.first_ended = base + BitParallelTables::first_ended;
+        append(parallel_.phase);
+        tables_.parallel_words = parallel_.words;
         for (const std::size_t event_class : class_of_column_) {
-            const std::vector<std::uint32_t>& image = lanes_.image[event_class];
-            tables_.lane_image.insert(tables_.lane_image.end(), image.begin(), image.end());
+            const std::vector<std::uint32_t>& masks = parallel_.masks[event_class];
+            tables_.parallel_masks.insert(tables_.parallel_masks.end(), masks.begin(), masks.end());
             State needed = ~State{0}, reached = Program::dead;  // no phase leads on
-            for (State phase = 1; phase < LaneTables::first_ended; ++phase) {
-                const State to = lanes_.phase.dfa.step(phase, static_cast<EventClass>(event_class));
+            for (State phase = 1; phase < BitParallelTables::first_ended; ++phase) {
+                const State to = parallel_.phase.dfa.step(phase, static_cast<EventClass>(event_class));
                 if (to != 0) {
                     needed = base + phase;
                     reached = base + to;
                 }
             }
-            tables_.lane_image.push_back(needed);
-            tables_.lane_image.push_back(reached);
+            tables_.parallel_masks.push_back(needed);
+            tables_.parallel_masks.push_back(reached);
         }
-        tables_.lane_accept = lanes_.accept;
-        for (const ChannelList& list : lanes_.lists) {
-            tables_.lane_lists.push_back(static_cast<std::uint32_t>(tables_.accept_lists.size()));
+        tables_.parallel_accept = parallel_.accept;
+        for (const ChannelList& list : parallel_.lists) {
+            tables_.parallel_lists.push_back(static_cast<std::uint32_t>(tables_.accept_lists.size()));
             append_list(list);
         }
-        tables_.lane_lists.push_back(static_cast<std::uint32_t>(tables_.accept_lists.size()));
-        const auto& words = lanes_.words;
-        tables_.starts.resize(tables_.starts.size() + words[0] + 2 * words[1] + 3 * words[2], 0);
+        tables_.parallel_lists.push_back(static_cast<std::uint32_t>(tables_.accept_lists.size()));
+        tables_.starts.resize(tables_.starts.size() + ProgramView::widths_of(parallel_.words).back().state, 0);
     }
 
     void append_list(const ChannelList& list) {
@@ -98,7 +98,7 @@ class Layout {
     }
 
     ProgramTables tables_;
-    LaneTables lanes_;
+    BitParallelTables parallel_;
     std::vector<std::size_t> class_of_column_;
 };
 
@@ -112,10 +112,10 @@ ProgramTables lay_out(const EventClasses& classes, std::vector<Dfa> dfas, std::s
 
 ProgramTables lay_out(const EventClasses& classes, const Grouping& grouping, std::span<const ChannelSource> channels,
                       const CompileOptions& options) {
-    const std::size_t lane_words =
-        grouping.lanes.empty() ? 0 : 1 + lane_word_count(grouping.lanes, grouping.lane_places);
-    if (grouping.tables.size() + lane_words > options.word_cap) {
-        fail("these channels need " + std::to_string(grouping.tables.size() + lane_words) + " words of state; " +
+    const std::size_t parallel_words =
+        grouping.parallel.empty() ? 0 : 1 + parallel_word_count(grouping.parallel, grouping.parallel_places);
+    if (grouping.tables.size() + parallel_words > options.word_cap) {
+        fail("these channels need " + std::to_string(grouping.tables.size() + parallel_words) + " words of state; " +
                  std::to_string(options.word_cap) + " are allowed",
              "expressions such as C.*X.* take one bit each and more; use fewer of them at a time");
     }
@@ -135,20 +135,20 @@ ProgramView ProgramTables::view() const {
     view.next_state = next_state.data();
     view.accept_begin = accept_begin.data();
     view.accept_lists = accept_lists.data();
-    view.lane_words = lane_words;
-    view.lane_count = 32 * (lane_words[0] + lane_words[1] + lane_words[2]);
-    view.image_stride = 2 * lane_words[0] + 8 * lane_words[1] + 24 * lane_words[2] + ProgramView::image_tail;
-    view.accept_stride = 2 * lane_words[0] + 4 * lane_words[1] + 8 * lane_words[2];
+    view.widths = ProgramView::widths_of(parallel_words);
+    view.mask_stride = view.widths.back().masks + ProgramView::mask_tail;
+    view.accept_stride = view.widths.back().accept;
     view.first_ended = first_ended;
-    view.lane_image = lane_image.data();
-    view.lane_accept = lane_accept.data();
-    view.lane_lists = lane_lists.data();
+    view.parallel_masks = parallel_masks.data();
+    view.parallel_accept = parallel_accept.data();
+    view.parallel_lists = parallel_lists.data();
     return view;
 }
 
 std::size_t ProgramTables::bytes() const {
     return sizeof(State) * (starts.size() + next_state.size()) + sizeof(std::uint16_t) * accept_lists.size() +
-           sizeof(std::uint32_t) * (accept_begin.size() + lane_image.size() + lane_accept.size() + lane_lists.size());
+           sizeof(std::uint32_t) *
+               (accept_begin.size() + parallel_masks.size() + parallel_accept.size() + parallel_lists.size());
 }
 
 Program::Program() : view_(tables_.view()) {}
@@ -175,11 +175,11 @@ Program Program::with_columns(std::span<const EventClass> columns) const {
     for (State state = 0; state < view_.state_count; ++state) {
         for (const EventClass column : columns) { tables.next_state.push_back(view_.next(state, column)); }
     }
-    tables.lane_image.clear();
+    tables.parallel_masks.clear();
     for (const EventClass column : columns) {
-        if (!view_.has_lanes()) { break; }
-        const std::uint32_t* image = view_.lane_image + std::size_t{column} * view_.image_stride;
-        tables.lane_image.insert(tables.lane_image.end(), image, image + view_.image_stride);
+        if (!view_.has_parallel()) { break; }
+        const std::uint32_t* masks = view_.parallel_masks + std::size_t{column} * view_.mask_stride;
+        tables.parallel_masks.insert(tables.parallel_masks.end(), masks, masks + view_.mask_stride);
     }
     tables.column_of_class.assign(tables.column_of_class.size(), EventClass{0});
     return Program(std::move(tables));
@@ -190,16 +190,16 @@ EventClass Program::classify(const Event& event) const {
 }
 
 bool Program::follows(EventClass event) const {
-    const bool has_lanes = view_.has_lanes();
-    const State rows = has_lanes ? view_.first_ended - 2 : view_.state_count;  // without those of the phase
+    const bool has_parallel = view_.has_parallel();
+    const State rows = has_parallel ? view_.first_ended - 2 : view_.state_count;  // without those of the phase
     for (State state = 0; state < rows; ++state) {
         if (view_.next(state, event) != dead) { return true; }
     }
-    if (!has_lanes) { return false; }
+    if (!has_parallel) { return false; }
     const State last_interior = view_.first_ended - 1;
-    const std::uint32_t* image = view_.lane_image + std::size_t{event} * view_.image_stride;
+    const std::uint32_t* masks = view_.parallel_masks + std::size_t{event} * view_.mask_stride;
     return (view_.next(last_interior - 1, event) != dead || view_.next(last_interior, event) != dead) &&
-           std::any_of(image, image + view_.image_stride - 2, [](std::uint32_t word) { return word != 0; });
+           std::any_of(masks, masks + view_.mask_stride - 2, [](std::uint32_t word) { return word != 0; });
 }
 
 void Program::advance(std::span<State> states, std::span<const EventClass> events) const noexcept {

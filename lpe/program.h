@@ -1,7 +1,7 @@
 // A compiled set of channels: tables that match path events for all channels at once.
 //
 // A Program is one minimised deterministic automaton per group of channels; nearly always there is one group. Channels
-// that would multiply with one another (`C.*X.*` with many labels X) are packed into words of bits instead. The state
+// that would multiply with one another (`C.*X.*` with many labels X) are bit-parallel automata instead. The state
 // of a path is a short list of words, nearly always one; program_view.h says what they are. Nothing here allocates, and
 // a Program may be used by any number of threads.
 #pragma once
@@ -104,7 +104,7 @@ class Program {
     void accepts(std::span<const State> states, std::span<std::uint32_t> masks) const noexcept;
     [[nodiscard]] std::size_t mask_words() const noexcept { return (view_.channel_count + 31) / 32; }
 
-    // The words that are table rows, one by one: all of them where !view().has_lanes(), as always with
+    // The words that are table rows, one by one: all of them where !view().has_parallel(), as always with
     // CompileOptions::any_word and with one channel.
     [[nodiscard]] State next(State state, EventClass event) const noexcept { return view_.next(state, event); }
     /// The channels that accept in the state, ascending.

@@ -20,9 +20,9 @@ struct ProgramTables {
     std::vector<std::uint32_t> accept_begin{0, 0};
     std::vector<std::uint16_t> accept_lists;
 
-    std::array<std::uint32_t, ProgramView::lane_kinds> lane_words{};
+    std::array<std::uint32_t, ProgramView::parallel_widths> parallel_words{};
     State first_ended = 0;
-    std::vector<std::uint32_t> lane_image, lane_accept, lane_lists;
+    std::vector<std::uint32_t> parallel_masks, parallel_accept, parallel_lists;
 
     ClassTable classes;                       ///< event -> fine class
     std::vector<EventClass> column_of_class;  ///< fine class -> column of the tables: the EventClass of the program

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lpe/failure.h"
+#include "lpe/liveness_table.h"
 
 namespace raylex::lpe {
 
@@ -33,29 +34,19 @@ struct ReversedProgram::Builder {
     ReversedProgram& result;
     std::size_t bytes = 0;
 
-    /// The rows of one table: all that can be reached from its start, which stand together.
+    /// The rows of one table, all that its start reaches, stand together.
     Table rows_of(State start) const {
-        std::vector<bool> seen(view.state_count, false);
-        std::vector<State> queue;
-        const auto visit = [&](State state) {
-            if (state != 0 && !seen[state]) {
-                seen[state] = true;
-                queue.push_back(state);
-            }
-        };
-        visit(start);
-        for (std::size_t i = 0; i < queue.size(); ++i) {
-            for (std::uint32_t event = 0; event < view.class_count; ++event) {
-                visit(view.next(queue[i], static_cast<EventClass>(event)));
-            }
-        }
+        const LivenessTable steps(view.state_count,
+                                  [this](State from, EventClass event) { return view.next(from, event); });
+        StateSets reached(view.state_count);
+        reached[start] = 1;
+        reached = steps.reached(all_classes(view.class_count), std::move(reached));
         Table table;
-        if (!queue.empty()) {
-            const auto [low, high] = std::minmax_element(queue.begin(), queue.end());
-            table.first_row = *low;
-            table.rows = *high - *low + 2;
-        } else {
-            table.rows = 1;
+        table.rows = 1;
+        for (State state = 1; state < view.state_count; ++state) {
+            if (reached[state] == 0) { continue; }
+            if (table.first_row == 0) { table.first_row = state; }
+            table.rows = state - table.first_row + 2;
         }
         return table;
     }
@@ -108,29 +99,26 @@ struct ReversedProgram::Builder {
 
     void find_zero_codes() {
         for (std::uint32_t terminal = 0; view.first_ended + terminal < view.state_count; ++terminal) {
-            const std::uint32_t* accept = view.lane_accept + std::size_t{terminal} * view.accept_stride;
-            bool any = false;
-            for (std::uint32_t kind = 0; kind < ProgramView::lane_kinds; ++kind) {
-                const std::uint32_t words = view.lane_words[kind];
-                any = any || std::any_of(accept, accept + words, [](std::uint32_t lanes) { return lanes != 0; });
-                accept += words << (kind + 1);
-            }
-            result.zero_accepts_.push_back(any);
+            const std::uint32_t* accept = view.parallel_accept + std::size_t{terminal} * view.accept_stride;
+            const auto zero_accepts = [accept](const ProgramView::Width& width) {
+                const std::uint32_t* masks = accept + width.accept;
+                return std::any_of(masks, masks + width.words, [](std::uint32_t automata) { return automata != 0; });
+            };
+            result.zero_accepts_.push_back(std::any_of(view.widths.begin(), view.widths.end(), zero_accepts));
         }
     }
 
     void run() {
-        const std::size_t tables = view.table_count - (view.has_lanes() ? 1 : 0);
+        const std::size_t tables = view.table_count - (view.has_parallel() ? 1 : 0);
         for (std::size_t g = 0; g < tables; ++g) { result.tables_.push_back(reverse(view.starts[g], false)); }
-        if (!view.has_lanes()) { return; }
+        if (!view.has_parallel()) { return; }
         result.phase_ = reverse(view.starts[tables], true);
         find_zero_codes();
-        // The empty end maps every code to itself: bit p of code c in the word of code c and plane p.
-        for (std::uint32_t kind = 0; kind < ProgramView::lane_kinds; ++kind) {
-            for (std::uint32_t code = 0; code < (2U << kind); ++code) {
-                for (std::uint32_t plane = 0; plane <= kind; ++plane) {
-                    result.starts_.insert(result.starts_.end(), view.lane_words[kind],
-                                          (code >> plane & 1U) != 0 ? ~0U : 0U);
+        // The empty end maps every code to itself: bit b of code c in the word of code c and bit b.
+        for (const ProgramView::Width& width : view.widths) {
+            for (std::uint32_t code = 0; code < width.codes; ++code) {
+                for (std::uint32_t bit = 0; bit < width.bits; ++bit) {
+                    result.starts_.insert(result.starts_.end(), width.words, (code >> bit & 1U) != 0 ? ~0U : 0U);
                 }
             }
         }
@@ -149,13 +137,14 @@ Result<ReversedProgram> ReversedProgram::build(const Program& program, const Rev
 bool ReversedProgram::prepend(const State* from, EventClass event, State* to) const noexcept {
     const ProgramView& program = program_;
     State alive = 0;
-    const std::size_t words = tables_.size() + (program.has_lanes() ? 1 : 0);
+    const std::size_t words = tables_.size() + (program.has_parallel() ? 1 : 0);
     for (std::size_t g = 0; g < words; ++g) {
         to[g] = table(g).next[std::size_t{from[g]} * program.class_count + event];
         alive |= to[g];
     }
-    if (program.has_lanes()) {
-        program.compose_lanes(from + words, program.lane_image + std::size_t{event} * program.image_stride, to + words);
+    if (program.has_parallel()) {
+        program.compose_parallel(from + words, program.parallel_masks + std::size_t{event} * program.mask_stride,
+                                 to + words);
     }
     return alive != 0;
 }
@@ -167,10 +156,10 @@ bool ReversedProgram::join(const State* camera, const State* light, State* whole
         whole[g] = outcome(g, camera[g], light[g]);
         alive |= whole[g];
     }
-    if (!program_.has_lanes()) { return alive != 0; }
+    if (!program_.has_parallel()) { return alive != 0; }
     whole[phase] = outcome(phase, camera[phase], light[phase]);
     const std::uint32_t mask = whole[phase] >= program_.first_ended ? ~0U : 0U;
-    const std::uint32_t any = program_.move_lanes(camera + phase + 1, light + phase + 1, mask, whole + phase + 1);
+    const std::uint32_t any = program_.move_parallel(camera + phase + 1, light + phase + 1, mask, whole + phase + 1);
     return alive != 0 || any != 0 || (mask != 0 && zero_accepts_[whole[phase] - program_.first_ended] != 0);
 }
 

@@ -1,16 +1,16 @@
-// Light subpaths: words that are known from their far end. A bidirectional integrator follows the camera subpath
-// forward and grows the light subpath away from the light, each new vertex standing before all that were read; then it
-// joins any prefix of the one with any end of the other and asks which channels accept the whole.
+// Light subpaths: path strings that are known from their light end. A bidirectional integrator follows the camera
+// subpath forward and grows the light subpath away from the light, each new vertex standing before all earlier ones;
+// then it joins any path prefix with any path suffix and asks which channels accept the whole.
 //
 // Each light vertex keeps a state of reversed automata: which states at the join lead to which channels. A vertex costs
 // one table look-up, a join one more, whatever the lengths. The automata are prepared: for a table of Q states with R
-// ends that differ, R * (classes + Q) words, bounded by ReverseOptions.
+// different suffixes, R * (classes + Q) words, bounded by ReverseOptions.
 //
-// An automaton's transition function of an end, as a map of all its states, would cost Q look-ups a vertex and Q words:
-// the reversed automaton is the closed set of these maps, so that a map is a number (the subset construction on the
-// reversed automaton: Rabin and Scott 1959, Brzozowski 1962). Packed channels (program_view.h) have few codes, so there
-// each vertex does carry the maps themselves, composed by word operations: at most 2, 4 or 8 times as many words as the
-// lanes of 2, 4 or 8 codes take.
+// The transition function of a suffix, as a map of all its states, would cost Q look-ups a vertex and Q words: the
+// reversed automaton is the closed set of these maps, so that a map is a number (the subset construction on the
+// reversed automaton: Rabin and Scott 1959, Brzozowski 1962). Bit-parallel automata (program_view.h) have few codes, so
+// there each vertex does carry the maps themselves, composed by word operations: at most 2, 4 or 8 times as many words
+// as automata of 2, 4 or 8 codes take.
 #pragma once
 
 #include <cstddef>

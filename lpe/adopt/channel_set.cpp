@@ -112,7 +112,7 @@ Result<Program> ChannelSet::add(std::span<const ChannelSource> added) {
             if (next.classes) {
                 const std::vector<EventClass> map = class_map(*classes, *next.classes);
                 for (Dfa& leaf : next.leaves) { refine(leaf, map); }
-                for (std::vector<Group>* groups : {&next.grouping.tables, &next.grouping.lanes}) {
+                for (std::vector<Group>* groups : {&next.grouping.tables, &next.grouping.parallel}) {
                     for (Group& group : *groups) { refine(group.dfa, map); }
                 }
             }

@@ -40,11 +40,11 @@ void visit_tables(Tables& tables, Visitor& visitor) {
     visitor.array(tables.next_state);
     visitor.array(tables.accept_begin);
     visitor.array(tables.accept_lists);
-    for (auto& words : tables.lane_words) { visitor.number(words); }
+    for (auto& words : tables.parallel_words) { visitor.number(words); }
     visitor.number(tables.first_ended);
-    visitor.array(tables.lane_image);
-    visitor.array(tables.lane_accept);
-    visitor.array(tables.lane_lists);
+    visitor.array(tables.parallel_masks);
+    visitor.array(tables.parallel_accept);
+    visitor.array(tables.parallel_lists);
     visitor.array(tables.classes.node_of_core);
     visitor.records(tables.classes.nodes);
     visitor.records(tables.classes.names);
@@ -191,26 +191,25 @@ void check_classes(const ClassTable& table, std::size_t class_count) {
     for (const ClassTable::Kind& kind : table.kinds) { require(kind.node < nodes, "kinds of labels"); }
 }
 
-void check_lanes(const ProgramTables& tables, std::uint64_t states) {
+void check_parallel(const ProgramTables& tables, std::uint64_t states) {
     constexpr std::uint32_t most_words = 1U << 16;
-    require(
-        std::all_of(tables.lane_words.begin(), tables.lane_words.end(), [](std::uint32_t n) { return n < most_words; }),
-        "words of packed channels");
+    require(std::all_of(tables.parallel_words.begin(), tables.parallel_words.end(),
+                        [](std::uint32_t n) { return n < most_words; }),
+            "words of packed channels");
     const ProgramView view = tables.view();
-    const std::uint64_t lane_words =
-        std::uint64_t{tables.lane_words[0]} + 2ULL * tables.lane_words[1] + 3ULL * tables.lane_words[2];
-    require(tables.starts.size() == tables.table_count + lane_words, "words of state");
-    if (lane_words == 0) { return; }
+    const std::uint64_t parallel_words = view.widths.back().state;
+    require(tables.starts.size() == tables.table_count + parallel_words, "words of state");
+    if (parallel_words == 0) { return; }
     require(tables.table_count >= 1 && tables.first_ended >= 2 && tables.first_ended <= states, "phases of a path");
     const std::uint64_t terminals = states - tables.first_ended;
-    require(tables.lane_image.size() == std::uint64_t{tables.class_count} * view.image_stride,
-            "images of packed channels");
-    for (std::size_t last = view.image_stride - 1; last < tables.lane_image.size(); last += view.image_stride) {
-        require(tables.lane_image[last] < states, "phases of a path");
+    require(tables.parallel_masks.size() == std::uint64_t{tables.class_count} * view.mask_stride,
+            "transition masks of packed channels");
+    for (std::size_t last = view.mask_stride - 1; last < tables.parallel_masks.size(); last += view.mask_stride) {
+        require(tables.parallel_masks[last] < states, "phases of a path");
     }
-    require(tables.lane_accept.size() == terminals * view.accept_stride, "acceptance of packed channels");
-    require(tables.lane_lists.size() == terminals * view.lane_count * 8 + 1, "channels of packed channels");
-    require_offsets(tables.lane_lists, tables.accept_lists.size(), "channels of packed channels");
+    require(tables.parallel_accept.size() == terminals * view.accept_stride, "acceptance of packed channels");
+    require(tables.parallel_lists.size() == terminals * view.widths.back().lists + 1, "channels of packed channels");
+    require_offsets(tables.parallel_lists, tables.accept_lists.size(), "channels of packed channels");
 }
 
 void check_tables(const ProgramTables& tables) {
@@ -231,7 +230,7 @@ void check_tables(const ProgramTables& tables) {
     for (std::size_t word = 0; word < tables.table_count; ++word) {
         require(tables.starts[word] < states, "start states");
     }
-    check_lanes(tables, states);
+    check_parallel(tables, states);
     if (tables.column_of_class.empty()) {
         return;  // a program without channels
     }

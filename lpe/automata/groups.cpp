@@ -10,9 +10,10 @@
 #include <unordered_map>
 #include <utility>
 
-#include "lpe/automata/lanes.h"
+#include "lpe/automata/bit_parallel.h"
 #include "lpe/automata/languages.h"
 #include "lpe/failure.h"
+#include "lpe/liveness_table.h"
 
 namespace raylex::lpe {
 
@@ -46,9 +47,23 @@ std::optional<Group> merged(const Group& a, const Group& b, std::size_t state_ca
     return Group{std::move(*dfa), std::move(merger.merged)};
 }
 
-/// States up to which a product is in proportion to its parts: sums of a few parts, not their product.
+/// All states of six bits. Such a table, 64 states of 32 classes in 8 KiB, stays in the first-level cache.
+constexpr std::size_t small_states = 64;
+/// Two tables or fewer are the best grouping: bit-parallel automata take at least two words, their phase and one more.
+constexpr std::size_t fewest_words = 2;
+
+/// Most states of a product that grows like a sum: two bits more than both sides take side by side.
 std::size_t proportionate(const Group& a, const Group& b) {
-    return 4 * (a.dfa.states() + b.dfa.states()) + 256;
+    return 4 * (a.dfa.states() + b.dfa.states() + small_states);
+}
+
+/// Joins the automaton to the table if that takes clearly less than one bit there, the least that it takes elsewhere.
+bool join_cheaply(Group& table, const Group& automaton, const CompileOptions& options) {
+    const std::size_t states = table.dfa.states();
+    std::optional<Group> both =
+        merged(table, automaton, std::min(options.state_cap, states + states / 2 + small_states));
+    if (both) { table = std::move(*both); }
+    return both.has_value();
 }
 
 /// Nothing as soon as some part of the tree needs more than `most` groups.
@@ -113,8 +128,8 @@ std::string channel_names(const Group& group, std::span<const ChannelSource> cha
     for (const Group& group : grouping.tables) {
         list += "\n  " + std::to_string(group.dfa.states()) + " states: " + channel_names(group, channels);
     }
-    if (!grouping.lanes.empty()) {
-        list += "\n  and " + std::to_string(grouping.lanes.size()) + " small automata packed into words";
+    if (!grouping.parallel.empty()) {
+        list += "\n  and " + std::to_string(grouping.parallel.size()) + " bit-parallel automata";
     }
     fail("these channels need " + std::to_string(grouping.tables.size()) + " groups of at most " +
              std::to_string(options.state_cap) + " states; " + std::to_string(options.group_cap) + " are allowed",
@@ -151,27 +166,6 @@ std::vector<std::uint32_t> interior_states(const Dfa& dfa, const std::vector<Pla
     return states;
 }
 
-/// Which of at most 64 states lie on a cycle of scattering events.
-std::vector<bool> recurrent(const Dfa& dfa, const std::vector<Place>& places,
-                            const std::vector<std::uint32_t>& states) {
-    std::unordered_map<std::uint32_t, std::size_t> index;
-    for (std::size_t i = 0; i < states.size(); ++i) { index.emplace(states[i], i); }
-    std::vector<std::uint64_t> reach(states.size(), 0);
-    for (std::size_t i = 0; i < states.size(); ++i) {
-        for (std::size_t k = 0; k < places.size(); ++k) {
-            const std::uint32_t to =
-                places[k] == Place::scattering ? dfa.step(states[i], static_cast<EventClass>(k)) : 0;
-            reach[i] |= to == 0 ? 0 : std::uint64_t{1} << index.at(to);
-        }
-    }
-    for (std::size_t through = 0; through < states.size(); ++through) {  // Warshall's closure
-        for (std::uint64_t& row : reach) { row |= (row >> through & 1U) != 0 ? reach[through] : 0; }
-    }
-    std::vector<bool> on_cycle(states.size());
-    for (std::size_t i = 0; i < states.size(); ++i) { on_cycle[i] = (reach[i] >> i & 1U) != 0; }
-    return on_cycle;
-}
-
 /// What a channel waits for late on the path: for each state that it can stay in, the events that end the stay.
 /// Channels multiply with one another by as many of these as differ among them; those that wait for the same events
 /// move together.
@@ -179,60 +173,65 @@ class LateExits {
   public:
     using Signature = std::set<std::uint32_t>;
 
-    explicit LateExits(const std::vector<Place>& places) : places_(places) {}
+    explicit LateExits(const std::vector<Place>& places) : places_(places) {
+        for (std::size_t k = 0; k < places.size(); ++k) {
+            if (places[k] == Place::scattering) { scatterings_.push_back(static_cast<EventClass>(k)); }
+        }
+    }
 
     Signature of(const Dfa& dfa) {
         bool dies = false;
         constexpr std::size_t most = 64;
         const std::vector<std::uint32_t> states = interior_states(dfa, places_, most, dies);
         Signature signature;
-        if (states.size() > most) {
-            return signature;  // far too large for a lane whatever it waits for
-        }
-        const std::vector<bool> stays = recurrent(dfa, places_, states);
+        if (states.size() > most) { return signature; }  // far too large for bits, whatever it waits for
+        // States of the table are numbered as in `states`, from 1 on. A state is on a cycle if it leads to itself.
+        std::unordered_map<std::uint32_t, State> index{{0, 0}};
+        StateSets itself(states.size() + 1);
         for (std::size_t i = 0; i < states.size(); ++i) {
-            if (!stays[i]) { continue; }
-            ClassSet exits(places_.size(), false);
-            bool any = false;
-            for (std::size_t k = 0; k < places_.size(); ++k) {
-                exits[k] =
-                    places_[k] == Place::scattering && dfa.step(states[i], static_cast<EventClass>(k)) != states[i];
-                any = any || exits[k];
+            index.emplace(states[i], static_cast<State>(i + 1));
+            itself[i + 1] = std::uint64_t{1} << i;
+        }
+        const LivenessTable table(
+            itself.size(), [&](State from, EventClass event) { return index.at(dfa.step(states[from - 1], event)); });
+        const StateSets follows = table.before(scatterings_, table.eventually(scatterings_, std::move(itself)));
+        for (std::size_t i = 0; i < states.size(); ++i) {
+            std::vector<EventClass> exits;
+            for (const EventClass event : scatterings_) {
+                if (dfa.step(states[i], event) != states[i]) { exits.push_back(event); }
             }
-            if (any) {
-                signature.insert(
-                    index_.emplace(std::move(exits), static_cast<std::uint32_t>(index_.size())).first->second);
-            }
+            if ((follows[i + 1] >> i & 1U) == 0 || exits.empty()) { continue; }
+            signature.insert(index_.emplace(std::move(exits), static_cast<std::uint32_t>(index_.size())).first->second);
         }
         return signature;
     }
 
   private:
     const std::vector<Place>& places_;
-    std::map<ClassSet, std::uint32_t> index_;
+    std::vector<EventClass> scatterings_;
+    std::map<std::vector<EventClass>, std::uint32_t> index_;
 };
 
-/// Channels that wait for the same events, multiplied into automata small enough for lanes.
+/// Channels that wait for the same events, multiplied into automata of few states.
 struct Family {
     std::vector<std::size_t> members;
-    std::vector<Group> lanes;
-    bool all_small = true;  ///< every member fits in a lane
-    bool wide = false;      ///< more than one lane of two bits: better in a table, unless tables multiply all the same
+    std::vector<Group> parallel;  ///< empty if some member has too many states
+    bool wide = true;             ///< takes three bits or more
 };
 
-/// Events before the terminal on which every lane dies (user events that none names, say) end the whole path, so that
-/// no lane needs a code for being dead because of them.
-std::vector<Place> without_deadly(const std::vector<Group>& lanes, std::vector<Place> places) {
+/// Events before the terminal on which every automaton dies (such as user events that none names) end the whole path,
+/// so that no automaton needs a code for the dead state because of them.
+std::vector<Place> without_deadly(const std::vector<Group>& automata, std::vector<Place> places) {
     std::vector<bool> always_dies(places.size());
     for (std::size_t k = 0; k < places.size(); ++k) {
         always_dies[k] = places[k] == Place::scattering || places[k] == Place::camera;
     }
-    for (const Group& lane : lanes) {
+    for (const Group& automaton : automata) {
         bool dies = false;
-        for (const std::uint32_t state : interior_states(lane.dfa, places, lane_code_limit, dies)) {
+        for (const std::uint32_t state : interior_states(automaton.dfa, places, code_limit, dies)) {
             for (std::size_t k = 0; k < places.size(); ++k) {
-                const std::uint32_t from = places[k] == Place::camera ? lane.dfa.start : state;
-                always_dies[k] = always_dies[k] && lane.dfa.step(from, static_cast<EventClass>(k)) == 0;
+                const std::uint32_t from = places[k] == Place::camera ? automaton.dfa.start : state;
+                always_dies[k] = always_dies[k] && automaton.dfa.step(from, static_cast<EventClass>(k)) == 0;
             }
         }
     }
@@ -240,25 +239,29 @@ std::vector<Place> without_deadly(const std::vector<Group>& lanes, std::vector<P
     return places;
 }
 
-class LanePacker {
+/// Tries three ways to divide the families between tables and bit-parallel automata.
+class Packer {
   public:
-    LanePacker(std::span<const Group> leaves, const std::vector<Place>& places, const CompileOptions& options)
+    Packer(std::span<const Group> leaves, const std::vector<Place>& places, const CompileOptions& options)
         : leaves_(leaves), places_(places), options_(options) {}
 
     Grouping run() {
         sort_into_families();
-        Grouping best = built(choose_tables());
-        // Where tables multiply all the same, families that stand alone are packed too, then all that can be.
+        // Wide families go to tables, with those that wait for nothing else than these do.
+        LateExits::Signature waited_for;
+        for (const auto& [signature, family] : families_) {
+            if (family.wide) { waited_for.insert(signature.begin(), signature.end()); }
+        }
+        Grouping best = built([&](const LateExits::Signature& signature, const Family& family) {
+            return family.wide ||
+                   std::includes(waited_for.begin(), waited_for.end(), signature.begin(), signature.end());
+        });
+        // A family doubles a table once, however many members it has: those of one or two are the first to be packed,
+        // then all that can be.
         for (const std::size_t most_members : {std::size_t{2}, leaves_.size()}) {
-            constexpr std::size_t fine = 3;
-            if (best.tables.size() <= fine) { break; }
-            std::vector<std::size_t> in_tables;
-            for (auto& [signature, family] : families_) {
-                if (!family.all_small || family.members.size() > most_members) {
-                    in_tables.insert(in_tables.end(), family.members.begin(), family.members.end());
-                }
-            }
-            Grouping other = built(std::move(in_tables));
+            Grouping other = built([&](const LateExits::Signature&, const Family& family) {
+                return family.parallel.empty() || family.members.size() > most_members;
+            });
             if (words(other) < words(best)) { best = std::move(other); }
         }
         return best;
@@ -269,90 +272,76 @@ class LanePacker {
         LateExits exits(places_);
         for (std::size_t k = 0; k < leaves_.size(); ++k) { families_[exits.of(leaves_[k].dfa)].members.push_back(k); }
         for (auto& [signature, family] : families_) {
-            for (const std::size_t k : family.members) {
-                family.all_small = family.all_small && !lane_codes(leaves_[k].dfa, places_).empty();
-            }
-            if (family.all_small) {
-                for (const std::size_t k : family.members) { add_lane(family.lanes, leaves_[k]); }
-            }
+            const bool all_small = std::all_of(family.members.begin(), family.members.end(), [&](std::size_t k) {
+                return !parallel_codes(leaves_[k].dfa, places_).empty();
+            });
+            if (!all_small) { continue; }
+            for (const std::size_t k : family.members) { add_automaton(family.parallel, leaves_[k]); }
             constexpr std::size_t two_bits = 4;
-            family.wide = family.lanes.size() != 1 || lane_codes(family.lanes.front().dfa, places_).size() > two_bits;
+            family.wide = parallel_codes(family.parallel.front().dfa, places_).size() > two_bits;
         }
     }
 
-    void add_lane(std::vector<Group>& lanes, const Group& leaf) const {
-        if (!lanes.empty()) {
-            const std::size_t cap = lane_code_limit + 2 + lanes.back().lists.size() * 2;
-            std::optional<Group> both = merged(lanes.back(), leaf, cap);
-            if (both && !lane_codes(both->dfa, places_).empty()) {
-                lanes.back() = std::move(*both);
+    void add_automaton(std::vector<Group>& automata, const Group& leaf) const {
+        if (!automata.empty()) {
+            const std::size_t cap = code_limit + 2 + automata.back().lists.size() * 2;  // with start and ends
+            std::optional<Group> both = merged(automata.back(), leaf, cap);
+            if (both && !parallel_codes(both->dfa, places_).empty()) {
+                automata.back() = std::move(*both);
                 return;
             }
         }
-        lanes.push_back(leaf);
+        automata.push_back(leaf);
     }
 
-    /// The channels of wide families, and those that wait for nothing else than these do.
-    std::vector<std::size_t> choose_tables() const {
-        LateExits::Signature waited_for;
-        for (const auto& [signature, family] : families_) {
-            if (family.wide) { waited_for.insert(signature.begin(), signature.end()); }
-        }
-        std::vector<std::size_t> chosen;
-        for (const auto& [signature, family] : families_) {
-            if (family.wide ||
-                std::includes(waited_for.begin(), waited_for.end(), signature.begin(), signature.end())) {
-                chosen.insert(chosen.end(), family.members.begin(), family.members.end());
-            }
-        }
-        return chosen;
-    }
-
-    Grouping built(std::vector<std::size_t> in_tables) {
-        std::sort(in_tables.begin(), in_tables.end());
+    template <class InTables>
+    Grouping built(InTables in_tables) const {
         Grouping grouping;
+        std::vector<std::size_t> members;
+        for (const auto& [signature, family] : families_) {
+            if (in_tables(signature, family)) {
+                members.insert(members.end(), family.members.begin(), family.members.end());
+            } else {
+                grouping.parallel.insert(grouping.parallel.end(), family.parallel.begin(), family.parallel.end());
+            }
+        }
+        std::sort(members.begin(), members.end());
         std::vector<Group> leaves;
-        for (const std::size_t k : in_tables) { leaves.push_back(leaves_[k]); }
+        for (const std::size_t k : members) { leaves.push_back(leaves_[k]); }
         grouping.tables = *merge_balanced(leaves, options_.state_cap, leaves.size() + 1);
-        for (auto& [signature, family] : families_) {
-            if (!std::binary_search(in_tables.begin(), in_tables.end(), family.members.front())) {
-                grouping.lanes.insert(grouping.lanes.end(), family.lanes.begin(), family.lanes.end());
-            }
-        }
-        grouping.lane_places = without_deadly(grouping.lanes, places_);
-        move_wide_lanes(grouping);
-        std::size_t bits = 0;
-        for (const Group& lane : grouping.lanes) {
-            bits += static_cast<std::size_t>(std::bit_width(lane_codes(lane.dfa, grouping.lane_places).size() - 1));
-        }
-        constexpr std::size_t worth_packing = 6;  // below, a table of at most 2^6 states underway is faster
-        if (bits <= worth_packing && !grouping.lanes.empty() && grouping.tables.size() < options_.group_cap) {
-            const auto table = merge_balanced(grouping.lanes, options_.state_cap, 1);
-            if (table) {
-                grouping.tables.push_back(table->front());
-                grouping.lanes.clear();
-            }
-        }
+        grouping.parallel_places = without_deadly(grouping.parallel, places_);
+        move_to_tables(grouping);
         return grouping;
     }
 
-    /// Lanes of several bits that hardly make a table larger cost less there.
-    void move_wide_lanes(Grouping& grouping) const {
-        if (grouping.tables.empty()) { return; }
-        Group& table = grouping.tables.front();
-        std::erase_if(grouping.lanes, [&](const Group& lane) {
-            if (lane_codes(lane.dfa, grouping.lane_places).size() <= 2) { return false; }
-            const std::size_t states = table.dfa.states();
-            std::optional<Group> both = merged(table, lane, std::min(options_.state_cap, states + states / 2 + 64));
-            if (both) { table = std::move(*both); }
-            return both.has_value();
-        });
-        grouping.lane_places = without_deadly(grouping.lanes, places_);
+    /// Automata of several bits that hardly make a table larger cost less there. So do the others, where all their
+    /// states together are one small table.
+    void move_to_tables(Grouping& grouping) const {
+        const auto codes = [&](const Group& automaton) {
+            return parallel_codes(automaton.dfa, grouping.parallel_places).size();
+        };
+        if (!grouping.tables.empty()) {
+            std::erase_if(grouping.parallel, [&](const Group& automaton) {
+                return codes(automaton) > 2 && join_cheaply(grouping.tables.front(), automaton, options_);
+            });
+            grouping.parallel_places = without_deadly(grouping.parallel, places_);
+        }
+        std::size_t states = 1;
+        for (const Group& automaton : grouping.parallel) {
+            states = std::min(states * std::bit_ceil(codes(automaton)), small_states + 1);
+        }
+        if (grouping.parallel.empty() || states > small_states || grouping.tables.size() >= options_.group_cap) {
+            return;
+        }
+        if (const auto table = merge_balanced(grouping.parallel, options_.state_cap, 1)) {
+            grouping.tables.push_back(table->front());
+            grouping.parallel.clear();
+        }
     }
 
     static std::size_t words(const Grouping& grouping) {
         return grouping.tables.size() +
-               (grouping.lanes.empty() ? 0 : 1 + lane_word_count(grouping.lanes, grouping.lane_places));
+               (grouping.parallel.empty() ? 0 : 1 + parallel_word_count(grouping.parallel, grouping.parallel_places));
     }
 
     std::span<const Group> leaves_;
@@ -376,11 +365,11 @@ std::vector<Place> places_of(const EventClasses& classes) {
     return places;
 }
 
-std::vector<std::uint32_t> lane_codes(const Dfa& dfa, const std::vector<Place>& places) {
+std::vector<std::uint32_t> parallel_codes(const Dfa& dfa, const std::vector<Place>& places) {
     bool dies = false;
-    std::vector<std::uint32_t> states = interior_states(dfa, places, lane_code_limit, dies);
+    std::vector<std::uint32_t> states = interior_states(dfa, places, code_limit, dies);
     if (dies || states.empty()) { states.insert(states.begin(), 0); }
-    if (states.size() > lane_code_limit) { states.clear(); }
+    if (states.size() > code_limit) { states.clear(); }
     return states;
 }
 
@@ -392,13 +381,11 @@ Grouping group_channels(std::vector<Dfa> dfas, std::span<const ChannelSource> ch
     }
     Grouping grouping;
     if (leaves.empty()) { return grouping; }
-    // One or two tables are faster than anything else.
-    constexpr std::size_t fast_groups = 2;
-    const std::size_t most = places.empty() ? leaves.size() + 1 : std::min(fast_groups, options.group_cap);
+    const std::size_t most = places.empty() ? leaves.size() + 1 : std::min(fewest_words, options.group_cap);
     if (std::optional<std::vector<Group>> tables = merge_balanced(leaves, options.state_cap, most)) {
         grouping.tables = std::move(*tables);
     } else {
-        grouping = LanePacker(leaves, places, options).run();
+        grouping = Packer(leaves, places, options).run();
     }
     if (grouping.tables.size() > options.group_cap) {
         merge_smallest(grouping.tables, options.group_cap, options.state_cap);
@@ -408,34 +395,26 @@ Grouping group_channels(std::vector<Dfa> dfas, std::span<const ChannelSource> ch
 }
 
 bool add_channel(Grouping& grouping, Group channel, const std::vector<Place>& places, const CompileOptions& options) {
-    for (Group& table : grouping.tables) {
-        const std::size_t states = table.dfa.states();
-        const std::size_t hardly_more = states + states / 2 + 4 * channel.dfa.states();
-        if (std::optional<Group> both = merged(table, channel, std::min(options.state_cap, hardly_more))) {
-            table = std::move(*both);
-            if (!grouping.lanes.empty()) { grouping.lane_places = without_deadly(grouping.lanes, places); }
-            return true;
-        }
-    }
     constexpr std::size_t one_bit = 2;
-    std::vector<Group> lanes = grouping.lanes;
-    if (!places.empty() && !lanes.empty()) {
-        lanes.push_back(channel);
-        std::vector<Place> lane_places = without_deadly(lanes, places);
-        const std::vector<std::uint32_t> codes = lane_codes(channel.dfa, lane_places);
-        if (!codes.empty() && codes.size() <= one_bit) {
-            grouping.lanes = std::move(lanes);
-            grouping.lane_places = std::move(lane_places);
+    bool joins = false;
+    for (Group& table : grouping.tables) { joins = joins || join_cheaply(table, channel, options); }
+    if (!joins && !places.empty() && !grouping.parallel.empty()) {
+        std::vector<Group> automata = grouping.parallel;
+        automata.push_back(channel);
+        std::vector<Place> seen = without_deadly(automata, places);
+        const std::size_t codes = parallel_codes(channel.dfa, seen).size();
+        if (codes != 0 && codes <= one_bit) {
+            grouping.parallel = std::move(automata);
+            grouping.parallel_places = std::move(seen);
             return true;
         }
     }
-    constexpr std::size_t fine_tables = 2;
-    if (grouping.tables.size() < std::min(fine_tables, options.group_cap)) {
+    if (!joins) {
+        if (grouping.tables.size() >= std::min(fewest_words, options.group_cap)) { return false; }
         grouping.tables.push_back(std::move(channel));
-        if (!grouping.lanes.empty()) { grouping.lane_places = without_deadly(grouping.lanes, places); }
-        return true;
     }
-    return false;
+    if (!grouping.parallel.empty()) { grouping.parallel_places = without_deadly(grouping.parallel, places); }
+    return true;
 }
 
 }  // namespace raylex::lpe

@@ -1,10 +1,23 @@
-// Which channels share a table and which are packed into lanes (program_view.h).
+// Which channels share a table and which become bit-parallel automata (program_view.h): Baeza-Yates and Gonnet 1992,
+// Navarro and Raffinot 2002.
 //
-// Automata are multiplied together, in a balanced tree so that all but the last few products are small. A product of
-// minimal automata that remembers which side accepts is minimal itself, so nothing is minimised on the way. That is
-// right for channels that look at the first few events: their products grow like sums. Where channels ask about
-// anything "anywhere" on the path (C.*X.*) the product doubles with each of them; a product that grows out of
-// proportion to its parts is given up, and such channels become lanes, which cost bits.
+// The rule: a path's state takes the fewest words. A table is one word, whatever the number of its states; automata of
+// 1, 2 or 3 bits are 32 to a word for each bit, and one word more for the phase that they share.
+//
+// A table has that price only while its states grow like a sum. Automata are multiplied in a balanced tree, so that all
+// but the last few products are small; a product of minimal automata that remembers which side accepts is minimal
+// itself, so nothing is minimised on the way. Channels that look at the first few events have as many states together
+// as apart, about. Each event that channels wait for anywhere on the path (C.*X.*) doubles the product: it adds one bit
+// to the number of a state, and one bit is what such a channel takes as a bit-parallel automaton, where memory grows
+// with the number of bits and not with its power of two. Hence four bounds, all counted in bits:
+//
+//     a product of tables     two bits more than both take side by side, and small tables (6 bits) always
+//     two tables              are never worse than bit-parallel automata, which take two words at least
+//     an automaton of 2 bits  joins a table where that takes clearly less than one bit there (half as many states more)
+//     automata of 6 bits      in all are one small table: one word instead of two
+//
+// An event reads 1 word of a table, but 2, 8 or 24 masks for a word of automata of 1, 2 or 3 bits. So automata of 3
+// bits stay in tables, unless that takes more words.
 #pragma once
 
 #include <cstdint>
@@ -28,25 +41,25 @@ struct Group {
 enum class Place : std::uint8_t { nowhere, camera, scattering, terminal };
 [[nodiscard]] std::vector<Place> places_of(const EventClasses& classes);
 
-inline constexpr std::size_t lane_code_limit = 8;
+inline constexpr std::size_t code_limit = 8;
 
-/// The states that a path underway can be in, the dead one first if it can; empty when they are more than a lane has
-/// codes for.
-[[nodiscard]] std::vector<std::uint32_t> lane_codes(const Dfa& dfa, const std::vector<Place>& places);
+/// The states that a path underway can be in, the dead one first if it can; empty when they are more than the codes of
+/// a bit-parallel automaton.
+[[nodiscard]] std::vector<std::uint32_t> parallel_codes(const Dfa& dfa, const std::vector<Place>& places);
 
 struct Grouping {
     std::vector<Group> tables;
-    std::vector<Group> lanes;
-    std::vector<Place> lane_places;  ///< as the lanes see it: events on which all of them die can stand nowhere
+    std::vector<Group> parallel;
+    std::vector<Place> parallel_places;  ///< without events on which all of `parallel` die
 };
 
-/// Channel k accepts by dfas[k]; all are cut to words of a renderer when `places` is not empty, and only then are lanes
-/// made. Throws Failure naming the channels when they fit in no way that the options allow.
+/// Channel k accepts by dfas[k]. Where `places` is not empty, all are cut to words of a renderer; only then are there
+/// bit-parallel automata. Throws Failure naming the channels when they fit in no way that the options allow.
 [[nodiscard]] Grouping group_channels(std::vector<Dfa> dfas, std::span<const ChannelSource> channels,
                                       const std::vector<Place>& places, const CompileOptions& options);
 
-/// Puts one more channel (a group of its own) where it hardly adds to what is there: into a table, a lane, a table of
-/// its own. False, and nothing done, when that is nowhere.
+/// Puts one more channel (a group of its own) where it hardly adds to what is there: into a table, beside the
+/// bit-parallel automata if it takes one bit, or into a table of its own. False, and nothing done, if none of these.
 [[nodiscard]] bool add_channel(Grouping& grouping, Group channel, const std::vector<Place>& places,
                                const CompileOptions& options);
 

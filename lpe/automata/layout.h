@@ -1,4 +1,4 @@
-// The last step of compilation, for all who have automata: groups, lanes, arrays.
+// The last step of compilation, from automata: groups, bit-parallel automata, arrays.
 #pragma once
 
 #include <span>

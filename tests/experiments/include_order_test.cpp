@@ -81,7 +81,7 @@ const Folders order = {"lpe",
 const std::vector<Folders> inside = {
     {"lpe/language", "lpe/language/parser"},
     {"lpe/algebra/proofs", "lpe/algebra/wording", "lpe/algebra/explanation", "lpe/algebra/graphs"},
-    {"display/services", "display/services/samples", "display/services/foresight"},
+    {"display/services", "display/services/samples", "display/services/liveness"},
     {"display/buffer", "display/buffer/frame_buffer", "display/buffer/sinks", "display/buffer/adaptive"},
     {"display/output", "display/output/color", "display/output/metrics", "display/output/reader",
      "display/output/splits", "display/output/writer", "display/output/atlas", "display/output/comparison"},
@@ -146,7 +146,7 @@ TEST_CASE("integrators do not depend on the requested channels", "[layout]") {
     // Liveness, pruning, pilots and the shares of techniques belong to paths/ and render/. Lobes of the field's prose,
     // such as "exact shares" of lobes, are not code and do not count.
     const std::regex banned(
-        R"(\b(is_live\w*|LiveLights|live_lights|Pruned|prunes|[Pp]ilot\w*|TechniqueShares|\w+_share|foresight)\b)");
+        R"(\b(is_live\w*|LiveLights|live_lights|Pruned|prunes|[Pp]ilot\w*|TechniqueShares|\w+_share|liveness)\b)");
     const fs::path root = raylex::test::source_dir();
     std::size_t files = 0;
     for (const auto& entry : fs::recursive_directory_iterator(root / "transport/integrators")) {

@@ -28,7 +28,7 @@ std::vector<ChannelSource> adopted_channels(const std::vector<std::string>& expr
     return channels;
 }
 
-/// Channels with labels, globs and, when `packed`, enough labels anywhere to need lanes.
+/// Channels with labels, globs and, when `packed`, enough labels anywhere to need bit-parallel automata.
 std::vector<ChannelSource> channel_set(bool packed) {
     std::vector<ChannelSource> channels =
         adopted_channels({"CD+L", "C<RD'floor'>[DS]*L", "C<R.'wall*'>.*[<L.'key'>O]", "CU2L"});
@@ -74,7 +74,7 @@ TEST_CASE("a program read from its file behaves like the original", "[adopt][fil
     for (const bool packed : {false, true}) {
         const auto program = Program::compile(channel_set(packed));
         REQUIRE(program);
-        REQUIRE(program->view().has_lanes() == packed);
+        REQUIRE(program->view().has_parallel() == packed);
         const auto again = program_from_bytes(to_bytes(*program), "memory");
         REQUIRE(again);
         CHECK(to_bytes(*again) == to_bytes(*program));

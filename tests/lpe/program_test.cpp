@@ -89,7 +89,7 @@ TEST_CASE("channels that multiply are distributed over groups, and small ones ar
     tight.group_cap = 64;
     const auto spread = Program::compile(channels, tight);
     REQUIRE(spread);
-    CHECK(spread->view().has_lanes());
+    CHECK(spread->view().has_parallel());
     CHECK(spread->word_count() > program->word_count());
     tight.state_cap = 300;
     tight.group_cap = 2;

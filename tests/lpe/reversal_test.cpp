@@ -50,11 +50,11 @@ std::vector<Event> random_spelling(oracle::Random& random) {
 }
 
 /// Joins every split of random words and compares with forward matching.
-void check_joins(const std::vector<ChannelSource>& channels, const CompileOptions& options, bool has_lanes,
+void check_joins(const std::vector<ChannelSource>& channels, const CompileOptions& options, bool has_parallel,
                  std::size_t least_words) {
     const auto program = Program::compile(channels, options);
     if (!program) { FAIL(program.error().to_string()); }
-    REQUIRE(program->view().has_lanes() == has_lanes);
+    REQUIRE(program->view().has_parallel() == has_parallel);
     REQUIRE(program->word_count() >= least_words);
     const auto reversed = ReversedProgram::build(*program);
     if (!reversed) { FAIL(reversed.error().to_string()); }
@@ -83,7 +83,7 @@ void check_joins(const std::vector<ChannelSource>& channels, const CompileOption
             CAPTURE(split);
             REQUIRE(found == expected);
             REQUIRE((joined || expected.empty()));
-            if (!has_lanes) REQUIRE(joined == !expected.empty());
+            if (!has_parallel) REQUIRE(joined == !expected.empty());
             REQUIRE((alive || expected.empty()));  // Law 4: only what can never accept is dead
             if (split == 0) { break; }
             alive = reversed->prepend(light.data(), events[split - 1], light.data());
@@ -104,12 +104,12 @@ TEST_CASE("light subpaths connected to camera subpaths match like whole words", 
         check_joins(channels, {.state_cap = 12, .group_cap = 20, .any_word = true}, false, 2);  // several tables
         std::vector<ChannelSource> packed = channels;
         add(packed, dialect, "C.*<RD'", "'>.*L", 40);
-        check_joins(packed, {}, true, 3);  // a table and lanes of one bit
+        check_joins(packed, {}, true, 3);  // a table and automata of one bit
         std::vector<ChannelSource> wide;
         add(wide, dialect, "C.*<RD'", "'>.*", 40);
         add(wide, dialect, "C.*<RG'obj1'>.*<RD'", "'>.*", 40);
         add(wide, dialect, "C.*<.D'", "'>.*D.[LO]", 40);
-        check_joins(wide, {}, true, 4);  // wider lanes
+        check_joins(wide, {}, true, 4);  // wider automata
     }
 }
 

@@ -1,5 +1,5 @@
-// What integrators say of themselves: paths of light that they do not find, however long they render. Who compares
-// images reads it, so that nobody is accused of what was said beforehand.
+// Light paths that an integrator does not find, however long it renders. Each integrator declares them here, so that
+// comparisons of images do not report them as errors.
 #pragma once
 
 #include <string>
@@ -14,10 +14,10 @@ struct OmittedPaths {
     lpe::Dialect dialect = lpe::Dialect::osl;
 };
 
-/// Of an integrator by the name in its registry; none where it finds everything, or says nothing.
+/// The omitted paths of the integrator with this name in the registry. Empty if it finds all, or declares none.
 std::vector<OmittedPaths> omitted_paths(const std::string& integrator);
 
-/// For plugins, beside their entry in the registry.
+/// Declares omitted paths. Plugins call it beside their entry in the registry.
 void declare_omitted_paths(const std::string& integrator, OmittedPaths paths);
 
 }  // namespace raylex::transport

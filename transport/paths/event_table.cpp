@@ -119,11 +119,11 @@ EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene, c
     find_scatterings(*scene.materials, scene.media->names().size(), regularizes);
     find_scatterings_in_use(*scene.geometry, *scene.media);
     emits_ = scene.media->any_emits();
-    foresight_ = display::Foresight(setup, alphabet());
+    liveness_ = display::Liveness(setup, alphabet());
 }
 
-display::Foresight::Alphabet EventTable::alphabet() const {
-    display::Foresight::Alphabet alphabet;
+display::Liveness::Alphabet EventTable::alphabet() const {
+    display::Liveness::Alphabet alphabet;
     alphabet.scatterings = in_use_;
     alphabet.with_density = in_use_with_density_;
     if (passes_cutouts_) alphabet.straight = straight_;
@@ -175,7 +175,7 @@ void EventTable::find_scatterings_in_use(const EmbreeScene& geometry, const Medi
         if (instance.label >= 0) given_to_instances.insert(instance.label);
     for (const ShapeGeometry& shape : geometry.shapes()) {
         used.emplace(shape.label, shape.material);
-        // The object that an instance places is not looked up: materials of other objects may be included.
+        // Not restricted to the shapes that the instance places: other materials may be added in vain.
         for (const std::int32_t label : given_to_instances) used.emplace(label, shape.material);
     }
     const auto use = [&](std::int32_t label, std::int32_t material) {
@@ -187,8 +187,8 @@ void EventTable::find_scatterings_in_use(const EmbreeScene& geometry, const Medi
     for (std::size_t i = 0; i < media.size(); ++i)
         if (const auto medium = static_cast<std::int32_t>(i); media[medium].scatters)
             use(medium_label(medium), SurfacePoint::no_material);
-    in_use_ = display::Foresight::distinct(std::move(in_use_));
-    in_use_with_density_ = display::Foresight::distinct(std::move(in_use_with_density_));
+    in_use_ = display::Liveness::distinct(std::move(in_use_));
+    in_use_with_density_ = display::Liveness::distinct(std::move(in_use_with_density_));
 }
 
 }  // namespace raylex::transport

@@ -1,4 +1,4 @@
-// The classes of the events of path vertices in the language, looked up once per scene.
+// The event classes of path vertices, looked up once per scene.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "display/services/foresight/foresight.h"
+#include "display/services/liveness/liveness.h"
 #include "display/services/samples/lpe_services.h"
 #include "lpe/channels/lobe_slots.h"
 #include "transport/embree/embree_scene.h"
@@ -26,7 +26,7 @@ struct SceneView {
     const MediumTable* media = nullptr;
     EffectSet general_code{};  ///< SceneDescription::general_code
     bool moves = false;        ///< is_moving(): camera rays draw a time
-    /// Each sample draws one of these; null where no index of refraction depends on the wavelength.
+    /// Each sample draws one wavelength from it; null if no index of refraction depends on the wavelength.
     const WavelengthDistribution* wavelengths = nullptr;
 
     /// Whether each sample draws a time for its rays.
@@ -43,13 +43,13 @@ struct SceneView {
     }
 };
 
-/// User events of surfaces, numbered as in RenderMan's default options (lpe:user2 "...Albedo", lpe:user6 "Normal"): U2,
+/// User events of surfaces, as RenderMan's default options number them (lpe:user2 "...Albedo", lpe:user6 "Normal"): U2,
 /// the albedo, and U6, the shading normal in camera space.
 enum class UserLobe : std::uint8_t { albedo, normal };
 /// The events' lobe labels, by which lobe slots number them.
 inline constexpr std::array<const char*, 2> user_lobes{"albedo", "normal"};
 
-/// Event classes of this scene for the channels of this render: look-ups for the inner loop, filled once.
+/// The classes of this scene's events in this render's channels: look-ups for the inner loop, filled once.
 class EventTable {
   public:
     EventTable() = default;
@@ -72,7 +72,7 @@ class EventTable {
     [[nodiscard]] lpe::EventClass emission() const { return emission_; }
     /// The terminal: L, or B for infinite lights, with the light's group.
     [[nodiscard]] lpe::EventClass terminal(std::uint32_t light) const { return terminal_[light]; }
-    /// The user event of a surface of this label, and the L without a group that ends such a word.
+    /// A user event of a surface of this label. The L without a group, user_terminal(), follows it.
     [[nodiscard]] lpe::EventClass user(std::int32_t label, UserLobe lobe) const {
         return user_[static_cast<std::size_t>(label) * user_lobes.size() + static_cast<std::size_t>(lobe)];
     }
@@ -91,14 +91,14 @@ class EventTable {
         const Row& row = row_of(label, material);
         return {by_kind_.data() + row.begin, row.count};
     }
-    /// The scatterings that have a density, where light can be sampled and subpaths connected. They come first.
+    /// The first of these: those with a density, where light can be sampled and subpaths can be connected.
     [[nodiscard]] std::span<const lpe::EventClass> with_density(std::int32_t label, std::int32_t material) const {
         const Row& row = row_of(label, material);
         return {by_kind_.data() + row.begin, row.with_density};
     }
-    [[nodiscard]] const display::Foresight& foresight() const { return foresight_; }
-    /// What channels can still take of paths of this scene; empty for scatterings without prunes().
-    [[nodiscard]] display::Foresight::Alphabet alphabet() const;
+    [[nodiscard]] const display::Liveness& liveness() const { return liveness_; }
+    /// The events of this scene. Without prunes() there are no scatterings.
+    [[nodiscard]] display::Liveness::Alphabet alphabet() const;
 
   private:
     void find_scatterings(const MaterialTable& materials, std::size_t media, bool regularizes);
@@ -120,10 +120,10 @@ class EventTable {
     }
     std::vector<Row> rows_;  // [label][kind]
     std::vector<lpe::EventClass> by_kind_;
-    // Of materials on objects that have them, and of media that scatter.
+    // Scatterings by materials of objects that have them, and by media that scatter.
     std::vector<lpe::EventClass> in_use_, in_use_with_density_;
     std::size_t kinds_ = 0;
-    display::Foresight foresight_;
+    display::Liveness liveness_;
 };
 
 /// The lobes by which paths leave a material: its own and, where closures are regularized (the integrator's trait), the

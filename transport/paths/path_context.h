@@ -63,7 +63,7 @@ struct PathContext {
 
     /// Whether beauty or a channel takes light that was scattered.
     [[nodiscard]] bool takes_scattered_light() const {
-        return beauty || (events->any() && events->foresight().at_camera().scatters);
+        return beauty || (events->any() && events->liveness().at_camera().scatters);
     }
 };
 

@@ -5,23 +5,23 @@
 namespace raylex::transport {
 
 LightLanguage::LightLanguage(const display::LpeSetup& setup, const EventTable& events)
-    : events_(&events), keeps_paths_(setup.words() != nullptr), foresees_(setup.beauty() < 0 && events.prunes()) {
+    : events_(&events), keeps_paths_(setup.words() != nullptr), prunes_(setup.beauty() < 0 && events.prunes()) {
     if (Result<lpe::ReversedProgram> reversed = lpe::ReversedProgram::build(setup.program()))
         reversed_.emplace(std::move(*reversed));
-    if (foresees_) foresight_ = display::LightForesight(setup, this->reversed(), events.alphabet());
+    if (prunes_) liveness_ = display::SuffixLiveness(setup, this->reversed(), events.alphabet());
 }
 
-display::LightForesight::Ahead LightLanguage::ahead_of(lpe::EventClass terminal) const {
-    const display::Foresight& forward = events_->foresight();
+display::SuffixLiveness::LiveSet LightLanguage::live_set_of(lpe::EventClass terminal) const {
+    const display::Liveness& forward = events_->liveness();
     // Beauty takes every light: this is for channels alone.
-    if (foresees_ && (forward.terminals_ever() & forward.bit_of(terminal)) == 0) return {false, false, false};
-    return foresight_.of(terminal);
+    if (prunes_ && (forward.live_terminals() & forward.bit_of(terminal)) == 0) return {false, false, false};
+    return liveness_.of(terminal);
 }
 
-display::Foresight::Ahead Record::ahead_of_channels(std::uint32_t row, std::int32_t label,
-                                                    std::int32_t material) const {
+display::Liveness::LiveSet Record::live_set_of_channels(std::uint32_t row, std::int32_t label,
+                                                        std::int32_t material) const {
     if (!lpe_->live(trackers_[row])) return {0, false, false};
-    return events_->foresight().after(trackers_[row], events_->scatterings(label, material));
+    return events_->liveness().after(trackers_[row], events_->scatterings(label, material));
 }
 
 bool Record::is_live_in_medium(std::uint32_t row, std::int32_t medium) const {

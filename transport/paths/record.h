@@ -1,12 +1,12 @@
 // The record of paths: the one place that calls the LPE services.
 //
-// A record keeps, row by row, where each camera subpath stands in the language. Walks and integrators report what
-// happens (scattered by these lobes, arrived at that light) and check two things: is the subpath live, is a connection
-// live? The record and the services alone handle which channels exist, which can still be reached (Law 4), how lobes
-// share what they scatter (Law 5), prefixes and holdouts.
+// A record keeps, row by row, where each camera subpath stands in the language. Walks and integrators report events to
+// it (scattered by these lobes, arrived at that light) and read two answers: whether the path is live, and whether a
+// connection is live. The record and the services alone deal with channels, their liveness (Law 4), the shares
+// of lobes (Law 5), prefixes and holdouts.
 //
-// Words are read from the camera. So a light record puts each vertex of a light subpath before those that were read,
-// and a connection leads a camera subpath along the word to the light.
+// Paths that begin at a light are recorded in the order in which the camera would have met them: a light record puts
+// each vertex before the earlier ones, and a connection leads a camera subpath along that suffix to the light.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 #include <span>
 #include <vector>
 
-#include "display/services/foresight/light_foresight.h"
-#include "display/services/foresight/light_words.h"
+#include "display/services/liveness/path_suffix.h"
+#include "display/services/liveness/suffix_liveness.h"
 #include "display/services/samples/lpe_services.h"
 #include "transport/lights/light_table.h"
 #include "transport/paths/event_table.h"
@@ -27,8 +27,8 @@ namespace raylex::transport {
 struct LightEnd {
     std::int32_t label = 0;
     LobeList lobes;  ///< of the scattering there towards the camera's side
-    const display::LightWords* words = nullptr;
-    display::LightWord word;  ///< from the light to the vertex; valid until the next batch of light subpaths
+    const display::PathSuffixes* words = nullptr;
+    display::PathSuffix word;  ///< the path suffix from the vertex to the light; valid until the next batch
 };
 
 /// Light that a path brings to the camera.
@@ -52,7 +52,7 @@ inline std::span<const display::LobePart> lobe_parts(const EventTable& events, s
 
 class Record {
   public:
-    /// `rows` trackers, for camera subpaths; 0 for records of splats, which have none.
+    /// `rows` is the number of camera subpaths; 0 for records of splats.
     explicit Record(const EventTable& events, std::size_t rows = 0) : events_(&events), trackers_(rows) {}
 
     /// Rows [0, count) stand at the camera.
@@ -73,7 +73,7 @@ class Record {
     /// It has arrived at an emitter whose event is `terminal`.
     void arrive(std::uint32_t row, lpe::EventClass terminal, display::Technique technique,
                 const Arrival& arrival) const;
-    /// Its throughput is no number: counted and logged (Law 6).
+    /// Its throughput is NaN or infinite: counted and logged (Law 6).
     void reject(std::uint32_t row, const Rgb& throughput) const {
         lpe_->contribute(to_float(throughput), {}, trackers_[row]);
     }
@@ -82,32 +82,33 @@ class Record {
     template <class Value>
     void say(std::uint32_t row, std::int32_t label, UserLobe lobe, const Rgb& throughput, Value value) const;
 
-    /// Whether anything counts that the subpath may still meet.
+    /// Whether the subpath can still find light that counts.
     [[nodiscard]] bool is_live(std::uint32_t row) const {
-        return takes_all(row) || (lpe_->live(trackers_[row]) && events_->foresight().of(trackers_[row]).anything);
+        return takes_all(row) || (lpe_->live(trackers_[row]) && events_->liveness().of(trackers_[row]).anything);
     }
     /// What channels can still take behind the vertex, whichever lobe of its material scatters.
-    [[nodiscard]] display::Foresight::Ahead ahead(std::uint32_t row, std::int32_t label, std::int32_t material) const {
-        return takes_all(row) ? display::Foresight::Ahead() : ahead_of_channels(row, label, material);
+    [[nodiscard]] display::Liveness::LiveSet live_set(std::uint32_t row, std::int32_t label,
+                                                      std::int32_t material) const {
+        return takes_all(row) ? display::Liveness::LiveSet() : live_set_of_channels(row, label, material);
     }
-    /// Whether anything counts that the subpath may meet at its vertex or behind it, as the material there scatters.
+    /// Whether the subpath can find light that counts at its vertex or behind it, by any lobe of the material there.
     [[nodiscard]] bool is_live(std::uint32_t row, std::int32_t label, std::int32_t material) const {
-        return ahead(row, label, material).anything;
+        return live_set(row, label, material).anything;
     }
-    /// Whether anything counts that the subpath may meet behind its vertex, scattered there by this lobe.
+    /// Whether the subpath can find light that counts behind its vertex if this lobe scatters it there.
     [[nodiscard]] bool is_live_lobe(std::uint32_t row, std::int32_t label, LobeId lobe) const {
         const lpe::EventClass event = events_->scatter(label, lobe);
-        return lpe_->live(trackers_[row]) && events_->foresight().after(trackers_[row], {&event, 1}).anything;
+        return lpe_->live(trackers_[row]) && events_->liveness().after(trackers_[row], {&event, 1}).anything;
     }
-    /// Whether anything counts that the subpath may meet behind a collision with a particle of this medium.
+    /// Whether the subpath can find light that counts behind a collision with a particle of this medium.
     [[nodiscard]] bool is_live_in_medium(std::uint32_t row, std::int32_t medium) const;
-    /// True: beauty takes the whole path, or pruning is off. Then is_live() need not be called.
+    /// True if beauty takes the whole path, or if pruning is off. Then is_live() is true as well.
     [[nodiscard]] bool takes_all(std::uint32_t row) const {
         return lpe_->takes_all(trackers_[row]) || !events_->prunes();
     }
     /// Whether a channel other than beauty takes some of it.
     [[nodiscard]] bool channels_follow(std::uint32_t row) const { return lpe_->channels_follow(trackers_[row]); }
-    /// Whether light that does not arrive is to be reported too.
+    /// Whether blocked light must be reported too.
     [[nodiscard]] bool wants_blocked_light() const { return lpe_->wants_emitter_samples(); }
 
     enum class Liveness : std::uint8_t {
@@ -124,7 +125,7 @@ class Record {
     [[nodiscard]] bool is_live_splat(std::uint32_t row, const LightEnd& end) const;
 
     void hold_out(display::Tracker& tracker) const { lpe_->hold_out(tracker); }
-    // Connections move a tracker of their own: past the camera subpath's vertex, past what is in between, to the light.
+    // Connections move their own tracker: past the camera subpath's vertex, past cutouts in between, to the light.
     [[nodiscard]] display::Tracker after(std::uint32_t row, std::int32_t label, const LobeList& lobes) const {
         display::Tracker tracker = trackers_[row];
         scatter(tracker, label, lobes);
@@ -150,8 +151,8 @@ class Record {
     [[nodiscard]] const EventTable& events() const { return *events_; }
 
   private:
-    [[nodiscard]] display::Foresight::Ahead ahead_of_channels(std::uint32_t row, std::int32_t label,
-                                                              std::int32_t material) const;
+    [[nodiscard]] display::Liveness::LiveSet live_set_of_channels(std::uint32_t row, std::int32_t label,
+                                                                  std::int32_t material) const;
     void scatter(display::Tracker& tracker, std::int32_t label, const LobeList& lobes) const {
         if (!events_->any()) return;
         LobeParts parts;
@@ -163,7 +164,7 @@ class Record {
     std::vector<display::Tracker> trackers_;  // by row
 };
 
-/// Reads the words of a render's channels from their lights. Does not move: it points at itself.
+/// The language of a render's channels, read from the lights. Cannot be moved: it points at itself.
 class LightLanguage {
   public:
     LightLanguage(const display::LpeSetup& setup, const EventTable& events);
@@ -171,32 +172,32 @@ class LightLanguage {
     LightLanguage& operator=(const LightLanguage&) = delete;
     /// Null where the channels' program is too large to be reversed.
     [[nodiscard]] const lpe::ReversedProgram* reversed() const { return reversed_ ? &*reversed_ : nullptr; }
-    /// Whether a path atlas reads the events as well.
+    /// Whether a path atlas needs the events as well.
     [[nodiscard]] bool keeps_paths() const { return keeps_paths_; }
-    /// Empty with beauty, which takes everything.
-    [[nodiscard]] const display::LightForesight& foresight() const { return foresight_; }
-    /// What channels can still take of a light's word. Lights that no channel takes are known even where foresight()
-    /// is empty (channels packed into lanes, programs that are too large to be reversed).
-    [[nodiscard]] display::LightForesight::Ahead ahead_of(lpe::EventClass terminal) const;
+    /// Nothing is known if beauty is requested, which takes all.
+    [[nodiscard]] const display::SuffixLiveness& liveness() const { return liveness_; }
+    /// For a light's suffix: liveness(), but nothing for lights that no channel takes. These are known even where
+    /// suffixes are not (bit-parallel channels, programs too large to be reversed).
+    [[nodiscard]] display::SuffixLiveness::LiveSet live_set_of(lpe::EventClass terminal) const;
 
   private:
     const EventTable* events_;
-    bool keeps_paths_, foresees_;
+    bool keeps_paths_, prunes_;
     std::optional<lpe::ReversedProgram> reversed_;
-    display::LightForesight foresight_;
+    display::SuffixLiveness liveness_;
 };
 
 /// The record of light subpaths, row by row.
 class LightRecord {
   public:
-    /// `language`: null when no channel reads words. Must outlive the record.
+    /// `language` must outlive the record; null if no channel has an expression.
     LightRecord(const EventTable& events, const LightLanguage* language, std::size_t rows)
         : events_(&events), language_(language) {
         if (language == nullptr) return;
         words_.emplace(language->reversed(), language->keeps_paths());
         word_.resize(rows);
     }
-    /// Forgets all words.
+    /// Clears all suffixes.
     void begin(display::LpeServices& lpe) {
         lpe_ = &lpe;
         if (words_) words_->clear();
@@ -204,7 +205,7 @@ class LightRecord {
     void leave_light(std::uint32_t row, std::uint32_t light) {
         if (words_) word_[row] = lpe_->begin(*words_, events_->terminal(light));
     }
-    /// `key` seeds the choice between lobes where a word cannot keep them all.
+    /// `key` seeds the choice between lobes if a suffix cannot keep them all.
     void scatter(std::uint32_t row, std::int32_t label, const LobeList& lobes, std::uint64_t key) {
         if (!words_) return;
         LobeParts parts;
@@ -213,36 +214,35 @@ class LightRecord {
     void pass_through(std::uint32_t row, std::int32_t label) {
         if (words_) word_[row] = lpe_->prepend(*words_, word_[row], events_->straight(label));
     }
-    /// Whether anything counts that the subpath may become by further scatterings (Law 4).
+    /// Whether further scatterings of the subpath can count (Law 4).
     [[nodiscard]] bool is_live(std::uint32_t row) const {
-        return takes_all() || (words_ && language_->foresight().of(*words_, word_[row]).goes_on);
+        return takes_all() || (words_ && language_->liveness().of(*words_, word_[row]).goes_on);
     }
-    /// What channels can still take of it once its current vertex scatters as the material there does.
-    [[nodiscard]] display::LightForesight::Ahead ahead(std::uint32_t row, std::int32_t label,
-                                                       std::int32_t material) const {
+    /// What is live once its current vertex scatters by any lobe of the material there.
+    [[nodiscard]] display::SuffixLiveness::LiveSet live_set(std::uint32_t row, std::int32_t label,
+                                                            std::int32_t material) const {
         if (takes_all()) return {};
         if (!words_) return {false, false, false};
-        return language_->foresight().after(*words_, word_[row], events_->scatterings(label, material),
-                                            events_->with_density(label, material).size());
+        return language_->liveness().after(*words_, word_[row], events_->scatterings(label, material),
+                                           events_->with_density(label, material).size());
     }
-    /// Whether anything counts that the subpath brings from its vertex or behind it, as the material there scatters.
+    /// Whether the subpath can count at its vertex or after it, by any lobe of the material there.
     [[nodiscard]] bool is_live(std::uint32_t row, std::int32_t label, std::int32_t material) const {
-        return ahead(row, label, material).anything();
+        return live_set(row, label, material).anything();
     }
-    /// Whether anything counts that the subpath brings from behind a collision with a particle of this medium.
+    /// Whether the subpath can count after a collision with a particle of this medium.
     [[nodiscard]] bool is_live_in_medium(std::uint32_t row, std::int32_t medium) const {
         return is_live(row, events_->medium_label(medium), SurfacePoint::no_material);
     }
-    /// Whether anything counts of a connection of a camera subpath with `end`, as the materials of both vertices
-    /// scatter.
+    /// Whether a connection of a camera subpath with `end` can count, by any lobes of the materials of both vertices.
     [[nodiscard]] bool is_live_connection(const Record& camera, std::uint32_t row, std::int32_t label,
                                           std::int32_t material, const LightEnd& end,
                                           std::int32_t material_of_end) const {
         return camera.takes_all(row) || !words_ ||
-               language_->foresight().joins(camera.tracker(row), events_->with_density(label, material), *end.words,
-                                            end.word, events_->with_density(end.label, material_of_end));
+               language_->liveness().joins(camera.tracker(row), events_->with_density(label, material), *end.words,
+                                           end.word, events_->with_density(end.label, material_of_end));
     }
-    /// The word up to the current vertex. A connection sets the lobes.
+    /// The suffix behind the current vertex. The vertex itself scatters by LightEnd::lobes when it is connected.
     [[nodiscard]] LightEnd end(std::uint32_t row, std::int32_t label) const {
         LightEnd end;
         end.label = label;
@@ -257,8 +257,8 @@ class LightRecord {
     const EventTable* events_;
     const LightLanguage* language_;
     display::LpeServices* lpe_ = nullptr;
-    std::optional<display::LightWords> words_;
-    std::vector<display::LightWord> word_;  // by row
+    std::optional<display::PathSuffixes> words_;
+    std::vector<display::PathSuffix> word_;  // by row
 };
 
 inline void Record::add(const display::Tracker& at_light, display::Technique technique, const Arrival& arrival) const {

@@ -49,7 +49,7 @@ template <TransportMode mode>
 std::uint64_t Walk<mode>::planned_state(std::uint32_t row) const {
     if constexpr (mode == TransportMode::importance) return 0;
     else {
-        const std::uint64_t state = record_.events().foresight().state_of(record_.tracker(row));
+        const std::uint64_t state = record_.events().liveness().state_of(record_.tracker(row));
         return paths_[row].specular ? state ^ (std::uint64_t{state != 0} << 63) : state;
     }
 }
@@ -115,7 +115,7 @@ template <TransportMode mode>
 bool Walk<mode>::may_be_scattered(std::size_t j) {
     if constexpr (mode == TransportMode::importance) {
         const std::uint32_t row = vertices_.rows[j];
-        if (!record_.ahead(row, vertices_.sources[j].label, vertices_.points[j].material).goes_on) {
+        if (!record_.live_set(row, vertices_.sources[j].label, vertices_.points[j].material).goes_on) {
             counters_->count(pruned_paths);
             return false;
         }

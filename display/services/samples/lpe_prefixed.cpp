@@ -47,43 +47,28 @@ bool LpeSetup::follows(lpe::EventClass event) const {
     return has_user_events_ && program_.follows(event);
 }
 
-/// Packed channels are taken together: where the path may still end so that one of them accepts, they reach what that
-/// one does. That may keep a path that is of no use, and never ends one that is.
-void LpeSetup::find_packed_reach() {
-    const lpe::ProgramView& program = program_.view();
-    if (!program.has_lanes()) return;
-    for (lpe::State state = program.first_ended; state < program.state_count; ++state) {
-        const std::size_t lists = std::size_t{8} * program.lane_count, first = (state - program.first_ended) * lists;
-        for (std::uint32_t i = program.lane_lists[first]; i < program.lane_lists[first + lists]; ++i)
-            reach_[state] |= reach_of(program.accept_lists[i]);
-    }
-}
-
 /// With `holdouts` channels a state that is not dead may still be of no use to a path, which is either held out or not.
-void LpeSetup::find_reach() {
+/// Bit-parallel channels are taken together: where the path may still end so that one of them accepts, all are live.
+/// That may keep a path that is of no use, and never ends one that is.
+void LpeSetup::find_liveness() {
     if (std::none_of(prefixes_.begin(), prefixes_.end(), [](const ChannelPrefixes& p) { return p.holdouts; })) return;
-    const std::size_t states = program_.state_count(), classes = program_.class_count();
-    reach_.assign(states, 0);
-    for (lpe::State state = 0; state < states; ++state)
-        for (const std::uint16_t channel : program_.accepted(state)) reach_[state] |= reach_of(channel);
-    find_packed_reach();
-    for (bool grew = true; grew;) {
-        grew = false;
-        for (std::size_t k = states; k-- > 0;) {  // successors mostly have higher numbers
-            const auto state = static_cast<lpe::State>(k);
-            std::uint8_t reach = reach_[k];
-            for (std::size_t c = 0; c < classes; ++c)
-                reach |= reach_[program_.next(state, static_cast<lpe::EventClass>(c))];
-            grew = grew || reach != reach_[k];
-            reach_[k] = reach;
-        }
+    const lpe::ProgramView& program = program_.view();
+    lpe::StateSets accepting(program.state_count);
+    for (lpe::State state = 0; state < program.state_count; ++state)
+        for (const std::uint16_t channel : program.accepted(state)) accepting[state] |= taker(channel);
+    const std::size_t lists = program.widths.back().lists;  // of one terminal
+    for (lpe::State state = program.first_ended; program.has_parallel() && state < program.state_count; ++state) {
+        const std::uint32_t* list = program.parallel_lists + (state - program.first_ended) * lists;
+        for (std::uint32_t i = list[0]; i < list[lists]; ++i) accepting[state] |= taker(program.accept_lists[i]);
     }
+    const lpe::LivenessTable table(program.state_count,
+                                   [&](lpe::State from, lpe::EventClass event) { return program.next(from, event); });
+    live_ = table.eventually(lpe::all_classes(program.class_count), std::move(accepting));
 }
 
-bool LpeServices::reaches(const Tracker& tracker) const {
-    const lpe::ProgramView& program = setup_.program_.view();
+bool LpeServices::is_live(const Tracker& tracker) const {
     for (std::size_t branch = 0; branch < tracker.count_; ++branch)
-        if (reaches(&tracker.state_[branch * program.word_count], wanted_reach(tracker))) return true;
+        if (is_live(&tracker.state_[branch * tracker.groups_], tracker.held_out_)) return true;
     return false;
 }
 

@@ -80,7 +80,7 @@ Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, Ch
         setup.first_states_.clear();
     for (const lpe::ChannelSource& source : *sources)
         setup.has_user_events_ = setup.has_user_events_ || source.expression.find('U') != std::string::npos;
-    setup.find_reach();
+    setup.find_liveness();
     return setup;
 }
 

@@ -24,6 +24,7 @@
 #include "display/services/rgb.h"
 #include "display/services/samples/sample_table.h"
 #include "display/services/samples/splat_sets.h"
+#include "lpe/liveness_table.h"
 #include "lpe/program.h"
 
 namespace raylex::display {
@@ -55,8 +56,8 @@ struct BranchShare {
 
 class BranchList;
 struct Branches;
-class LightWord;
-class LightWords;
+class PathSuffix;
+class PathSuffixes;
 class PathWords;
 class WordAlphabet;
 
@@ -83,8 +84,8 @@ class Tracker {
 
   private:
     friend class LpeServices;
-    friend class Foresight;
-    friend class LightForesight;
+    friend class Liveness;
+    friend class SuffixLiveness;
     void copy(const Tracker& other) noexcept;
     std::int32_t row_ = 0;
     std::uint32_t path_ = 0;                    // path in the batch's PathWords, if an atlas keeps words
@@ -142,16 +143,15 @@ class LpeSetup {
     [[nodiscard]] bool follows(lpe::EventClass event) const;
 
   private:
-    friend class Foresight;
-    friend class LightForesight;
+    friend class Liveness;
+    friend class SuffixLiveness;
     friend class LpeServices;
-    enum Reach : std::uint8_t { reaches_ordinary = 1, reaches_holdouts = 2 };
+    enum Takers : std::uint8_t { ordinary = 1, holdouts = 2 };  ///< channels by the paths that they take
     [[nodiscard]] lpe::EventClass column_of(const lpe::Event& event) const;
     Status read_channel_prefixes(std::span<const ChannelDefinition> channels);
-    void find_reach();
-    void find_packed_reach();
-    [[nodiscard]] std::uint8_t reach_of(std::uint16_t channel) const {
-        return prefixes_[channel].holdouts ? reaches_holdouts : reaches_ordinary;
+    void find_liveness();
+    [[nodiscard]] Takers taker(std::uint16_t channel) const {
+        return prefixes_[channel].holdouts ? holdouts : ordinary;
     }
     lpe::Program program_;
     std::shared_ptr<const WordAlphabet> alphabet_;
@@ -160,7 +160,7 @@ class LpeSetup {
     SplatTargets targets_;                      // each channel separately
     ChannelId beauty_ = invalid_channel;
     std::vector<ChannelPrefixes> prefixes_;  // [program channel]
-    std::vector<std::uint8_t> reach_;        // [table state] which channels can still accept; empty without holdouts
+    lpe::StateSets live_;                    // [table state] Takers that can still accept; empty without holdouts
     float largest_contribution_ = 0x1p38f;
     bool has_user_events_ = false;        // some expression can name one
     bool prefixed_ = false;               // some prefix changes what is splatted
@@ -188,16 +188,16 @@ class LpeServices {
     /// colour without any value goes to the first part. Without parts the path scatters nothing and every branch dies.
     void move(Tracker& tracker, std::span<const LobePart> parts);
 
-    // Light subpaths: light_words.h.
-    /// A word of one event, its terminal. `words` reads the language of this object's setup.
-    [[nodiscard]] LightWord begin(LightWords& words, lpe::EventClass terminal) const;
-    /// `word` with one event more before all that were read.
-    [[nodiscard]] LightWord prepend(LightWords& words, const LightWord& word, lpe::EventClass event) const;
-    /// The same of a scattering, as move(); `key` seeds the choice where there are too many branches.
-    [[nodiscard]] LightWord prepend(LightWords& words, const LightWord& word, std::span<const LobePart> parts,
-                                    std::uint64_t key);
-    /// Moves the tracker along all events of `word`, to the light: past its terminal.
-    void join(Tracker& tracker, const LightWords& words, const LightWord& word);
+    // Light subpaths: path_suffix.h.
+    /// A suffix of one event, its terminal. `pool` belongs to this object's setup.
+    [[nodiscard]] PathSuffix begin(PathSuffixes& pool, lpe::EventClass terminal) const;
+    /// `suffix` with one more event before it.
+    [[nodiscard]] PathSuffix prepend(PathSuffixes& pool, const PathSuffix& suffix, lpe::EventClass event) const;
+    /// `suffix` with a scattering before it, as for move(). `key` seeds the choice if there are too many branches.
+    [[nodiscard]] PathSuffix prepend(PathSuffixes& pool, const PathSuffix& suffix, std::span<const LobePart> parts,
+                                     std::uint64_t key);
+    /// Moves the tracker along all events of `suffix`, its terminal included.
+    void join(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix);
 
     /// Adds `value` (radiance times throughput, without the filter weight) to beauty and to every channel whose
     /// expression accepts the path. The tracker must have passed the terminal event. Values that are not finite, or
@@ -225,7 +225,7 @@ class LpeServices {
     /// Whether anything could still accept: false means that the path may end (Law 4).
     [[nodiscard]] bool live(const Tracker& tracker) const {
         if (takes_all(tracker)) return true;
-        return setup_.reach_.empty() ? tracker.count_ != 0 && !tracker.held_out_ : reaches(tracker);
+        return setup_.live_.empty() ? tracker.count_ != 0 && !tracker.held_out_ : is_live(tracker);
     }
     /// The same, one event ahead: whether contributing after `event` could reach any channel.
     [[nodiscard]] bool live_after(const Tracker& tracker, lpe::EventClass event) const;
@@ -243,35 +243,32 @@ class LpeServices {
 
   private:
     struct Report;
-    struct SplitWord;
+    struct SplitSuffix;
     void contribute_apart(const Report& report, const Tracker& tracker);
     void splat_apart(const Report& report, const Tracker& tracker, bool valid);
-    [[nodiscard]] bool reaches(const Tracker& tracker) const;
-    /// Whether a branch in these states reaches channels of the wanted kind. Needs setup_.reach_.
-    [[nodiscard]] bool reaches(const lpe::State* words, std::uint8_t wanted) const {
+    [[nodiscard]] bool is_live(const Tracker& tracker) const;
+    /// Whether a channel that takes such paths can still accept from these states. Needs setup_.live_.
+    [[nodiscard]] bool is_live(const lpe::State* words, bool held_out) const {
+        const LpeSetup::Takers taker = held_out ? LpeSetup::holdouts : LpeSetup::ordinary;
         const std::uint32_t tables = setup_.program_.view().table_count;
-        return std::any_of(words, words + tables,
-                           [&](lpe::State state) { return (setup_.reach_[state] & wanted) != 0; });
-    }
-    [[nodiscard]] std::uint8_t wanted_reach(const Tracker& tracker) const {
-        return tracker.held_out_ ? LpeSetup::reaches_holdouts : LpeSetup::reaches_ordinary;
+        return std::any_of(words, words + tables, [&](lpe::State state) { return (setup_.live_[state] & taker) != 0; });
     }
     // The parts of moves and connections for channels, and those for an atlas.
     void move_states(Tracker& tracker, lpe::EventClass event) const;
     void move_states(Tracker& tracker, std::span<const LobePart> parts);
-    void join_states(Tracker& tracker, const LightWords& words, const LightWord& word);
-    [[nodiscard]] LightWord begin_states(LightWords& words, lpe::EventClass terminal) const;
-    [[nodiscard]] LightWord prepend_states(LightWords& words, const LightWord& word, lpe::EventClass event) const;
-    [[nodiscard]] LightWord prepend_states(LightWords& words, const LightWord& word, std::span<const LobePart> parts,
-                                           std::uint64_t key);
+    void join_states(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix);
+    [[nodiscard]] PathSuffix begin_states(PathSuffixes& pool, lpe::EventClass terminal) const;
+    [[nodiscard]] PathSuffix prepend_states(PathSuffixes& pool, const PathSuffix& suffix, lpe::EventClass event) const;
+    [[nodiscard]] PathSuffix prepend_states(PathSuffixes& pool, const PathSuffix& suffix,
+                                            std::span<const LobePart> parts, std::uint64_t key);
     void keep_move(Tracker& tracker, std::span<const LobePart> parts) const;
     void keep_move(Tracker& tracker, lpe::EventClass event) const;
     void keep_light(const Rgb& value, Technique technique, const Tracker& tracker) const;
     void split(Tracker& tracker, std::span<const LobePart> parts);
     void reject(const Rgb& value, const Tracker& tracker);
     void splat_apart(std::span<const ChannelId> channels, const RgbD& value, int row);
-    SplitWord prepend_split(LightWords& words, const LightWord& word, std::span<const LobePart> parts,
-                            std::uint64_t key) const;
+    SplitSuffix prepend_split(PathSuffixes& pool, const PathSuffix& suffix, std::span<const LobePart> parts,
+                              std::uint64_t key) const;
     [[nodiscard]] static Branches branches_of(const Tracker& tracker);
     [[nodiscard]] static std::size_t branch_limit(const Tracker& tracker);
     void take(Tracker& tracker, const BranchList& branches);

@@ -132,7 +132,7 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
                     table_.add_to_set(static_cast<std::size_t>(~target), tracker.row_, part);
                 }
             }
-        program.for_each_accepted_lane(states, [&](std::uint16_t channel) {
+        program.for_each_accepted_parallel(states, [&](std::uint16_t channel) {
             splat_apart({&setup_.channel_of_accept_[channel], 1}, RgbD(part.first[1], part.second[0], part.second[1]),
                         tracker.row_);
         });
@@ -141,13 +141,12 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
 
 inline bool LpeServices::live_after(const Tracker& tracker, lpe::EventClass event) const {
     if (takes_all(tracker)) return true;
-    if (setup_.reach_.empty() && tracker.held_out_) return false;
-    const std::uint8_t wanted = wanted_reach(tracker);
+    if (setup_.live_.empty() && tracker.held_out_) return false;
     const lpe::ProgramView& program = setup_.program_.view();
     std::array<lpe::State, Tracker::group_limit> next;
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
         if (!program.advance(&tracker.state_[branch * tracker.groups_], event, next.data())) continue;
-        if (setup_.reach_.empty() || reaches(next.data(), wanted)) return true;
+        if (setup_.live_.empty() || is_live(next.data(), tracker.held_out_)) return true;
     }
     return false;
 }

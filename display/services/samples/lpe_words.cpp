@@ -11,7 +11,7 @@ Status LpeSetup::keep_words(WordAlphabet alphabet) {
     for (std::size_t column = 0; column < alphabet.column_count(); ++column)
         columns.push_back(classify(alphabet.event(column)));
     constexpr std::size_t most_cells = std::size_t{1} << 26;  // 256 MiB: beyond it tables are no longer looked up fast
-    const std::size_t per_column = program_.state_count() + program_.view().image_stride;
+    const std::size_t per_column = program_.state_count() + program_.view().mask_stride;
     if (per_column * columns.size() > most_cells)
         return error_at({}, "the channels' automaton has " + std::to_string(program_.state_count()) +
                                 " states and the scene " + std::to_string(columns.size()) +

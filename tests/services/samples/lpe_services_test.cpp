@@ -321,7 +321,7 @@ TEST_CASE("packed channels get exactly the values that each gets alone", "[lpe_s
         return values;
     };
     int overflow = 0;
-    REQUIRE(build_setup(channels, 0).program().view().has_lanes());
+    REQUIRE(build_setup(channels, 0).program().view().has_parallel());
     const auto together = render(channels, overflow);
     double total = 0;
     for (std::size_t k = 1; k < channels.size(); ++k) {

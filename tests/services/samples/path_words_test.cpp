@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "display/buffer/sinks/path_atlas.h"
-#include "display/services/foresight/light_words.h"
+#include "display/services/liveness/path_suffix.h"
 #include "lpe/match.h"
 #include "lpe/shipped.h"
 #include "tests/services/lpe_helpers.h"
@@ -122,7 +122,7 @@ TEST_CASE("words have no limit on pairs, but channels of the same path do", "[pa
     CHECK(sum == 1);
 }
 
-TEST_CASE("words of light subpaths are those of the whole path", "[path_words][light_words]") {
+TEST_CASE("words of light subpaths are those of the whole path", "[path_words][path_suffix]") {
     const std::vector<ChannelDefinition> channels = shipped_channels();
     WordRules rules;
     rules.length = 3;
@@ -131,7 +131,7 @@ TEST_CASE("words of light subpaths are those of the whole path", "[path_words][l
     const auto reversed = lpe::ReversedProgram::build(setup.program());
     REQUIRE(reversed);
     for (const lpe::ReversedProgram* language : {&*reversed, static_cast<const lpe::ReversedProgram*>(nullptr)}) {
-        LightWords words(language, true);
+        PathSuffixes words(language, true);
         constexpr int length = 5;
         SampleTable table(channels, length + 2);
         LpeServices services(setup, table, 1);
@@ -147,7 +147,7 @@ TEST_CASE("words of light subpaths are those of the whole path", "[path_words][l
         for (std::size_t of_camera = 0; of_camera <= length; ++of_camera) {
             Tracker tracker = services.begin(static_cast<int>(of_camera));
             for (std::size_t k = 0; k < of_camera; ++k) services.move(tracker, vertices[k]);
-            LightWord word = services.begin(words, classes.light);
+            PathSuffix word = services.begin(words, classes.light);
             for (std::size_t k = length; k-- > of_camera;) word = services.prepend(words, word, vertices[k], k);
             services.join(tracker, words, word);
             services.contribute(Rgb(1, 2, 3), {}, tracker);

@@ -1,4 +1,4 @@
-// A channel for each of many objects: packed into lanes (lpe/program_view.h), and pruned like any other (Law 4).
+// A channel for each of many objects: bit-parallel automata (lpe/program_view.h), and pruned like any other (Law 4).
 #include "display/services/samples/lpe_services.h"
 #include "transport/replicates.h"
 
@@ -45,7 +45,7 @@ transport::RenderSettings asking_for_each(const std::string& integrator) {
 
 }  // namespace
 
-TEST_CASE("channels of many objects are pruned as those of few", "[render][pruning][lanes][law4]") {
+TEST_CASE("channels of many objects are pruned as those of few", "[render][pruning][bit-parallel][law4]") {
     auto built = transport::BuiltScene::build(many_objects());
     REQUIRE(built.ok());
     for (const char* integrator : {"path", "bdpt", "lighttracer"}) {
@@ -53,7 +53,7 @@ TEST_CASE("channels of many objects are pruned as those of few", "[render][pruni
         transport::RenderSettings settings = asking_for_each(integrator);
         const auto setup = display::LpeSetup::build(settings.channels.list, display::invalid_channel);
         REQUIRE(setup.ok());
-        REQUIRE(setup->program().view().has_lanes());
+        REQUIRE(setup->program().view().has_parallel());
         constexpr int seeds = 12;
         const Replicates pruned = replicates(**built, settings, balls, seeds, 0);
         settings.samples.seed = 0;
@@ -85,7 +85,7 @@ TEST_CASE("channels of many objects are pruned as those of few", "[render][pruni
     }
 }
 
-TEST_CASE("nothing is traced where no packed channel can find anything", "[render][pruning][lanes][law4]") {
+TEST_CASE("nothing is traced where no packed channel can find anything", "[render][pruning][bit-parallel][law4]") {
     const auto scene = many_objects();
     transport::RenderSettings settings = asking_for_each("path");
     const auto statistics = [&] { return render_of(scene, settings).statistics; };
@@ -97,7 +97,7 @@ TEST_CASE("nothing is traced where no packed channel can find anything", "[rende
                 lpe_channel("c" + std::to_string(k), "C.*<RD'ball" + std::to_string(k) + "'>.*" + end);
         const auto setup = display::LpeSetup::build(settings.channels.list, display::invalid_channel);
         REQUIRE(setup.ok());
-        REQUIRE(setup->program().view().has_lanes());
+        REQUIRE(setup->program().view().has_parallel());
         const auto nothing = statistics();
         CHECK(nothing.scattering_rays == 0);
         CHECK(nothing.shadow_rays == 0);

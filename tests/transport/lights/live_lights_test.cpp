@@ -43,10 +43,10 @@ TEST_CASE("the chooser of a state has every light that may end its words", "[lig
         std::size_t alone = 0;
         for (std::size_t k = 1; k < groups; ++k) {
             services.move(tracker, diffuse[0]);
-            const display::Foresight::Ahead ahead = events.foresight().of(tracker);
-            const transport::LightChooser& chooser = lights[lights.of(ahead)];
+            const display::Liveness::LiveSet live = events.liveness().of(tracker);
+            const transport::LightChooser& chooser = lights[lights.of(live)];
             const auto light = static_cast<std::uint32_t>(k);
-            CHECK((ahead.terminals & events.foresight().bit_of(events.terminal(light))) != 0);
+            CHECK((live.terminals & events.liveness().bit_of(events.terminal(light))) != 0);
             CHECK(chooser.probability(Vec3(), light) > 0);
             alone += chooser.probability(Vec3(), light) == 1;
         }

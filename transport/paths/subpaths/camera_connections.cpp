@@ -22,7 +22,7 @@ UnconnectedSurfaces unconnected_surfaces(const SceneView& scene) {
 void CameraConnections::add(const LightSubpathVertex& vertex, const SurfacePoint& point, const Bsdf& bsdf,
                             const Rgb& throughput, const DepthLimit& limit, const PixelSampler& sampler,
                             IntegratorCounters& counters) {
-    if (!vertex.ahead.seen) return counters.count(Pruned::connections);
+    if (!vertex.live.seen) return counters.count(Pruned::connections);
     const CameraView view = context_.view;
     const SubpathDimensions& dimensions = subpath_dimensions<TransportMode::importance>;
     const Vec2 lens =

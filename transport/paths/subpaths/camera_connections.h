@@ -23,7 +23,7 @@ struct LightSubpathVertex {
     bool weighted = false;  ///< other strategies exist: `mis_weights` gives the weight of multiple importance sampling
     Rgb power;              ///< Subpath::beta
     LightEnd end;           ///< without the lobes of the connection
-    display::LightForesight::Ahead ahead;  ///< what a channel can still take of it
+    display::SuffixLiveness::LiveSet live;  ///< what a channel can still take of it
     PartialMisWeights mis_weights;
     Real time = 0;          ///< of its subpath's rays
     std::uint32_t key = 0;  ///< keys the numbers of its connection in grid media

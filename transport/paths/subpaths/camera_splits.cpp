@@ -21,7 +21,7 @@ void CameraSubpaths::split(std::size_t j) {
     const SplitPlan& splits = context_.plan->splits;
     if (!may_scatter(j) || record_.takes_all(row)) return;
     if (v.bsdfs[j].has_density()) {
-        if (split.split || !record_.ahead(row, v.sources[j].label, v.points[j].material).scatters) return;
+        if (split.split || !record_.live_set(row, v.sources[j].label, v.points[j].material).scatters) return;
         split.split = true;
         split.rays = splits.rays;
     } else if (split.split && split.followed < splits.both_lobes && has_two_lobes(v.bsdfs[j], v.points[j].wo)) {

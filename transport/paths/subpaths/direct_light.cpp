@@ -35,10 +35,10 @@ bool DirectLight::draw(CameraSubpaths& camera, std::size_t j, LightSample& sampl
     std::uint8_t lights = chooser().empty() ? LiveLights::none : LiveLights::all;
     TechniqueShares shares;
     if (!camera.record().takes_all(row)) {
-        const display::Foresight::Ahead ahead = camera.record().ahead(row, v.sources[j].label, point.material);
-        if (!ahead.anything) return false;
-        lights = lights_->of(ahead);
-        if (!ahead.scatters && lights != LiveLights::none && context_->plan != nullptr) shares = context_->plan->shares;
+        const display::Liveness::LiveSet live = camera.record().live_set(row, v.sources[j].label, point.material);
+        if (!live.anything) return false;
+        lights = lights_->of(live);
+        if (!live.scatters && lights != LiveLights::none && context_->plan != nullptr) shares = context_->plan->shares;
         camera.choose_techniques(row, lights, shares);
     }
     IntegratorCounters& counters = camera.counters();

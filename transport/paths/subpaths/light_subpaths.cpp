@@ -11,7 +11,7 @@ LightEmitters::LightEmitters(const PathContext& context, std::uint32_t max_depth
     const EventTable& events = *context.events;
     if (events.any()) language_ = std::make_shared<const LightLanguage>(*context.services.lpe, events);
     chooser_ = choose_live_lights(context.scene, events, language(), LightChoice::light_sampling,
-                                  &display::LightForesight::Ahead::goes_on);
+                                  &display::SuffixLiveness::LiveSet::goes_on);
     any_ = max_depth > 0 && !chooser_.empty() && (context.beauty || events.any());
     none_is_live_ = !any_ && max_depth > 0 && !context.scene.lights->lights().empty();
     const Vec3 middle_of_lens = context.view.camera->generate({0, 0, {0.5f, 0.5f}}).origin;
@@ -114,7 +114,7 @@ LightSubpathVertex LightSubpaths::vertex(std::size_t j) const {
     vertex.power = path(row).beta;
     vertex.one_wavelength = path(row).one_wavelength;
     vertex.end = record_.end(row, v.sources[j].label);
-    vertex.ahead = record_.ahead(row, v.sources[j].label, v.points[j].material);
+    vertex.live = record_.live_set(row, v.sources[j].label, v.points[j].material);
     vertex.time = v.hits[j].time;
     vertex.key = scene_.media->any_grids() ? sampler(row).key(dimensions.connections + vertex.depth) : 0;
     if (options_.densities) vertex.mis_weights = mis_weights_[row];

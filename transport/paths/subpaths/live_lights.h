@@ -17,20 +17,20 @@ class LiveLights {
     /// `by_receiver`: LightChooser::by_receiver().
     LiveLights(const SceneView& scene, const EventTable& events, LightChoice choice, bool by_receiver);
 
-    /// For bdpt, whose weights need the same choice of lights at every vertex: among the lights that connections may
-    /// meet by `language` (null: all).
+    /// For bdpt, whose weights need the same choice of lights at every vertex: the lights that are live for joins by
+    /// `language`; all lights if it is null.
     static LiveLights alike_everywhere(const SceneView& scene, const EventTable& events, const LightLanguage* language);
-    /// Whether this was built with these arguments.
+    /// Whether the constructor had these arguments.
     [[nodiscard]] bool is_of(LightChoice choice, bool by_receiver) const {
         return choice_ == choice && by_receiver_ == by_receiver;
     }
-    /// Whether no light is chosen because no channel takes any of their light.
+    /// Whether alike_everywhere() chooses no light because none is live.
     [[nodiscard]] bool none_is_live() const { return none_is_live_; }
 
-    /// The number of the smallest set of lights that contains every light still live behind a vertex.
-    [[nodiscard]] std::uint8_t of(const display::Foresight::Ahead& ahead) const {
+    /// The number of the smallest set of lights that contains all live ones.
+    [[nodiscard]] std::uint8_t of(const display::Liveness::LiveSet& live) const {
         for (const Set& set : sets_)
-            if ((ahead.terminals & ~set.terminals) == 0) return set.chooser;
+            if ((live.terminals & ~set.terminals) == 0) return set.chooser;
         return all;
     }
     [[nodiscard]] const LightChooser& operator[](std::uint8_t number) const { return choosers_[number]; }
@@ -49,9 +49,9 @@ class LiveLights {
     bool by_receiver_ = false;
 };
 
-/// One chooser for all vertices, among the lights for which `language` has `wanted`: `joins` where light is sampled,
-/// `goes_on` where light subpaths begin. Null: all lights.
+/// One chooser for all vertices, among the lights whose suffix has `wanted` in its live set: `joins` for light samples,
+/// `goes_on` for the start of light subpaths. A null `language` means all lights.
 LightChooser choose_live_lights(const SceneView& scene, const EventTable& events, const LightLanguage* language,
-                                LightChoice choice, bool display::LightForesight::Ahead::*wanted);
+                                LightChoice choice, bool display::SuffixLiveness::LiveSet::*wanted);
 
 }  // namespace raylex::transport

@@ -171,15 +171,15 @@ bool Pilot::trace(std::uint32_t x, std::uint32_t y, std::uint32_t s) {
     if (!travel(first_, FlightNumbers(numbers.key(5), 1), [&] { record_.pass_through(0, first_.source.label); }))
         return true;
     SurfacePoint& point = first_.point;
-    const display::Foresight::Ahead ahead = record_.ahead(0, first_.source.label, point.material);
-    if (ahead.scatters) return false;
-    const LightChooser& chooser = lights_[lights_.of(ahead)];
-    if (!ahead.anything || chooser.empty()) return true;
+    const display::Liveness::LiveSet live = record_.live_set(0, first_.source.label, point.material);
+    if (live.scatters) return false;
+    const LightChooser& chooser = lights_[lights_.of(live)];
+    if (!live.anything || chooser.empty()) return true;
     point.random_key = numbers.key(5);
     scene_.materials->shade(*scene_.textures, {&point, 1}, {&bsdf_, 1});
     if (!bsdf_.has_density()) return true;
     path.light = sample_light(chooser, numbers);
-    path.ray = sample_ray(chooser, numbers, ahead.terminals);
+    path.ray = sample_ray(chooser, numbers, live.terminals);
     return true;
 }
 
@@ -229,7 +229,7 @@ Found Pilot::sample_ray(const LightChooser& chooser, const PixelSampler& numbers
     const bool arrives = travel(onward, FlightNumbers(numbers.key(5), 3), [] {});
     const Rgb weight = s.weight * onward.through;
     const auto counts = [&](std::uint32_t light) {
-        return (terminals & context_.events->foresight().bit_of(context_.events->terminal(light))) != 0;
+        return (terminals & context_.events->liveness().bit_of(context_.events->terminal(light))) != 0;
     };
     const LightTable& lights = *scene_.lights;
     if (!arrives) {
@@ -255,12 +255,12 @@ Found Pilot::sample_ray(const LightChooser& chooser, const PixelSampler& numbers
 /// Whether light samples can be left out: rays can find all lights that some channel takes. Checks the lights and not
 /// the pilot's samples, because few pixels may see a spot light.
 bool rays_find_all(const IntegratorContext& context) {
-    const display::Foresight& foresight = context.events->foresight();
-    const std::uint64_t live = foresight.terminals_ever();
+    const display::Liveness& liveness = context.events->liveness();
+    const std::uint64_t live = liveness.live_terminals();
     const std::span<const Light> lights = context.scene.lights->lights();
     for (std::uint32_t light = 0; light < lights.size(); ++light)
         if (lights[light].is_delta() && lights[light].power > 0 &&
-            (live & foresight.bit_of(context.events->terminal(light))) != 0)
+            (live & liveness.bit_of(context.events->terminal(light))) != 0)
             return false;
     return true;
 }

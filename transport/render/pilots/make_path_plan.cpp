@@ -10,7 +10,7 @@ PlannedPaths make_path_plan(const IntegratorContext& context, const PlanRequest&
     PlannedPaths planned;
     const EventTable& events = *context.events;
     if (!request.make_trial || context.beauty || !events.prunes() || !events.any() ||
-        !events.foresight().at_camera().scatters)
+        !events.liveness().at_camera().scatters)
         return planned;
     PathPlan& plan = planned.plan;
     // Built once, for the pilots and for the render.

@@ -223,7 +223,7 @@ RouletteTable RoulettePilot::run() {
 
 RouletteTable choose_roulette(const IntegratorContext& context, const PathTrials& trials, const SplitChoice& splits,
                               Real below, std::uint64_t& rays) {
-    if (!context.events->foresight().knows() || context.events->wants_user()) return {};
+    if (!context.events->liveness().is_known() || context.events->wants_user()) return {};
     RoulettePilot pilot(context, trials, splits, below);
     RouletteTable table = pilot.run();
     rays += pilot.rays();

@@ -1,5 +1,5 @@
-// What channels can still take of a light subpath, told from its word and from what the scene can bring.
-#include "display/services/foresight/light_foresight.h"
+// What channels can still take of a light subpath, by its path suffix and by the events that the scene can bring.
+#include "display/services/liveness/suffix_liveness.h"
 
 #include <array>
 
@@ -26,11 +26,11 @@ struct Language {
           services(setup, table, 1) {
         table.begin(test::pixel_rows(0, 0, 0, 1));
     }
-    [[nodiscard]] LightForesight foresight(const Foresight::Alphabet& alphabet) const {
+    [[nodiscard]] SuffixLiveness liveness(const Liveness::Alphabet& alphabet) const {
         return {setup, &reversed, alphabet};
     }
-    /// Whether a channel takes the camera's events and then the word.
-    [[nodiscard]] bool takes(const std::vector<EventClass>& of_camera, const LightWord& word) {
+    /// Whether a channel accepts the camera's events followed by the suffix.
+    [[nodiscard]] bool takes(const std::vector<EventClass>& of_camera, const PathSuffix& word) {
         Tracker tracker = services.begin(0);
         for (const EventClass event : of_camera) services.move(tracker, event);
         services.join(tracker, words, word);
@@ -40,7 +40,7 @@ struct Language {
     LpeSetup setup;
     Classes classes;
     lpe::ReversedProgram reversed;
-    LightWords words;
+    PathSuffixes words;
     SampleTable table;
     LpeServices services;
 };
@@ -65,10 +65,10 @@ std::vector<std::vector<EventClass>> sequences(const std::vector<EventClass>& ev
 void check_against_all_words(Language& language) {
     const Classes& c = language.classes;
     const std::vector<EventClass> events{c.diffuse, c.singular};
-    const LightForesight foresight = language.foresight({events, {}, {c.light, c.background}, {}, 0, {c.diffuse}});
-    const auto check = [&](const LightWord& word) {
-        const LightForesight::Ahead ahead = foresight.of(language.words, word);
-        REQUIRE(ahead.seen == language.takes({}, word));
+    const SuffixLiveness liveness = language.liveness({events, {}, {c.light, c.background}, {}, 0, {c.diffuse}});
+    const auto check = [&](const PathSuffix& word) {
+        const SuffixLiveness::LiveSet live = liveness.of(language.words, word);
+        REQUIRE(live.seen == language.takes({}, word));
         bool joins = false, goes_on = false;
         for (int more = 1; more <= 4; ++more)
             for (const std::vector<EventClass>& of_camera : sequences(events, more)) {
@@ -80,20 +80,20 @@ void check_against_all_words(Language& language) {
                     meets = meets || (of_camera[i - 1] == c.diffuse && of_camera[i] == c.diffuse);
                 goes_on = goes_on || meets;
             }
-        REQUIRE(ahead.joins == joins);
-        REQUIRE(ahead.goes_on == goes_on);
+        REQUIRE(live.joins == joins);
+        REQUIRE(live.goes_on == goes_on);
         for (const std::vector<EventClass>& of_camera : sequences(events, 2)) {
             Tracker tracker = language.services.begin(0);
             language.services.move(tracker, of_camera[0]);
             for (const EventClass there : events)
-                REQUIRE(foresight.joins(tracker, std::array{of_camera[1]}, language.words, word, std::array{there}) ==
+                REQUIRE(liveness.joins(tracker, std::array{of_camera[1]}, language.words, word, std::array{there}) ==
                         language.takes({of_camera[0], of_camera[1], there}, word));
         }
     };
     for (const EventClass terminal : {c.light, c.background})
         for (int length = 0; length <= 3; ++length)
             for (const std::vector<EventClass>& scatterings : sequences(events, length)) {
-                LightWord word = language.services.begin(language.words, terminal);
+                PathSuffix word = language.services.begin(language.words, terminal);
                 for (const EventClass event : scatterings)
                     word = language.services.prepend(language.words, word, event);
                 check(word);
@@ -102,34 +102,34 @@ void check_against_all_words(Language& language) {
 
 }  // namespace
 
-TEST_CASE("what is ahead of a light subpath is read from its word", "[foresight][law4]") {
+TEST_CASE("the suffix of a light subpath determines what is live", "[liveness][law4]") {
     Language language({expression_channel("direct", "C<RD>L"), expression_channel("caustic", "C<RD><RS>+L")});
     const Classes& c = language.classes;
-    const LightForesight foresight = language.foresight({{c.diffuse, c.singular}, {}, {c.light}, {}, 0, {c.diffuse}});
-    CHECK(foresight.of(c.light).goes_on);
-    CHECK(foresight.of(c.light).joins);  // light samples are joins with the light itself
-    CHECK_FALSE(foresight.of(c.light).seen);
-    CHECK_FALSE(foresight.of(c.emission).anything());
-    const LightWord light = language.services.begin(language.words, c.light);
-    LightForesight::Ahead ahead = foresight.after(language.words, light, std::array{c.diffuse}, 1);
-    CHECK(ahead.seen);  // direct light, which nothing may come before
-    CHECK_FALSE(ahead.joins);
-    CHECK_FALSE(ahead.goes_on);
-    ahead = foresight.after(language.words, light, std::array{c.singular}, 0);
-    CHECK_FALSE(ahead.seen);
-    CHECK_FALSE(ahead.joins);  // it has no density
-    CHECK(ahead.goes_on);
-    CHECK_FALSE(foresight.after(language.words, light, std::array{c.diffuse_through}, 1).anything());
-    const LightWord mirrored = language.services.prepend(language.words, light, c.singular);
-    ahead = foresight.after(language.words, mirrored, std::array{c.diffuse, c.singular}, 1);
-    CHECK(ahead.seen);
-    CHECK(ahead.goes_on);
-    // What the scene does not bring is not waited for.
-    CHECK_FALSE(language.foresight({{c.singular}, {}, {c.light}, {}, 0, {}}).of(c.light).anything());
-    CHECK(LightForesight().of(c.emission).anything());  // it knows nothing
+    const SuffixLiveness liveness = language.liveness({{c.diffuse, c.singular}, {}, {c.light}, {}, 0, {c.diffuse}});
+    CHECK(liveness.of(c.light).goes_on);
+    CHECK(liveness.of(c.light).joins);  // light samples are joins with the light itself
+    CHECK_FALSE(liveness.of(c.light).seen);
+    CHECK_FALSE(liveness.of(c.emission).anything());
+    const PathSuffix light = language.services.begin(language.words, c.light);
+    SuffixLiveness::LiveSet live = liveness.after(language.words, light, std::array{c.diffuse}, 1);
+    CHECK(live.seen);  // direct light, which nothing may come before
+    CHECK_FALSE(live.joins);
+    CHECK_FALSE(live.goes_on);
+    live = liveness.after(language.words, light, std::array{c.singular}, 0);
+    CHECK_FALSE(live.seen);
+    CHECK_FALSE(live.joins);  // it has no density
+    CHECK(live.goes_on);
+    CHECK_FALSE(liveness.after(language.words, light, std::array{c.diffuse_through}, 1).anything());
+    const PathSuffix mirrored = language.services.prepend(language.words, light, c.singular);
+    live = liveness.after(language.words, mirrored, std::array{c.diffuse, c.singular}, 1);
+    CHECK(live.seen);
+    CHECK(live.goes_on);
+    // Events that the scene does not bring keep nothing live.
+    CHECK_FALSE(language.liveness({{c.singular}, {}, {c.light}, {}, 0, {}}).of(c.light).anything());
+    CHECK(SuffixLiveness().of(c.emission).anything());  // nothing is known
 }
 
-TEST_CASE("foresight of light words is that of all words there are", "[foresight][law4]") {
+TEST_CASE("liveness of path suffixes agrees with all path strings", "[liveness][law4]") {
     for (const char* expression : {"C<RD>L", "C<RD><RS>+L", "C<.S>*<RD>{2}L", "C[DS]*<RD><RS>L", "C.*<RS>L", "CL",
                                    "C<RD>(<RS><RD>)*L", "C<RS>.*B"}) {
         CAPTURE(expression);
@@ -145,20 +145,20 @@ TEST_CASE("foresight of light words is that of all words there are", "[foresight
     };
     Language in_groups = three(10);
     REQUIRE(in_groups.setup.program().word_count() > 1);
-    REQUIRE_FALSE(in_groups.setup.program().view().has_lanes());
+    REQUIRE_FALSE(in_groups.setup.program().view().has_parallel());
     check_against_all_words(in_groups);
-    // Of channels in lanes it knows nothing.
-    Language in_lanes = three(6);
-    REQUIRE(in_lanes.setup.program().view().has_lanes());
-    const Classes& c = in_lanes.classes;
-    CHECK(in_lanes.foresight({{c.singular}, {}, {c.light}, {}, 0, {}}).of(c.emission).anything());
+    // For bit-parallel channels nothing is known.
+    Language in_bits = three(6);
+    REQUIRE(in_bits.setup.program().view().has_parallel());
+    const Classes& c = in_bits.classes;
+    CHECK(in_bits.liveness({{c.singular}, {}, {c.light}, {}, 0, {}}).of(c.emission).anything());
 }
 
-TEST_CASE("no light subpath is begun for words that only a camera subpath can find", "[foresight][law4]") {
+TEST_CASE("no light subpath begins for path strings that only a camera subpath can find", "[liveness][law4]") {
     const auto begun = [](const char* expression) {
         const Language language({expression_channel("asked", expression)});
         const Classes& c = language.classes;
-        return language.foresight({{c.diffuse, c.singular}, {}, {c.light}, {}, 0, {c.diffuse}}).of(c.light).goes_on;
+        return language.liveness({{c.diffuse, c.singular}, {}, {c.light}, {}, 0, {c.diffuse}}).of(c.light).goes_on;
     };
     CHECK_FALSE(begun("CL"));
     CHECK_FALSE(begun("C<RS>+L"));
@@ -169,24 +169,24 @@ TEST_CASE("no light subpath is begun for words that only a camera subpath can fi
     CHECK(begun("C[DS]*L"));
 }
 
-TEST_CASE("cutouts before the camera and between joined vertices are foreseen", "[foresight][law4]") {
+TEST_CASE("cutouts before the camera and between joined vertices keep channels live", "[liveness][law4]") {
     ChannelDefinition behind = expression_channel("behind", "C<T[s]><RD>L");
     behind.dialect = lpe::Dialect::osl;
     Language language({behind});
     const Classes& c = language.classes;
     const EventClass straight =
         language.setup.classify({lpe::EventType::transmission, lpe::Scatter::straight, 0, {"", ""}});
-    const LightWord light = language.services.begin(language.words, c.light);
-    const auto ahead = [&](const Foresight::Alphabet& alphabet) {
-        return language.foresight(alphabet).after(language.words, light, std::array{c.diffuse}, 1);
+    const PathSuffix light = language.services.begin(language.words, c.light);
+    const auto live = [&](const Liveness::Alphabet& alphabet) {
+        return language.liveness(alphabet).after(language.words, light, std::array{c.diffuse}, 1);
     };
-    const LightForesight::Ahead passing = ahead({{c.diffuse}, {straight}, {c.light}, {}, 0, {c.diffuse}});
+    const SuffixLiveness::LiveSet passing = live({{c.diffuse}, {straight}, {c.light}, {}, 0, {c.diffuse}});
     CHECK(passing.seen);
     CHECK_FALSE(passing.joins);
     CHECK_FALSE(passing.goes_on);
-    CHECK_FALSE(ahead({{c.diffuse}, {}, {c.light}, {}, 0, {c.diffuse}}).anything());
+    CHECK_FALSE(live({{c.diffuse}, {}, {c.light}, {}, 0, {c.diffuse}}).anything());
     const Tracker tracker = language.services.begin(0);
-    CHECK(language.foresight({{c.diffuse}, {straight}, {c.light}, {}, 0, {c.diffuse}})
+    CHECK(language.liveness({{c.diffuse}, {straight}, {c.light}, {}, 0, {c.diffuse}})
               .joins(tracker, std::array{c.diffuse}, language.words, light, std::array{c.diffuse}));
 }
 

@@ -1,5 +1,5 @@
-// What channels can still take of a path, told from its state and from what the scene can bring.
-#include "display/services/foresight/foresight.h"
+// What channels can still take of a path, by its state and by the events that the scene can bring.
+#include "display/services/liveness/liveness.h"
 
 #include <catch2/catch.hpp>
 
@@ -35,41 +35,41 @@ struct Scene {
 
 }  // namespace
 
-TEST_CASE("what is ahead of a path is read from its state", "[foresight][law4]") {
+TEST_CASE("the state of a path determines what is live", "[liveness][law4]") {
     Scene scene({expression_channel("direct", "C<RD>L"), expression_channel("caustic", "C<RD><RS>+L"),
                  expression_channel("sky", "C<RS>B")});
     const Classes& c = scene.classes;
-    const Foresight foresight(scene.setup, {{c.diffuse, c.singular}, {}, {c.light, c.background}, {}, 0});
-    const std::uint64_t light = foresight.bit_of(c.light), sky = foresight.bit_of(c.background);
+    const Liveness liveness(scene.setup, {{c.diffuse, c.singular}, {}, {c.light, c.background}, {}, 0});
+    const std::uint64_t light = liveness.bit_of(c.light), sky = liveness.bit_of(c.background);
     CHECK(light != sky);
     Tracker tracker = scene.services.begin(0);
-    Foresight::Ahead ahead = foresight.of(tracker);
-    CHECK(ahead.anything);
-    CHECK(ahead.scatters);
-    CHECK(ahead.terminals == 0);
-    ahead = foresight.after(tracker, std::array{c.diffuse});
-    CHECK(ahead.anything);
-    CHECK(ahead.scatters);
-    CHECK(ahead.terminals == (light | sky));  // L takes infinite lights too
-    ahead = foresight.after(tracker, std::array{c.singular});
-    CHECK(ahead.anything);
-    CHECK_FALSE(ahead.scatters);
-    CHECK(ahead.terminals == sky);
-    CHECK(foresight.after(tracker, std::array{c.diffuse, c.singular}).terminals == (light | sky));
-    CHECK_FALSE(foresight.after(tracker, std::array{c.diffuse_through}).anything);
+    Liveness::LiveSet live = liveness.of(tracker);
+    CHECK(live.anything);
+    CHECK(live.scatters);
+    CHECK(live.terminals == 0);
+    live = liveness.after(tracker, std::array{c.diffuse});
+    CHECK(live.anything);
+    CHECK(live.scatters);
+    CHECK(live.terminals == (light | sky));  // L takes infinite lights too
+    live = liveness.after(tracker, std::array{c.singular});
+    CHECK(live.anything);
+    CHECK_FALSE(live.scatters);
+    CHECK(live.terminals == sky);
+    CHECK(liveness.after(tracker, std::array{c.diffuse, c.singular}).terminals == (light | sky));
+    CHECK_FALSE(liveness.after(tracker, std::array{c.diffuse_through}).anything);
     scene.services.move(tracker, c.diffuse);
-    CHECK(foresight.after(tracker, std::array{c.singular}).scatters);
-    CHECK_FALSE(foresight.after(tracker, std::array{c.diffuse}).anything);
-    const std::vector<std::uint64_t> sets = foresight.sets_of_terminals();
+    CHECK(liveness.after(tracker, std::array{c.singular}).scatters);
+    CHECK_FALSE(liveness.after(tracker, std::array{c.diffuse}).anything);
+    const std::vector<std::uint64_t> sets = liveness.sets_of_terminals();
     CHECK(std::find(sets.begin(), sets.end(), sky) != sets.end());
-    CHECK(Foresight().after(tracker, std::array{c.diffuse}).anything);  // it knows nothing
+    CHECK(Liveness().after(tracker, std::array{c.diffuse}).anything);  // nothing is known
 }
 
-TEST_CASE("what is ahead at the camera is told without a path", "[foresight][law4]") {
+TEST_CASE("liveness at the camera needs no path", "[liveness][law4]") {
     const auto at_camera = [](const char* expression) {
         const Scene scene({expression_channel("asked", expression)});
         const Classes& c = scene.classes;
-        return Foresight(scene.setup, {{c.diffuse}, {}, {c.light}, {}, 0}).at_camera();
+        return Liveness(scene.setup, {{c.diffuse}, {}, {c.light}, {}, 0}).at_camera();
     };
     CHECK(at_camera("CL").anything);
     CHECK_FALSE(at_camera("CL").scatters);
@@ -77,16 +77,16 @@ TEST_CASE("what is ahead at the camera is told without a path", "[foresight][law
     CHECK(at_camera("C<RD>*L").terminals != 0);
     CHECK(at_camera("C<RD>+L").terminals == 0);
     CHECK_FALSE(at_camera("C<RS>L").anything);  // which the scene does not bring
-    CHECK(Foresight().at_camera().scatters);    // it knows nothing
+    CHECK(Liveness().at_camera().scatters);     // nothing is known
 }
 
-TEST_CASE("what a scene cannot bring is not waited for", "[foresight][law4]") {
+TEST_CASE("events that a scene cannot bring keep nothing live", "[liveness][law4]") {
     Scene scene({expression_channel("through", "C<TS>.*L"), expression_channel("sky", "C<RD>B")});
     const Classes& c = scene.classes;
     const Tracker tracker = scene.services.begin(0);
     CHECK(scene.services.live(tracker));
-    const auto anything = [&](const Foresight::Alphabet& alphabet) {
-        return Foresight(scene.setup, alphabet).of(tracker).anything;
+    const auto anything = [&](const Liveness::Alphabet& alphabet) {
+        return Liveness(scene.setup, alphabet).of(tracker).anything;
     };
     CHECK(anything({{c.diffuse, c.singular_through}, {}, {c.light}, {}, 0}));
     CHECK_FALSE(anything({{c.diffuse, c.singular}, {}, {c.light}, {}, 0}));  // no glass, no sky
@@ -94,7 +94,7 @@ TEST_CASE("what a scene cannot bring is not waited for", "[foresight][law4]") {
     CHECK_FALSE(anything({{c.singular_through}, {}, {}, {}, 0}));  // no lights
 }
 
-TEST_CASE("cutouts and what surfaces say of themselves are foreseen", "[foresight][law4]") {
+TEST_CASE("cutouts and user events keep channels live", "[liveness][law4]") {
     ChannelDefinition behind = expression_channel("behind", "C<T[s]><RD>L");
     behind.dialect = lpe::Dialect::osl;
     Scene scene({behind, expression_channel("albedo", "C<RD>U2L")});
@@ -104,16 +104,17 @@ TEST_CASE("cutouts and what surfaces say of themselves are foreseen", "[foresigh
     lpe::Event said{lpe::EventType::user, lpe::Scatter::none, 2, {"", ""}};
     const lpe::EventClass user = scene.setup.classify(said);
     Tracker tracker = scene.services.begin(0);
-    const Foresight with(scene.setup, {{c.diffuse}, {straight}, {c.light}, {}, 0});
+    const Liveness with(scene.setup, {{c.diffuse}, {straight}, {c.light}, {}, 0});
     CHECK(with.of(tracker).anything);
     CHECK(with.of(tracker).scatters);
     CHECK_FALSE(with.after(tracker, std::array{c.diffuse}).anything);
-    const Foresight talking(scene.setup, {{c.diffuse}, {}, {c.light}, {user}, c.light});
+    const Liveness talking(scene.setup, {{c.diffuse}, {}, {c.light}, {user}, c.light});
     CHECK(talking.after(tracker, std::array{c.diffuse}).anything);
     CHECK_FALSE(talking.after(tracker, std::array{c.diffuse}).scatters);
 }
 
-TEST_CASE("of packed channels is foreseen what is of each alone", "[foresight][lanes][law4]") {
+TEST_CASE("liveness of bit-parallel channels is the union of that of each channel alone",
+          "[liveness][bit-parallel][law4]") {
     const auto label = [](std::size_t k) { return "obj" + std::to_string(k); };
     std::vector<ChannelDefinition> channels;
     const auto family = [&](const std::string& expression) {
@@ -123,7 +124,7 @@ TEST_CASE("of packed channels is foreseen what is of each alone", "[foresight][l
             channels.push_back(expression_channel(join({"c", std::to_string(channels.size())}), text));
         }
     };
-    family("C.*<RD'@'>.*<L.'key'>");  // lanes of two codes
+    family("C.*<RD'@'>.*<L.'key'>");  // automata of two codes
     family("C.*<RS'@'>.*L");          // more than one word of them
     family("C.*<RD'@'><RS>.*L");      // of four
     family("C.*<RD'@'>..<L.'key'>");  // of eight
@@ -131,12 +132,13 @@ TEST_CASE("of packed channels is foreseen what is of each alone", "[foresight][l
     channels.push_back(expression_channel("table", "C<RS>{2}<L.'fill'>"));
     channels.push_back(expression_channel("spoken", "C.*<RD'obj3'>U2L"));
     Scene together(channels);
-    REQUIRE(together.setup.program().view().lane_words[0] > 1);
-    for (const std::uint32_t words : together.setup.program().view().lane_words) REQUIRE(words > 0);
+    const auto& widths = together.setup.program().view().widths;
+    REQUIRE(widths[0].words > 1);
+    for (std::size_t bits = 1; bits <= lpe::ProgramView::parallel_widths; ++bits) REQUIRE(widths[bits - 1].words > 0);
     std::vector<std::unique_ptr<Scene>> alone;
     for (const ChannelDefinition& channel : channels) {
         alone.push_back(std::make_unique<Scene>(std::vector<ChannelDefinition>{channel}));
-        REQUIRE_FALSE(alone.back()->setup.program().view().has_lanes());
+        REQUIRE_FALSE(alone.back()->setup.program().view().has_parallel());
     }
 
     using lpe::EventType;
@@ -154,8 +156,8 @@ TEST_CASE("of packed channels is foreseen what is of each alone", "[foresight][l
     for (const auto& [poor, bare] : {std::pair{false, false}, {true, false}, {true, true}}) {
         // Poor: half of the objects, no sky, no cutouts, and nobody speaks. Bare: nothing scatters any more.
         const std::size_t objects = poor ? scatterings.size() / 2 : scatterings.size();
-        const auto foresight_of = [&](const LpeSetup& setup) {
-            Foresight::Alphabet alphabet;
+        const auto liveness_of = [&](const LpeSetup& setup) {
+            Liveness::Alphabet alphabet;
             for (std::size_t i = 0; i < (bare ? 0 : objects); ++i)
                 alphabet.scatterings.push_back(setup.classify(scatterings[i]));
             for (std::size_t i = 0; i < terminals.size() - (poor ? 1 : 0); ++i)
@@ -163,38 +165,38 @@ TEST_CASE("of packed channels is foreseen what is of each alone", "[foresight][l
             alphabet.user_terminal = setup.classify(terminals[2]);
             if (!poor) alphabet.straight.push_back(setup.classify(straight));
             if (!poor) alphabet.user.push_back(setup.classify(said));
-            return Foresight(setup, alphabet);
+            return Liveness(setup, alphabet);
         };
-        const Foresight foresight = foresight_of(together.setup);
-        std::vector<Foresight> each;
-        for (const auto& one : alone) each.push_back(foresight_of(one->setup));
-        const auto lights = [&](const Foresight& of, const LpeSetup& setup, const Foresight::Ahead& ahead) {
+        const Liveness liveness = liveness_of(together.setup);
+        std::vector<Liveness> each;
+        for (const auto& one : alone) each.push_back(liveness_of(one->setup));
+        const auto lights = [&](const Liveness& of, const LpeSetup& setup, const Liveness::LiveSet& live) {
             unsigned bits = 0;
             for (std::size_t i = 0; i < terminals.size() - (poor ? 1 : 0); ++i)
-                bits |= (ahead.terminals & of.bit_of(setup.classify(terminals[i]))) != 0 ? 1U << i : 0U;
+                bits |= (live.terminals & of.bit_of(setup.classify(terminals[i]))) != 0 ? 1U << i : 0U;
             return bits;
         };
         const auto check = [&](const auto& ask) {
-            const Foresight::Ahead ahead = ask(foresight, together);
+            const Liveness::LiveSet live = ask(liveness, together);
             bool anything = false, scatters = false;
             unsigned bits = 0;
             for (std::size_t i = 0; i < alone.size(); ++i) {
-                const Foresight::Ahead one = ask(each[i], *alone[i]);
+                const Liveness::LiveSet one = ask(each[i], *alone[i]);
                 anything |= one.anything;
                 scatters |= one.scatters;
                 bits |= lights(each[i], alone[i]->setup, one);
             }
-            CHECK(ahead.anything == anything);
-            CHECK(ahead.scatters == scatters);
-            CHECK(lights(foresight, together.setup, ahead) == bits);
+            CHECK(live.anything == anything);
+            CHECK(live.scatters == scatters);
+            CHECK(lights(liveness, together.setup, live) == bits);
             // Where paths come by what the scene has.
-            if (!bare) CHECK((ahead.terminals & ~foresight.terminals_ever()) == 0);
-            some += ahead.anything;
-            scattering += ahead.scatters;
-            lit += ahead.terminals != 0;
-            dead += !ahead.anything;
+            if (!bare) CHECK((live.terminals & ~liveness.live_terminals()) == 0);
+            some += live.anything;
+            scattering += live.scatters;
+            lit += live.terminals != 0;
+            dead += !live.anything;
         };
-        check([](const Foresight& of, Scene&) { return of.at_camera(); });
+        check([](const Liveness& of, Scene&) { return of.at_camera(); });
         oracle::Random random(poor ? 8 : 7);
         for (int path = 0; path < 60; ++path) {
             std::vector<lpe::Event> events;
@@ -202,7 +204,7 @@ TEST_CASE("of packed channels is foreseen what is of each alone", "[foresight][l
                 const bool through = !poor && random.below(8) == 0;
                 events.push_back(through ? straight : scatterings[random.below(objects)]);
             }
-            if (random.below(10) == 0) events.push_back(terminals[0]);  // nothing is ahead of it
+            if (random.below(10) == 0) events.push_back(terminals[0]);  // nothing is live of it
             const auto tracker = [&](Scene& scene) {
                 Tracker at = scene.services.begin(0);
                 for (const lpe::Event& event : events) scene.services.move(at, scene.setup.classify(event));
@@ -210,8 +212,8 @@ TEST_CASE("of packed channels is foreseen what is of each alone", "[foresight][l
             };
             const lpe::Event& first = scatterings[random.below(objects)];
             const lpe::Event& second = scatterings[random.below(objects)];
-            check([&](const Foresight& of, Scene& scene) { return of.of(tracker(scene)); });
-            check([&](const Foresight& of, Scene& scene) {
+            check([&](const Liveness& of, Scene& scene) { return of.of(tracker(scene)); });
+            check([&](const Liveness& of, Scene& scene) {
                 return of.after(tracker(scene), std::array{scene.setup.classify(first), scene.setup.classify(second)});
             });
         }
@@ -219,7 +221,7 @@ TEST_CASE("of packed channels is foreseen what is of each alone", "[foresight][l
     for (const std::size_t count : {some, scattering, lit, dead}) CHECK(count > 10);
 }
 
-TEST_CASE("lights that only words of other scenes end at are no lights of this one", "[foresight][lanes][law4]") {
+TEST_CASE("lights at the end of path strings of other scenes are not live", "[liveness][bit-parallel][law4]") {
     const auto ever = [](bool packed, const std::vector<const char*>& more, bool speaks) {
         std::vector<ChannelDefinition> channels;
         for (int k = 0; k < (packed ? 24 : 1); ++k)
@@ -227,11 +229,11 @@ TEST_CASE("lights that only words of other scenes end at are no lights of this o
                 expression_channel(join({"c", std::to_string(k)}), "C.*<RD'obj" + std::to_string(k) + "'>.*<L.'key'>"));
         for (const char* expression : more) channels.push_back(expression_channel(expression, expression));
         const LpeSetup setup = build_setup(channels, invalid_channel);
-        REQUIRE(setup.program().view().has_lanes() == packed);
+        REQUIRE(setup.program().view().has_parallel() == packed);
         const auto classify = [&](lpe::EventType type, lpe::Scatter how, const char* label) {
             return setup.classify({type, how, 0, {label, ""}});
         };
-        Foresight::Alphabet alphabet;
+        Liveness::Alphabet alphabet;
         for (const char* label : {"obj0", "obj1", "floor"})
             alphabet.scatterings.push_back(classify(lpe::EventType::reflection, lpe::Scatter::diffuse, label));
         const lpe::EventClass key = classify(lpe::EventType::light, lpe::Scatter::none, "key"),
@@ -239,9 +241,9 @@ TEST_CASE("lights that only words of other scenes end at are no lights of this o
         alphabet.terminals = {key, rim};
         alphabet.user_terminal = classify(lpe::EventType::light, lpe::Scatter::none, "");
         if (speaks) alphabet.user.push_back(setup.classify({lpe::EventType::user, lpe::Scatter::none, 2, {"", ""}}));
-        const Foresight foresight(setup, alphabet);
-        CHECK((foresight.terminals_ever() & foresight.bit_of(key)) != 0);
-        return (foresight.terminals_ever() & foresight.bit_of(rim)) != 0;
+        const Liveness liveness(setup, alphabet);
+        CHECK((liveness.live_terminals() & liveness.bit_of(key)) != 0);
+        return (liveness.live_terminals() & liveness.bit_of(rim)) != 0;
     };
     for (const bool packed : {false, true}) {
         CAPTURE(packed);

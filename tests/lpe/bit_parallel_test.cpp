@@ -1,4 +1,4 @@
-// Channels that would multiply in a table are packed into bits: each accepts the same paths as when compiled alone.
+// Channels that would multiply in a table become bit-parallel automata: they accept what each accepts alone.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -73,7 +73,7 @@ void check_against_each_alone(const std::vector<ChannelSource>& channels, std::s
                               bool dies_exactly) {
     const auto program = Program::compile(channels);
     if (!program) { FAIL(program.error().to_string()); }
-    REQUIRE(program->view().has_lanes());
+    REQUIRE(program->view().has_parallel());
     std::vector<Program> alone;
     for (const ChannelSource& channel : channels) {
         auto one = Program::compile({&channel, 1});
@@ -103,7 +103,7 @@ void check_against_each_alone(const std::vector<ChannelSource>& channels, std::s
 
 }  // namespace
 
-TEST_CASE("128 channels that each accept a label anywhere need five words", "[lanes]") {
+TEST_CASE("128 channels that each look for a label anywhere take five words", "[bit-parallel]") {
     std::vector<ChannelSource> channels;
     add_family(channels, "C.*<RD'@'>.*", 128);
     const auto program = Program::compile(channels);
@@ -113,12 +113,13 @@ TEST_CASE("128 channels that each accept a label anywhere need five words", "[la
     check_against_each_alone(channels, 128, 100, true);
 }
 
-TEST_CASE("lanes of every width, in both dialects, accept what each channel accepts alone", "[lanes]") {
+TEST_CASE("bit-parallel automata of every width, in both dialects, accept what each channel accepts alone",
+          "[bit-parallel]") {
     std::vector<ChannelSource> channels;
     SECTION("two labels in order, three codes") {
         add_family(channels, "C.*<RD'@'>.*<.G'@'>.*", 40);
     }
-    SECTION("lanes that die") {
+    SECTION("automata that die") {
         add_family(channels, "C[^'@']*L", 40);
     }
     SECTION("five codes") {
@@ -149,7 +150,7 @@ TEST_CASE("lanes of every width, in both dialects, accept what each channel acce
     check_against_each_alone(channels, 6, 10, false);
 }
 
-TEST_CASE("paths that no packed channel can accept any more are dead", "[lanes][law4]") {
+TEST_CASE("paths that no packed channel can accept any more are dead", "[bit-parallel][law4]") {
     std::vector<ChannelSource> channels;
     add_family(channels, "C[^'@']*L", 40);
     check_against_each_alone(channels, 2, 40, true);
@@ -171,7 +172,7 @@ TEST_CASE("paths that no packed channel can accept any more are dead", "[lanes][
     CHECK_FALSE(move("R,D,obj0"));
 }
 
-TEST_CASE("many paths at once move and accept like single paths", "[lanes]") {
+TEST_CASE("many paths at once move and accept as one does", "[bit-parallel]") {
     std::vector<ChannelSource> channels;
     add_family(channels, "C.*<RD'@'>.*", 40);
     add_family(channels, "C<RD'@'>[DGS]*L", 10);

@@ -1,5 +1,5 @@
 // Words of light subpaths with shares, against the same words followed forward.
-#include "display/services/foresight/light_words.h"
+#include "display/services/liveness/path_suffix.h"
 
 #include <array>
 #include <cmath>
@@ -46,10 +46,10 @@ RandomPath random_path(Random& random, const Events& events, int length) {
 }
 
 /// The first `of_camera` vertices forward, the others from the light.
-Tracker follow(LpeServices& services, LightWords& words, int row, const RandomPath& path, std::size_t of_camera) {
+Tracker follow(LpeServices& services, PathSuffixes& words, int row, const RandomPath& path, std::size_t of_camera) {
     Tracker tracker = services.begin(row);
     for (std::size_t k = 0; k < of_camera; ++k) services.move(tracker, path.vertices[k]);
-    LightWord word = services.begin(words, path.terminal);
+    PathSuffix word = services.begin(words, path.terminal);
     for (std::size_t k = path.vertices.size(); k-- > of_camera;)
         word = services.prepend(words, word, path.vertices[k], 1000 * k + static_cast<std::size_t>(row));
     services.join(tracker, words, word);
@@ -59,7 +59,7 @@ Tracker follow(LpeServices& services, LightWords& words, int row, const RandomPa
 /// Every cut of random paths: the channels get what they get forward.
 void check_against_forward(const std::vector<ChannelDefinition>& channels, const LpeSetup& setup, const Events& events,
                            int longest, const lpe::ReversedProgram* language) {
-    LightWords words(language);
+    PathSuffixes words(language);
     constexpr int paths = 60;
     SampleTable table(channels, paths * (longest + 2));
     table.begin(test::pixel_rows(3, 4, 0, paths * (longest + 2)));
@@ -108,7 +108,7 @@ Events without_labels(const LpeSetup& setup) {
     return {classes.scattering, classes.terminals};
 }
 
-TEST_CASE("a joined path reaches what the whole path reaches, with the same shares", "[light_words][law1][law5]") {
+TEST_CASE("a joined path reaches what the whole path reaches, with the same shares", "[path_suffix][law1][law5]") {
     std::vector<ChannelDefinition> shipped{plain_channel("beauty", ChannelType::rgb)};
     for (const lpe::NamedExpression& e : lpe::shipped_partition())
         shipped.push_back(expression_channel(std::string(e.name), std::string(e.expression)));
@@ -128,7 +128,7 @@ TEST_CASE("a joined path reaches what the whole path reaches, with the same shar
         labels.push_back(expression_channel(test::join({"x", std::to_string(i)}),
                                             test::join({"C.*<RD'", std::to_string(i), "'>.*[<L.>O]"})));
     const LpeSetup packed = build_setup(labels, 0);
-    REQUIRE(packed.program().view().has_lanes());
+    REQUIRE(packed.program().view().has_parallel());
     Events events;
     for (int i = 0; i < 3; ++i)
         for (const lpe::Scatter scatter : {lpe::Scatter::diffuse, lpe::Scatter::glossy})
@@ -138,18 +138,18 @@ TEST_CASE("a joined path reaches what the whole path reaches, with the same shar
     check_both_ways(labels, packed, events, 4);
 }
 
-TEST_CASE("a light subpath that no channel makes anything of is dead", "[light_words][law4]") {
+TEST_CASE("a light subpath that no channel makes anything of is dead", "[path_suffix][law4]") {
     const std::vector<ChannelDefinition> channels{expression_channel("direct", "C<RD>L")};
     const LpeSetup setup = build_setup(channels, invalid_channel);
     const Classes classes(setup);
     const auto reversed = lpe::ReversedProgram::build(setup.program());
     REQUIRE(reversed);
-    LightWords words(&*reversed);
+    PathSuffixes words(&*reversed);
     SampleTable table(channels, 1);
     table.begin(test::pixel_rows(0, 0, 0, 1));
     LpeServices services(setup, table, 1);
     CHECK_FALSE(services.begin(words, classes.emission).live());
-    LightWord word = services.begin(words, classes.light);
+    PathSuffix word = services.begin(words, classes.light);
     REQUIRE(word.live());
     const std::array<LobePart, 2> parts{{{classes.diffuse, Rgb(1)}, {classes.glossy, Rgb(3)}}};
     word = services.prepend(words, word, parts, 0);
@@ -181,7 +181,7 @@ Counted count_by_joins(LpeServices::Attribution attribution, int samples, int le
     const Classes classes(setup);
     const auto reversed = lpe::ReversedProgram::build(setup.program());
     REQUIRE(reversed);
-    LightWords words(&*reversed);
+    PathSuffixes words(&*reversed);
     Counted result;
     std::vector<double> squares(3 * channels.size(), 0);
     result.mean.assign(3 * channels.size(), 0);
@@ -195,7 +195,7 @@ Counted count_by_joins(LpeServices::Attribution attribution, int samples, int le
         words.clear();
         Tracker tracker = services.begin(0);
         for (int k = 0; k < of_camera; ++k) services.move(tracker, parts);
-        LightWord word = services.begin(words, classes.light);
+        PathSuffix word = services.begin(words, classes.light);
         for (int k = of_camera; k < length; ++k)
             word = services.prepend(words, word, parts,
                                     static_cast<std::uint64_t>(sample) << 32 | static_cast<unsigned>(k));
@@ -246,7 +246,7 @@ void check_binomial(const Counted& counted, int length, int samples) {
 }
 
 TEST_CASE("light words that overflow keep every sum and are unbiased in every share",
-          "[light_words][law1][law5][statistical]") {
+          "[path_suffix][law1][law5][statistical]") {
     constexpr int samples = 4000, length = 40;
     for (const int of_camera : {0, 8, 20, 38}) {
         CAPTURE(of_camera);
@@ -257,7 +257,7 @@ TEST_CASE("light words that overflow keep every sum and are unbiased in every sh
     }
 }
 
-TEST_CASE("the connections of one camera vertex choose by numbers of their own", "[light_words][law5][statistical]") {
+TEST_CASE("the connections of one camera vertex choose by numbers of their own", "[path_suffix][law5][statistical]") {
     // The same camera subpath, connected with two neighbouring vertices of one light subpath. Neither end overflows,
     // and both connections do.
     constexpr int samples = 2000;
@@ -266,7 +266,7 @@ TEST_CASE("the connections of one camera vertex choose by numbers of their own",
     const Classes classes(setup);
     const auto reversed = lpe::ReversedProgram::build(setup.program());
     REQUIRE(reversed);
-    LightWords words(&*reversed);
+    PathSuffixes words(&*reversed);
     const std::array<LobePart, 2> parts{{{classes.diffuse, Rgb(0.5f)}, {classes.glossy, Rgb(0.5f)}}};
     std::array<std::vector<double>, 2> found;
     for (int sample = 0; sample < samples; ++sample) {
@@ -276,7 +276,7 @@ TEST_CASE("the connections of one camera vertex choose by numbers of their own",
         words.clear();
         Tracker tracker = services.begin(0);
         for (int k = 0; k < 14; ++k) services.move(tracker, parts);
-        LightWord word = services.begin(words, classes.light);
+        PathSuffix word = services.begin(words, classes.light);
         for (int k = 0; k < 14; ++k) word = services.prepend(words, word, parts, static_cast<unsigned>(k));
         REQUIRE(services.overflow_count() == 0);
         double before = 0;
@@ -303,7 +303,7 @@ TEST_CASE("the connections of one camera vertex choose by numbers of their own",
     CHECK(std::abs(correlation) < 4.9 / std::sqrt(static_cast<double>(samples)));
 }
 
-TEST_CASE("a light word labelled by drawn lobes has the exact shares' mean", "[light_words][law5][statistical]") {
+TEST_CASE("a light word labelled by drawn lobes has the exact shares' mean", "[path_suffix][law5][statistical]") {
     const Counted counted = count_by_joins(LpeServices::Attribution::picked, 4000, 20, 8);
     CHECK(counted.overflow == 0);
     check_binomial(counted, 20, 4000);

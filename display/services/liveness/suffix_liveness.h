@@ -1,0 +1,58 @@
+// What channels can still take of a light subpath (Law 4), by its path suffix and by the events that a scene can bring:
+// Liveness, read from the light. A scattering has the same effect on the suffix whether the light subpath grows by it
+// or a camera subpath arrives through it, so one table serves both.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "display/services/liveness/liveness.h"
+#include "display/services/liveness/path_suffix.h"
+
+namespace raylex::display {
+
+class SuffixLiveness {
+  public:
+    /// What is live for a suffix.
+    struct LiveSet {
+        bool seen = true;   ///< its last vertex can count where the camera sees it, through cutouts or not
+        bool joins = true;  ///< that vertex can count where it is joined with a vertex of a camera subpath
+        /// The light subpath can scatter further and count there, seen or joined. Either needs a density at that
+        /// vertex, and a join also one at its neighbour.
+        bool goes_on = true;
+        [[nodiscard]] bool anything() const { return seen || joins || goes_on; }
+    };
+
+    /// Nothing is known, so everything is live.
+    SuffixLiveness() = default;
+    /// `reversed` reads the path strings of `setup` from their ends; both must outlive this object. Nothing is known
+    /// without it, nor for programs with bit-parallel automata (lpe/program_view.h).
+    SuffixLiveness(const LpeSetup& setup, const lpe::ReversedProgram* reversed, const Liveness::Alphabet& alphabet);
+
+    /// For a light's suffix, its terminal.
+    [[nodiscard]] LiveSet of(lpe::EventClass terminal) const;
+    [[nodiscard]] LiveSet of(const PathSuffixes& pool, const PathSuffix& suffix) const;
+    /// What is live once one of these events stands before the suffix. The first `with_density` of them have a density:
+    /// only those are seen or joined.
+    [[nodiscard]] LiveSet after(const PathSuffixes& pool, const PathSuffix& suffix,
+                                std::span<const lpe::EventClass> scatterings, std::size_t with_density) const;
+    /// Whether a channel may accept the path string `camera`, one of `here`, one of `there`, `suffix`.
+    [[nodiscard]] bool joins(const Tracker& camera, std::span<const lpe::EventClass> here, const PathSuffixes& pool,
+                             const PathSuffix& suffix, std::span<const lpe::EventClass> there) const;
+
+  private:
+    [[nodiscard]] LiveSet before(std::span<const lpe::State> state, lpe::EventClass event) const;
+    static void join(LiveSet& live, const LiveSet& other) {
+        live.seen |= other.seen;
+        live.joins |= other.joins;
+        live.goes_on |= other.goes_on;
+    }
+
+    const lpe::ProgramView* program_ = nullptr;
+    const lpe::ReversedProgram* reversed_ = nullptr;
+    std::vector<std::vector<LiveSet>> states_;  // [word of state][reversed state]; empty: nothing is known
+    bool cutouts_ = false;
+};
+
+}  // namespace raylex::display
