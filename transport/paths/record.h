@@ -33,9 +33,9 @@ struct LightEnd {
 
 /// Light that a path brings to the camera.
 struct Arrival {
-    Rgb value;                       ///< the contribution to beauty
-    Rgb emitted;                     ///< radiance that leaves the emitter towards the path
-    Rgb unweighted;                  ///< `value` with nothing in the way, and without the MIS weight
+    Rgb value{};                     ///< the contribution to beauty
+    Rgb emitted{};                   ///< radiance that leaves the emitter towards the path
+    Rgb unweighted{};                ///< `value` with nothing in the way, and without the MIS weight
     Real visibility = 1;             ///< fraction that arrives
     bool found_by_sampling = false;  ///< light sampling finds the same emitter there too
 };

@@ -175,8 +175,11 @@ bool Walk<mode>::passes_cutout(std::size_t j, const ShapeGeometry& shape) {
     const Real u = samplers_[row].get_random(dimensions.cutouts + paths_[row].segment);
     if (u < scene_.opacity(shape, point)) return false;
     const Vec3& direction = vertices_.rays[j].direction;
-    CutoutPass pass{row, vertices_.sources[j].label, paths_[row].medium, vertices_.hits[j].t,
-                    ray_from(vertices_, j, direction)};
+    CutoutPass pass{.row = row,
+                    .label = vertices_.sources[j].label,
+                    .medium = paths_[row].medium,
+                    .t = vertices_.hits[j].t,
+                    .onward = ray_from(vertices_, j, direction)};
     // What a cutout takes away of a surface is no border between media either.
     if (in_media_ && shape.border) pass.medium = shape.medium_towards(point.geometric_normal, direction, pass.medium);
     pass.onward.origin = straight_ray_origin(vertices_.rays[j], pass.t, point.position, point.geometric_normal,

@@ -85,7 +85,12 @@ bool Walk<mode>::collide(std::uint32_t row, const Ray& ray, const FreeFlight& fl
     }
     const Vec3 position = ray.origin + ray.direction * flight.distance;
     if (!is_through_portal(row, position, ray.direction) || !allows_collision(row) || path.beta.is_black()) finish(row);
-    else collisions_[collision_count_++] = {row, position, ray.direction, ray.time, ray.cone.after(flight.distance)};
+    else
+        collisions_[collision_count_++] = {.row = row,
+                                           .position = position,
+                                           .forward = ray.direction,
+                                           .time = ray.time,
+                                           .cone = ray.cone.after(flight.distance)};
     return false;
 }
 
@@ -96,7 +101,8 @@ void Walk<mode>::report_emission(std::uint32_t row, const Rgb& emitted) const {
     if (path.depth < options_.first_depth) return;
     const Rgb value = throughput(row) * emitted;
     if constexpr (mode == TransportMode::radiance)
-        record_.arrive(row, record_.events().emission(), {0, path.depth + 2}, {value, emitted, value});
+        record_.arrive(row, record_.events().emission(), {0, path.depth + 2},
+                       {.value = value, .emitted = emitted, .unweighted = value});
 }
 
 template <TransportMode mode>

@@ -54,8 +54,17 @@ void CameraConnections::add(const LightSubpathVertex& vertex, const SurfacePoint
                                       static_cast<double>(scattering.pdf_reverse)));
     }
     if (value.is_black()) return;
-    pending_.push_back({vertex.row, seen.x, seen.y, vertex.depth + 2, vertex.holdout, value, unweighted, vertex.key,
-                        vertex.end, segment_to(seen.position, point.position, point.geometric_normal, vertex.offset)});
+    pending_.push_back(
+        {.row = vertex.row,
+         .x = seen.x,
+         .y = seen.y,
+         .light_vertices = vertex.depth + 2,
+         .holdout = vertex.holdout,
+         .value = value,
+         .unweighted = unweighted,
+         .key = vertex.key,
+         .end = vertex.end,
+         .from_camera = segment_to(seen.position, point.position, point.geometric_normal, vertex.offset)});
     pending_.back().end.lobes = f.lobes;
     pending_.back().from_camera.time = vertex.time;
     // From the surface: the bound of the intersector's rounding there does not hold for a ray that comes from afar.

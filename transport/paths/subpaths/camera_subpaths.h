@@ -65,8 +65,9 @@ class CameraSubpaths : public Walk<TransportMode::radiance> {
     void report(std::uint32_t row, std::uint32_t light, const Rgb& throughput, const Rgb& emitted, Real weight,
                 bool sampled_too) const {
         const Rgb value = throughput * emitted;
-        record_.arrive(row, record_.events().terminal(light), {0, path(row).depth + 2},
-                       {value * weight, emitted, value, 1, sampled_too});
+        record_.arrive(
+            row, record_.events().terminal(light), {0, path(row).depth + 2},
+            {.value = value * weight, .emitted = emitted, .unweighted = value, .found_by_sampling = sampled_too});
     }
 
   private:

@@ -79,7 +79,7 @@ bool Connections::needs_shadow_ray(const Record& record) {
     if (live == Liveness::if_visible_or_not) {
         display::Tracker tracker = record.after(p.row, p.label, p.lobes);
         const Rgb unweighted = blockable_.back().unweighted;
-        Arrival arrival{p.value, {}, unweighted, 1, end != nullptr};
+        Arrival arrival{.value = p.value, .unweighted = unweighted, .found_by_sampling = end != nullptr};
         report_one(record, pending_.size() - 1, arrival, tracker);
     }
     pending_.pop_back();
@@ -113,11 +113,10 @@ void Connections::report(CameraSubpaths& subpaths) {
         if (blocked_[i] && !blockable) continue;
         const Pending& pending = pending_[i];
         display::Tracker tracker = record.after(pending.row, pending.label, pending.lobes);
-        Arrival arrival{pending.value,
-                        {},
-                        blockable ? blockable_[i].unweighted : Rgb(),
-                        blocked_[i] ? 0.0f : 1.0f,
-                        pending.end != no_end};
+        Arrival arrival{.value = pending.value,
+                        .unweighted = blockable ? blockable_[i].unweighted : Rgb(),
+                        .visibility = blocked_[i] ? 0.0f : 1.0f,
+                        .found_by_sampling = pending.end != no_end};
         if (attenuates && (!blocked_[i] || in_media_)) {
             Rgb transmittance(1);
             // Channels of blocked light take what the media let pass, also those behind the surface that blocks it.

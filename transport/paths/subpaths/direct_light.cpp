@@ -88,7 +88,7 @@ void DirectLight::report_hidden_environments(const CameraSubpaths& camera) const
             if (lights.environment_density(chooser(), light, path.from, at.direction) > 0) continue;
             const Rgb emitted = lights.environment_radiance(light, path.from, at.direction);
             record.arrive(at.row, record.events().terminal(light), {0, path.depth + 2},
-                          {Rgb(), emitted, at.throughput * emitted, 0});
+                          {.emitted = emitted, .unweighted = at.throughput * emitted, .visibility = 0});
         }
     }
 }
