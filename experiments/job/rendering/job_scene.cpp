@@ -77,8 +77,7 @@ std::optional<std::string> ask_for_film_clamp(const transport::SceneDescription&
     const Parameter* limit = scene.film.parameters.find("maxcomponentvalue");
     if (limit == nullptr || !job.settings.channels.sample_filters.empty()) return std::nullopt;
     const std::string ignored = "the film's maxcomponentvalue is ignored: ";
-    if (!job.settings.channels.beauty)
-        return ignored + "it limits the beauty of a sample, and there is no beauty";
+    if (!job.settings.channels.beauty) return ignored + "it limits the beauty of a sample, and there is no beauty";
     if (!job.outputs.atlas.file.empty()) return ignored + "an atlas stores unfiltered light";
     const auto chosen = transport::choose_integrator(
         transport::integrator_for(job.settings.paths.integrator, scene.integrator), job.settings.paths.max_depth);

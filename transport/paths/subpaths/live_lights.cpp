@@ -7,7 +7,8 @@ namespace raylex::transport {
 namespace {
 
 /// Sets of terminals that may lie ahead of a path in one state, or in several: a tracker holds several states, for
-/// branches and for bit-parallel channels. Returns the unions of these sets, up to `most`, and a set that contains them all.
+/// branches and for bit-parallel channels. Returns the unions of these sets, up to `most`, and a set that contains them
+/// all.
 std::vector<std::uint64_t> sets_of_terminals(const display::Liveness& liveness, std::size_t most) {
     std::vector<std::uint64_t> sets;
     const auto add = [&](std::uint64_t set) {
