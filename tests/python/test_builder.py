@@ -162,7 +162,7 @@ class Refused(Case):
 
     def test_arrays_of_meshes(self):
         triangle, mesh = np.eye(3), self.builder.mesh
-        self.refuses("indices has 1.5; expected whole numbers", mesh, triangle, [[0, 1.5, 2]])
+        self.refuses("indices has 1.5; expected integers", mesh, triangle, [[0, 1.5, 2]])
         self.refuses("indices has nan; expected whole numbers", mesh, triangle, [[0, np.nan, 2]])
         self.refuses("indices has 9223372036854775808, and there are 3", mesh, triangle, [[0, 1, 2**63]])
         self.refuses("indices has -1, and there are 3", mesh, triangle, [[0, 1, -1]])
