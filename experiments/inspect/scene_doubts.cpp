@@ -249,9 +249,9 @@ void doubt_bodies(const SceneDescription& scene, const std::vector<SceneShape>& 
                    (other.positions.empty() || lies_in(bounds, bounds_of(other)));  // a quadric may contain it
         });
         if (!within_another)
-            doubts.push_back(error_at(
-                shape.location, transport::mesh_name(shape) + " is closed and faces inwards, so its medium fills the "
-                                                              "space around it; ReverseOrientation flips it"));
+            doubts.push_back(error_at(shape.location, transport::mesh_name(shape) +
+                                                          " is closed and faces inwards, so its medium fills the "
+                                                          "space around it; ReverseOrientation flips it"));
     }
 }
 
