@@ -29,7 +29,7 @@ void ask_for_large_pages(void* block, std::size_t size) {
     static_cast<void>(::madvise(reinterpret_cast<void*>(begin), size, MADV_HUGEPAGE));
 }
 
-/// As the standard requires of operator new: tries until `get` succeeds or there is no handler.
+/// Calls `get` until it succeeds; throws std::bad_alloc if no new handler is set, as the standard demands.
 template <class Get>
 void* allocate(std::size_t size, const Get& get) {
     while (true) {

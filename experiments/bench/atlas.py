@@ -1,9 +1,10 @@
-"""What path atlases cost: the CPU time of keeping one, the size of its file, and the time of asking it.
+"""Measures the cost of path atlases: the CPU time to store one, the size of its file, and the time of `raylex ask`.
 
     python3 experiments/bench/atlas.py PROGRAM [SCENE.pbrt|JOB.toml...] [--size WxH] [--spp N] [--runs N]
 
-Without scenes: all of experiments/scenes, and the quickstart's window-light. One thread; the render with an atlas beside one layer
-alone is held against that without the atlas, least CPU times of several runs by turns, reading back and judging included.
+Without scenes: all of experiments/scenes, and the quickstart's window-light. One thread. A render with an atlas and one
+layer is compared with one without the atlas: minimum CPU times of several alternating runs, including reading and
+checking the file.
 """
 
 import argparse
@@ -16,7 +17,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def cpu_of(command):
-    """User and system time of one command together, user time alone, and what it said."""
+    """Returns user and system time of a command together, user time alone, and the command's output."""
     before = os.times()
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     after = os.times()

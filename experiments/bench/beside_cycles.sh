@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Cycles beside raylex: the same scenes, path tracing by both, by turns (A B A B ...), one thread each.
+# Cycles compared with raylex: path tracing of the same scenes by both, alternating (A B A B ...), one thread each.
 #
 #   bash experiments/bench/beside_cycles.sh [RAYLEX] [ROUNDS] [SPP] [SCENE...]
 #                                                           default: build/release/raylex 5 32 cornell8 terrain
 #
-# Prints per scene the median camera samples per CPU second of both, net of setting up, and the median of each round's
-# ratio; the ratio of the images' means, which must be near 1: else they are not the same scene; and what error each has
-# left (relmse-mean against an image by raylex of 16 times the samples, whose own is a sixteenth).
+# Prints per scene the median camera samples per CPU second of both, without setup, and the median of each round's
+# ratio; the ratio of the images' means, which must be near 1, otherwise the scenes differ; and the remaining error of
+# each (relmse-mean against an image by raylex with 16 times the samples, whose own error is a sixteenth).
 # Needs Blender (Debian: blender) and Python; scenes are generated into build/bench-scenes.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -18,17 +18,17 @@ scenes=("${@:-}")
 for tool in blender python3; do
     command -v "$tool" >/dev/null || { echo "beside_cycles.sh: $tool is not installed (Debian: $tool)" >&2; exit 2; }
 done
-[ -x "$raylex" ] || { echo "beside_cycles.sh: there is no program $raylex; expected a Release build" >&2; exit 2; }
+[ -x "$raylex" ] || { echo "beside_cycles.sh: program $raylex not found; expected a Release build" >&2; exit 2; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# cycles SCENE SEED: CPU seconds of rendering.
+# cycles SCENE SEED: prints the CPU seconds of rendering by Cycles.
 cycles() {
     local image="$work/cycles.$2.exr"
     blender -b --factory-startup --python "$here/cycles.py" -- "$1" "$spp" "$2" "$image" >"$work/log" 2>&1 &&
         sed -n 's/^CYCLES .*cpu_seconds=\([0-9.]*\).*/\1/p' "$work/log" | grep . || { cat "$work/log" >&2; exit 2; }
 }
-# ours SCENE SEED SAMPLES: the same.
+# ours SCENE SEED SAMPLES: prints the CPU seconds of rendering by raylex.
 ours() {
     "$raylex" render "$root/build/bench-scenes/${1//:/-}.pbrt" --threads 1 --spp "$3" --seed "$2" \
         -o "$work/raylex.$2.exr" --stats "$work/stats.json" >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 2; }

@@ -1,22 +1,23 @@
 #!/usr/bin/env bash
-# What asking for layers costs: the same render with and without them, in turn (A B A B ...), CPU time of the render phase.
+# The cost of requested layers: the same render with and without them, alternating (A B A B ...), CPU time of the render
+# phase.
 #
 #   bash experiments/bench/cost_of_asking.sh [RAYLEX] [ROUNDS] [SPP]     default: build/release/raylex 5 64
 #
-# Prints per kind of request the least and the median CPU time of a camera sample, and their ratio to beauty alone. The
-# channels are the first ones of lpe/bench/data/lpe_bench_firsthit.txt (osl), which overlap: a path is in about five of 64.
-# Of the still life, lit by four point lights more, the split by 8 light groups x (4 lobes x direct and indirect).
+# Prints per kind of request the minimum and the median CPU time of a camera sample, and their ratio to beauty alone.
+# The channels are the first ones of lpe/bench/data/lpe_bench_firsthit.txt (osl), which overlap: a path is in about five
+# of 64. The still life, with four more point lights, has the split by 8 light groups x (4 lobes x direct and indirect).
 #
-# Then what a show asks, of whole runs on all cores (CPU and wall time, files written and read back): a room with 8 lights and
-# a glossy box, 400 x 400, in 8 light groups x first lobe x direct or indirect (32 layers and the rest), 5 AOVs and an object
-# cryptomatte, against the beauty alone.
+# Then a production's requests, by whole runs on all cores (CPU and wall time, with files written and read back): a room
+# with 8 lights and a glossy box, 400 x 400, in 8 light groups x first lobe x direct or indirect (32 layers and the
+# rest), 5 AOVs and an object cryptomatte, compared with the beauty alone.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 raylex=${1:-$root/build/release/raylex} rounds=${2:-5} spp=${3:-64}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# job NAME SCENE CHANNELS ANYTHING...: a job with so many channels and the lines that follow.
+# job NAME SCENE CHANNELS ANYTHING...: writes a job with this number of channels and further lines.
 job() {
     local name=$1 scene=$2 count=$3
     shift 3
@@ -25,7 +26,7 @@ job() {
             "$root/experiments/scenes/$scene/scene.pbrt" "$work/$name.exr" "$work/$name.json"
         printf '[render]\nspp = %s\nthreads = 1\nmax_depth = 8\n' "$spp"
         printf '%s\n' "$@"
-        # Past the end of the file the same expressions come again, each for a layer of its own.
+        # Beyond the end of the file the same expressions repeat, each with its own layer.
         local expressions=$root/lpe/bench/data/lpe_bench_firsthit.txt
         cat "$expressions" "$expressions" |
             awk -v count="$count" 'NR <= count { printf "[[channel]]\nname = \"c%03d\"\nlpe = \"%s\"\ndialect = \"osl\"\n", NR, $0 }'

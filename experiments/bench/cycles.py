@@ -1,9 +1,10 @@
-"""Renders a scene of scenes.py in Blender's Cycles and tells the CPU seconds of rendering, net of setting up:
+"""Renders a scene of scenes.py in Blender's Cycles and prints the CPU seconds of rendering, without setup:
 
     blender -b --factory-startup --python cycles.py -- NAME SAMPLES SEED OUT.exr
 
-Path tracing as raylex does it: no denoising, clamping, adaptive sampling or light tree; box filter; one process, one thread. Setting up
-(copying the scene, building its tree) is what a render with one sample takes, less that sample; it is measured in the same process.
+Path tracing as in raylex: no denoising, clamping, adaptive sampling or light tree; box filter; one process, one thread.
+The setup (copying the scene, building its tree) is the time of a render with one sample minus that sample, measured in
+the same process.
 """
 import math
 import pathlib
@@ -88,7 +89,7 @@ def main():
     name, samples, seed, out = sys.argv[sys.argv.index("--") + 1:]
     plan = scenes.make(name)
     scene = build(plan)
-    cpu_seconds(scene, 1, 0, "")  # kernels are loaded, caches filled
+    cpu_seconds(scene, 1, 0, "")  # loads kernels and fills caches
     short = min(cpu_seconds(scene, 1, 0, "") for _ in range(2))
     whole = cpu_seconds(scene, int(samples), int(seed), out)
     rendering = (whole - short) * int(samples) / (int(samples) - 1)

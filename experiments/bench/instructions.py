@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Do the inner loops execute more instructions than their budget? Needs valgrind; see README.md beside this file.
+"""Checks the number of instructions of the inner loops against budgets. Needs valgrind; see README.md beside this file.
 
     python3 experiments/bench/instructions.py [--raylex PROGRAM] [--renew] [CASE...]
 
-Small single-thread renders run under callgrind twice, with 16 and with 48 samples a pixel. What the second executes beyond
-the first, over its further camera samples, is what a sample costs; setting up drops out. Counted is our code alone: shared
-libraries (Embree, the C library) are not in it, and Embree is held to SSE2, so that hosts make no difference, but for
-samplers' numbers: those of the budgets are drawn with AVX2.
-Exit 0: all within budget; 1: a loop is dearer; 2: it could not be measured.
+Small single-thread renders run under callgrind twice, with 16 and with 48 samples per pixel. The further instructions
+of the second, divided by its further camera samples, are the cost of a sample; the setup cancels. Only raylex's code
+counts: shared libraries (Embree, the C library) are excluded, and Embree is restricted to SSE2, so that results do not
+depend on the host, except for samplers, whose budgets are those of AVX2. Exit code 0: all within budget; 1: a loop
+exceeds its budget; 2: the measurement failed.
 """
 import argparse
 import collections
@@ -25,10 +25,10 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 BUDGETS = HERE / "instructions.toml"
 FEW, MANY, SIDE = 16, 48, 32  # samples: whole blocks of 16; pixels: whole tiles
-# Counts of two runs differ by less than 0.05 %. What is left is for edits elsewhere that make the compiler inline
-# otherwise; a loop that gets 5 % dearer is beyond it.
+# Counts of two runs differ by less than 0.05 %. The rest is a margin for edits elsewhere that change the compiler's
+# inlining; a loop that gets 5 % more expensive is beyond it.
 TOLERANCE = 0.03
-# Below this many instructions a sample, 3 % is a fraction of an instruction a sample in loops that hardly run.
+# Below this number of instructions per sample, 3 % is a fraction of an instruction, in loops that hardly run.
 NEGLIGIBLE = 20
 
 SCENES = ROOT / "experiments" / "scenes"
@@ -40,7 +40,7 @@ CASES = {
     "many-lights": [str(SCENES / "lamps/scene.pbrt"), "--max-depth", "4"],
     "bidirectional": [str(SCENES / "cornell-color/scene.pbrt"), "--integrator", "bdpt", "--max-depth", "5"],
 }
-# A function belongs to the first loop of which it has a word in its name.
+# A function belongs to the first loop that has a word in the function's name.
 LOOPS = [
     ("sampler", ["Sampler", "draw_sampler_pairs", "sobol_pair"]),
     ("film", ["FrameBuffer", "RayRows", "FixedSum", "SplatGate", "add_pixel"]),
@@ -60,8 +60,8 @@ def fail(message):
 
 
 def instructions_by_function(file, program):
-    """Function of `program` -> instructions executed in it, callees apart. The format: valgrind's manual, "Callgrind
-    format specification"; numbers stand for names that were given before, for functions and callees alike."""
+    """Returns {function of `program`: instructions executed in it, without callees}. Format: valgrind's manual,
+    "Callgrind format specification"; numbers refer to earlier names, of functions and callees alike."""
     names = {"fn": {}, "ob": {}}
 
     def name_of(kind, text):
@@ -83,7 +83,7 @@ def instructions_by_function(file, program):
         elif equals and key in ("cfn", "cob"):
             name_of(key[1:], value)
         elif equals and key == "calls":
-            of_callee = True  # the next line is what the call cost in all
+            of_callee = True  # the next line is the total cost of the call
         elif re.match(r"[0-9+*-]", line):
             if not of_callee and library == program:
                 counts[function] += int(line.split()[1])
@@ -92,7 +92,7 @@ def instructions_by_function(file, program):
 
 
 def loop_of(function):
-    own = function.split("(raylex", 1)[0].split("(std::", 1)[0]  # types of parameters say nothing of where it stands
+    own = function.split("(raylex", 1)[0].split("(std::", 1)[0]  # without the types of parameters
     for loop, words in LOOPS:
         if any(word in own for word in words):
             return loop
@@ -128,7 +128,7 @@ def measure(program, case, folder):
 
 
 def judge(case, measured, budgets):
-    """Prints a line for each loop; how many are beyond their budget."""
+    """Prints one line per loop. Returns the number of loops beyond their budget."""
     worse = 0
     for loop in sorted(set(measured) | set(budgets), key=lambda name: (name == "all", name)):
         cost, budget = measured.get(loop, 0.0), budgets.get(loop, 0.0)
@@ -138,7 +138,7 @@ def judge(case, measured, budgets):
             verdict = "  DEARER than allowed"
             worse += 1
         elif cost < budget * (1 - TOLERANCE):
-            verdict = "  cheaper: --renew keeps it so"
+            verdict = "  cheaper: --renew lowers the budget"
         print(f"{case:14} {loop:10} budget {budget:8.1f}  measured {cost:8.1f}  {change:+7.2%}{verdict}")
     return worse
 
@@ -146,19 +146,19 @@ def judge(case, measured, budgets):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--raylex", default=str(ROOT / "build/release/raylex"))
-    parser.add_argument("--renew", action="store_true", help="writes what is measured as the budgets")
+    parser.add_argument("--renew", action="store_true", help="writes the measured numbers as the budgets")
     parser.add_argument("cases", nargs="*", metavar="CASE", help=", ".join(CASES))
     options = parser.parse_args()
     for case in options.cases:
         if case not in CASES:
-            fail(f"there is no case '{case}'; expected one of {', '.join(CASES)}")
+            fail(f"unknown case '{case}'; expected one of {', '.join(CASES)}")
     if shutil.which("valgrind") is None:
         fail("valgrind is not installed (Debian: valgrind)")
     if "avx2" not in pathlib.Path("/proc/cpuinfo").read_text().split():
-        fail("this processor has no AVX2; expected one that has, as that of the budgets")
+        fail("this processor has no AVX2, which the budgets require")
     program = os.path.realpath(options.raylex)
     if not os.access(program, os.X_OK):
-        fail(f"there is no program {program}; expected a Release build: cmake --build --preset release --target raylex")
+        fail(f"program {program} not found; expected a Release build: cmake --build --preset release --target raylex")
     cases = options.cases or list(CASES)
     with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         results = dict(zip(cases, pool.map(lambda case: measure(program, case, pathlib.Path(folder)), cases)))
@@ -174,8 +174,8 @@ def main():
         return 0
     worse = sum(judge(case, results[case], budgets.get(case, {})) for case in cases)
     if worse:
-        print(f"{worse} loops execute over {TOLERANCE:.0%} more instructions a sample than {BUDGETS.relative_to(ROOT)} allows. Where\n"
-              "that is meant: python3 experiments/bench/instructions.py --renew, and say in the commit what it buys.")
+        print(f"{worse} loops execute over {TOLERANCE:.0%} more instructions a sample than {BUDGETS.relative_to(ROOT)} allows. If\n"
+              "this is intended, run instructions.py --renew, and state the benefit in the commit message.")
     return 1 if worse else 0
 
 

@@ -1,10 +1,10 @@
 #!/bin/bash
-# Eight shards of 64 layers at 3840 x 2160, merged in two orders: what that takes, and whether pixels are the same.
+# Merges eight shards of 64 layers at 3840 x 2160 in two orders; measures the cost and compares the pixels.
 #
 #     bash experiments/bench/merge_4k.sh PROGRAM FOLDER [SIZE]
 #
-# Layers: the light of each of 16 lamps by 1, 2 and 3 scatterings, and seen by the camera. Records take 2.9 GB each,
-# all of FOLDER some 25; records that are there are not rendered again.
+# Layers: the light of each of 16 lamps with 1, 2 and 3 scattering events, and seen by the camera. Records take 2.9 GB
+# each, the whole FOLDER about 25; existing records are not rendered again.
 set -euo pipefail
 program=$(realpath "$1")
 folder=$2
@@ -37,7 +37,7 @@ done
 du --apparent-size -ch out.exr.shard-*-of-8 | tail -1
 measured "merge" "$program" merge out.exr.shard-{1,2,3,4,5,6,7,8}-of-8 -o out.exr
 measured "merge in another order" "$program" merge out.exr.shard-{5,2,8,1,7,3,6,4}-of-8 -o other.exr
-# Headers name the records in the order in which they were given; pixels follow within the first MiB.
+# Headers list the records in the order of the command line; pixels follow within the first MiB.
 pixels=$(($(stat -c %s out.exr) - (1 << 20)))
 cmp <(tail -c "$pixels" out.exr) <(tail -c "$pixels" other.exr)
 echo "the same pixels: the last $pixels bytes of both files"

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Where a render's time goes: nanoseconds of CPU a camera sample, by kernel, sampled by perf (Debian: linux-perf).
+"""Profiles a render: CPU nanoseconds per camera sample, by kernel, sampled by perf (Debian: linux-perf).
 
     python3 experiments/bench/profile.py [--raylex PROGRAM] SCENE.pbrt|JOB.toml [FLAGS OF raylex render...]
 
-One thread. The kernels are those of instructions.py, and the shared libraries: Embree is that of rays. Where the processor's counters are
-not to be had perf goes by its clock. Loading the scene is in it, so let a render take some seconds (--spp).
+One thread. The kernels are those of instructions.py and the shared libraries; Embree is the kernel of rays. If the
+processor's counters are not available, perf uses a timer. The profile includes loading the scene, so a render should
+take some seconds (--spp).
 """
 import collections
 import json
@@ -25,7 +26,7 @@ def fail(message):
 
 
 def record(command, folder):
-    """perf's samples by (library, function), as shares."""
+    """Returns perf's samples by (library, function), as fractions."""
     data = str(folder / "perf.data")
     for event in ("cycles:u", "cpu-clock:u"):
         done = subprocess.run(["perf", "record", "-q", "-F", "997", "-e", event, "-o", data, *command], capture_output=True, text=True)

@@ -1,8 +1,9 @@
-"""What Python costs: a render from it against the program, a 4K frame's arrays, an integrator and a texture in NumPy.
+"""Measures the cost of Python: a render compared with the program, a 4K frame's arrays, an integrator and a texture in
+NumPy.
 
     PYTHONPATH=build/release/python python3 experiments/bench/python.py [PROGRAM]
 
-CPU time, so that other work on the machine matters little; the least of several runs, taken in turn.
+CPU time, so that other work on the machine matters little; the minimum of several alternating runs.
 """
 
 import pathlib

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Scenes that benchmarks generate, as pbrt files: python3 scenes.py FOLDER NAME...; needs nothing but Python.
+"""Generates scenes for benchmarks as pbrt files: python3 scenes.py FOLDER NAME...; needs only Python.
 
     cornell8     a box open to the camera with eight lamps side by side, a glossy and a diffuse box: 50 triangles
     terrain      a displaced grid of 999,698 triangles under a constant sky
-    terrain:N    the same with about N triangles
-    lights:N     N emitters, triangles of many powers, strewn above a floor; their power in all is the same for every N
+    terrain:N    terrain with about N triangles
+    lights:N     N emitters, triangles with several powers, above a floor; the total power does not depend on N
 
-Each becomes FOLDER/NAME.pbrt, with - for the colon; large meshes lie beside it as PLY. cycles.py builds the same geometry in Blender.
+Each becomes FOLDER/NAME.pbrt, with - for the colon; large meshes are PLY files beside it. cycles.py builds the same
+geometry in Blender.
 """
 import array
 import dataclasses
@@ -20,8 +21,8 @@ import sys
 @dataclasses.dataclass
 class Material:
     reflectance: tuple
-    roughness: float = None  # of a GGX metal, as alpha; none: diffuse
-    radiance: float = 0.0    # what both sides emit
+    roughness: float = None  # alpha of a GGX metal; none: diffuse
+    radiance: float = 0.0  # emission of both sides
 
 
 @dataclasses.dataclass
@@ -99,7 +100,7 @@ def terrain(triangles=999_698):
 
 def lights(count):
     chance = random.Random(count)
-    size = 0.5 / math.sqrt(count)  # the emitters' area in all does not depend on how many they are
+    size = 0.5 / math.sqrt(count)  # the total area of the emitters does not depend on their number
     groups = [Mesh(f"emitters{k}", Material((0, 0, 0), radiance=4.0 ** k), [], []) for k in range(min(count, 4))]
     for i in range(count):
         center = [chance.uniform(-1.8, 1.8), chance.uniform(-1.8, 1.8), chance.uniform(0.1, 0.6)]
@@ -116,7 +117,7 @@ def make(name):
     kind, _, number = name.partition(":")
     makers = {"cornell8": cornell8, "terrain": terrain, "lights": lights}
     if kind not in makers or (kind == "lights") > bool(number) or (kind == "cornell8" and number):
-        sys.exit(f"scenes.py: there is no scene '{name}'; expected cornell8, terrain, terrain:N or lights:N")
+        sys.exit(f"scenes.py: unknown scene '{name}'; expected cornell8, terrain, terrain:N or lights:N")
     return makers[kind](int(number)) if number else makers[kind]()
 
 
@@ -153,7 +154,8 @@ def rgb(color):
 
 
 def write_pbrt(scene, folder, stem):
-    """Mirrored, since pbrt's camera space is left-handed where others' is right-handed: images then lie upon each other."""
+    """Writes the scene mirrored, because pbrt's camera space is left-handed and those of others are right-handed; the
+    images then coincide."""
     fov = 2 * math.degrees(math.atan(scene.half_tangent))
     look = " ".join(f"{c:g}" for c in (*scene.eye, *scene.target, 0, 0, 1))
     lines = [f'Film "rgb" "string filename" "{stem}.exr" "integer xresolution" {scene.resolution} '
@@ -181,7 +183,7 @@ def write_pbrt(scene, folder, stem):
 
 
 def generate(folder, name):
-    """FOLDER/NAME.pbrt, made unless it is there."""
+    """Returns FOLDER/NAME.pbrt, and generates it if it does not exist."""
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     stem = name.replace(":", "-")

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""How a render's speed goes with threads, triangles, lights, channels, depth and resolution.
+"""Measures a render's speed for varying threads, triangles, lights, channels, depth and resolution.
 
     python3 experiments/bench/sweep.py [--raylex PROGRAM] [--rounds 3] [--csv FILE] [SUBJECT[=VALUE,...]...]
 
-All subjects when none is named; `triangles=1000,10000` takes these values alone. Each round renders all values of a subject in turn;
-the median of rounds is printed and, with --csv, written. What is not swept is one thread, beauty alone, depth 8 and 64 samples of
-cornell-grey. Scenes are generated into build/bench-scenes; 10^7 triangles take 3 GB of memory and half a minute to generate.
+Without a name: all subjects. `triangles=1000,10000` uses only these values. Each round renders all values of a subject
+in turn; the median over rounds is printed and, with --csv, written. Other settings: one thread, only beauty, depth 8
+and 64 samples of cornell-grey. Scenes are generated into build/bench-scenes; 10^7 triangles take 3 GB of memory and
+half a minute to generate.
 """
 import argparse
 import csv
@@ -34,7 +35,7 @@ COLUMNS = ["subject", "value", "rounds", "load_and_build_cpu_seconds", "render_w
 
 
 def generated(name):
-    """By a process of its own: what a large scene takes would count as memory of the renders that this one starts."""
+    """Generates a scene in a separate process; otherwise its memory would count as that of the renders started here."""
     done = subprocess.run([sys.executable, str(ROOT / "experiments/bench/scenes.py"), str(GENERATED), name], capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(done.stderr)
@@ -42,7 +43,7 @@ def generated(name):
 
 
 def job(subject, value, folder):
-    """What is given to `raylex render` for one value."""
+    """Returns the arguments of `raylex render` for one value."""
     scene, flags = GREY, {"--threads": 1, "--spp": 64, "--max-depth": 8}
     if subject == "threads":
         flags["--threads"] = value
@@ -88,11 +89,11 @@ def wanted(words):
     for word in words or SUBJECTS:
         subject, equals, values = word.partition("=")
         if subject not in SUBJECTS:
-            sys.exit(f"sweep.py: there is no subject '{subject}'; expected one of {', '.join(SUBJECTS)}")
+            sys.exit(f"sweep.py: unknown subject '{subject}'; expected one of {', '.join(SUBJECTS)}")
         try:
             yield subject, [int(value) for value in values.split(",")] if equals else SUBJECTS[subject]
         except ValueError:
-            sys.exit(f"sweep.py: '{values}' are no values of {subject}; expected whole numbers between commas")
+            sys.exit(f"sweep.py: '{values}' are not values of {subject}; expected integers separated by commas")
 
 
 def main():

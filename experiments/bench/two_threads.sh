@@ -1,20 +1,21 @@
 #!/usr/bin/env bash
-# One process with two threads against two processes with one, each pinned to a processor: wall time of the same work,
-# by turns.
+# Compares one process with two threads and two processes with one thread, each pinned to a processor: wall time of the
+# same work, alternating.
 #
 #   bash experiments/bench/two_threads.sh [RAYLEX] [ROUNDS] [SPP] [SCENE.pbrt]
 #                                                        default: build/release/raylex 5 256, cornell-grey
 #
-# Prints medians and their ratio: what threads cost each other within a process. Processors 0 and 1 must be idle else.
+# Prints medians and their ratio: the cost of threads for each other within a process. Processors 0 and 1 must otherwise
+# be idle.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 raylex=${1:-$root/build/release/raylex} rounds=${2:-5} spp=${3:-256}
 scene=${4:-$root/experiments/scenes/cornell-grey/scene.pbrt}
-[ "$(nproc)" -ge 2 ] || { echo "two_threads.sh: there is one processor; expected two" >&2; exit 2; }
+[ "$(nproc)" -ge 2 ] || { echo "two_threads.sh: there is only one processor; expected two" >&2; exit 2; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# render PROCESSORS NAME FLAGS...
+# render PROCESSORS NAME FLAGS...: renders on these processors.
 render() {
     local processors=$1 name=$2
     shift 2

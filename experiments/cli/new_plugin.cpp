@@ -27,7 +27,7 @@ std::string with_name(std::string text, const std::string& name) {
 
 constexpr const char* project_text =
     R"text(# cmake -S . -B build && cmake --build build && ctest --test-dir build --output-on-failure
-# Where raylex is not installed in the system: add -DCMAKE_PREFIX_PATH=PREFIX to the first command.
+# If raylex is not installed in the system, add -DCMAKE_PREFIX_PATH=PREFIX to the first command.
 cmake_minimum_required(VERSION 3.25)
 project(@NAME@ LANGUAGES CXX)
 if(NOT CMAKE_BUILD_TYPE)
@@ -71,7 +71,7 @@ constexpr Use uses[] = {
 };
 
 constexpr const char* test_text = R"text(#!/usr/bin/env bash
-# Renders the scene with the plugin: every call is accepted, every channel is written, and the layers sum to the beauty.
+# Renders the scene with the plugin: all calls are accepted, all channels are written, and the layers sum to beauty.
 #   bash test.sh RAYLEX PLUGIN.so
 set -euo pipefail
 raylex=$1 plugin=$2
@@ -82,8 +82,8 @@ if grep -E 'refused|is empty' messages; then exit 1; fi
 "$raylex" verify out.exr
 )text";
 constexpr const char* comparison_text =
-    R"text(# The integrator must agree with `path`. The relative squared error (relmse) of two images of 64 samples is their noise;
-# 0.005 is five times what this scene has.
+    R"text(# The integrator must agree with `path`. The relmse between two images of 64 samples is noise;
+# 0.005 is five times that of this scene.
 "$raylex" render "$scene" -o path.exr
 "$raylex" compare out.exr path.exr --metric relmse | tee comparison
 awk '{ found = 1; if ($NF + 0 > 0.005) exit 1 } END { exit !found }' comparison

@@ -1,5 +1,5 @@
-# Writes OUTPUT, a header that defines RAYLEX_REVISION: the commit of SOURCE, "+changes" after it when files differ from
-# that commit, "unknown" when SOURCE is not the top of a git working tree. Leaves an unchanged header alone.
+# Writes OUTPUT, a header that defines RAYLEX_REVISION: the commit of SOURCE, followed by "+changes" if files differ from
+# this commit, or "unknown" if SOURCE is not the top of a git working tree. Does not rewrite an unchanged header.
 set(revision "unknown")
 find_program(GIT_PROGRAM git)
 if(GIT_PROGRAM AND EXISTS "${SOURCE}/.git")

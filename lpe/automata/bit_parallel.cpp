@@ -22,9 +22,9 @@ std::uint32_t width_of(std::size_t codes) {
     return codes <= 2 ? 0 : codes <= 4 ? 1 : 2;
 }
 
-class Packer {
+class BitPacker {
   public:
-    Packer(const std::vector<Group>& groups, const std::vector<Place>& places) : places_(places) {
+    BitPacker(const std::vector<Group>& groups, const std::vector<Place>& places) : places_(places) {
         std::array<std::uint32_t, ProgramView::parallel_widths> used{};
         for (const Group& group : groups) {
             PackedAutomaton packed{&group, parallel_codes(group.dfa, places), {}};
@@ -167,7 +167,7 @@ class Packer {
 }  // namespace
 
 BitParallelTables pack_bit_parallel(const std::vector<Group>& automata, const std::vector<Place>& places) {
-    return Packer(automata, places).run();
+    return BitPacker(automata, places).run();
 }
 
 std::size_t parallel_word_count(const std::vector<Group>& automata, const std::vector<Place>& places) {

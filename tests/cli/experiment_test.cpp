@@ -534,7 +534,7 @@ samples = [2, 8]
     }
     CHECK(results.scenes.front().reference_relative_error < 0);
     REQUIRE(read_mean(results.scenes.front().reference, "beauty"));
-    // The same renders as by a method of raylex; an image stores its means as floats.
+    // The renders equal those of a method of raylex; an image stores its means as floats.
     auto first = read_mean(folder.path("out/cells/room.self.2spp.r0"), "beauty"),
          second = read_mean(folder.path("out/cells/room.self.2spp.r1"), "beauty");
     REQUIRE(first);

@@ -125,7 +125,7 @@ class Refused(Case):
                      reflectance=("texture", 1))
         self.refuses("has the type 'colour'; expected one of bool", b.material, "diffuse",
                      reflectance=("colour", (1, 1, 1)))
-        self.refuses("'pixelsamples' is 2.5 .*; expected whole numbers", b.sampler, "halton", pixelsamples=2.5)
+        self.refuses("'pixelsamples' is 2.5 .*; expected integers", b.sampler, "halton", pixelsamples=2.5)
         self.refuses("'materials' has no values", b.material, "mix", materials=[])
         self.refuses("'roughness' is 'map' .*; expected a number", b.material, "conductor", roughness="map")
         error = self.assertRaylexError("'reflectance' is 'checks' .*; expected a colour", b.material, "diffuse",
@@ -162,8 +162,8 @@ class Refused(Case):
 
     def test_arrays_of_meshes(self):
         triangle, mesh = np.eye(3), self.builder.mesh
-        self.refuses("indices has 1.5; expected whole numbers", mesh, triangle, [[0, 1.5, 2]])
-        self.refuses("indices has nan; expected whole numbers", mesh, triangle, [[0, np.nan, 2]])
+        self.refuses("indices has 1.5; expected integers", mesh, triangle, [[0, 1.5, 2]])
+        self.refuses("indices has nan; expected integers", mesh, triangle, [[0, np.nan, 2]])
         self.refuses("indices has 9223372036854775808, and there are 3", mesh, triangle, [[0, 1, 2**63]])
         self.refuses("indices has -1, and there are 3", mesh, triangle, [[0, 1, -1]])
         self.refuses(r"to_world has shape \(3, 3\)", mesh, triangle, [[0, 1, 2]], to_world=np.eye(3))

@@ -223,7 +223,7 @@ class Integrators(Case):
         right = raylex.render(CORNELL, spp=4, resolution=(16, 16), plugins=["planted_error"],
                               integrator={"type": "plantederror", "mistake": False})
         wrong = raylex.render(CORNELL, spp=4, resolution=(16, 16), integrator="plantederror")
-        # Its mistake: surviving paths are not weighted.
+        # The planted mistake: the integrator does not weight surviving paths.
         self.assertLess(wrong["beauty"].mean(), right["beauty"].mean())
         self.assertRaylexError("no-such.so", raylex.load_plugin, self.folder / "no-such.so")
         (self.folder / "text.so").write_text("no library")

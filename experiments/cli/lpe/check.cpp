@@ -456,7 +456,7 @@ void add_lpe_check_commands(CLI::App& lpe, CommandContext& context) {
     check->add_flag("--json", options->json, "prints the complete result as JSON");
     add_path_options(*check, options->paths);
     add_channel_output(*check, options->output,
-                       "also writes the channels, in any format and whatever the result. -: writes them to standard "
+                       "also writes the channels, in any format, even if the check fails. -: writes them to standard "
                        "output, and messages to standard error");
     add_reader_option(*check, options->reader);
     add_scene_option(*check, options->scene);

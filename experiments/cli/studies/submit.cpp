@@ -50,8 +50,8 @@ Status check_first_submission(const SubmitOptions& options, const std::string& d
     return success();
 }
 
-/// Returns the shards that are not finished or have failed cells. Error: a shard was begun with another config or
-/// number of parts.
+/// Returns the shards that are not finished or have failed cells. Error: a shard was started with another config
+/// or number of parts.
 Result<std::vector<unsigned>> shards_to_run(const ExperimentConfig& config, const SubmitOptions& options,
                                             const StudyFolders& folders) {
     std::vector<unsigned> wanted;

@@ -2,8 +2,8 @@
 {{#notes}}
 # {{.}}
 {{/notes}}
-# make -f THIS_FILE -j N; begun again it does what is not done. A rule is called like the file it makes, or, where that
-# has characters that Make cannot write, like its command.
+# Run: make -f THIS_FILE -j N. A second run makes only missing files. A rule has the name of the file that it makes. If
+# Make cannot write this name, the rule has the name of its command.
 .PHONY: all{{#commands}}{{^plain}} {{{rule}}}{{/plain}}{{/commands}}
 all:{{#commands}}{{#last}} {{{goal}}}{{/last}}{{/commands}}
 {{#commands}}

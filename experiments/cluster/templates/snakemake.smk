@@ -2,8 +2,8 @@
 {{#notes}}
 # {{{.}}}
 {{/notes}}
-# snakemake -s THIS_FILE --cores N; begun again it does what is not done (after a kill of Snakemake itself with --unlock
-# and --rerun-incomplete).
+# Run: snakemake -s THIS_FILE --cores N. A second run makes only missing files. If Snakemake itself was killed, run it
+# with --unlock first, then with --rerun-incomplete.
 rule all:
     input:
 {{#commands}}{{#last}}

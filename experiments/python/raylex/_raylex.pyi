@@ -1,4 +1,4 @@
-"""What the compiled module has; the package's own functions stand in its Python files."""
+"""Types of the compiled module; the package's Python files define the other functions."""
 
 from os import PathLike
 from typing import Any, Callable, Iterator, Optional, Sequence

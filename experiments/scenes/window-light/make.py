@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the meshes and textures of this scene: python3 make.py, in this folder; needs nothing but Python.
+"""Makes the meshes and textures of this scene: python3 make.py, in this folder; needs only Python.
 
 Vessels are surfaces of revolution about y: a profile of (radius, height) points, joined by a Catmull-Rom spline, written
 as binary PLY with normals. The textures are sums of value noise. Lengths are decimetres.
@@ -21,7 +21,8 @@ def catmull_rom(points, per_segment):
 
 
 def revolve(name, profile, per_segment=6, around=72):
-    """profile: (radius, height) in order, the outside to the right of the way; radius 0 closes an end."""
+    """Makes a surface of revolution. profile: (radius, height) in order, with the outside on the right; radius 0 closes
+    an end."""
     curve = [(max(r, 0.0), y) for r, y in catmull_rom(profile, per_segment)]
     vertices, faces = [], []
     for i, (r, y) in enumerate(curve):
@@ -58,7 +59,7 @@ def hashed(x, y, seed):
 
 
 def noise(x, y, period_x, period_y, seed):
-    """Value noise, smooth and tiling."""
+    """Smooth, tiling value noise."""
     xi, yi = math.floor(x), math.floor(y)
     fx, fy = x - xi, y - yi
     fx, fy = fx * fx * (3 - 2 * fx), fy * fy * (3 - 2 * fy)
@@ -97,7 +98,7 @@ def planks(u, v):
 
 
 def main():
-    # A carafe of glass with an inside, from the middle of its foot up the outside, over the lip and down the inside.
+    # A glass carafe with an inside: from the middle of its foot up the outside, over the lip and down the inside.
     revolve("carafe.ply.gz", [(0, 0), (0.45, 0.0), (0.78, 0.04), (0.92, 0.35), (0.95, 0.8), (0.80, 1.35), (0.42, 1.85), (0.33, 2.3),
                               (0.36, 2.75), (0.46, 3.0), (0.43, 3.03), (0.40, 3.0), (0.29, 2.72), (0.26, 2.3), (0.34, 1.87),
                               (0.71, 1.33), (0.85, 0.8), (0.82, 0.38), (0.68, 0.16), (0.3, 0.12), (0, 0.12)])

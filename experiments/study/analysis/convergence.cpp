@@ -194,7 +194,7 @@ std::optional<Trend> trend_of(const std::vector<const BudgetGroup*>& groups, Aga
     const std::optional<Line> before = least_squares({groups.begin(), shared + 1}, against, 0.95),
                               after = least_squares({shared, groups.end()}, against, 0.95);
     if (!before || !after) return std::nullopt;
-    // Both slopes are linear in the logarithms of the errors, and so is the difference of their distances from -1. The
+    // Both slopes are linear in the logarithms of the errors; so the difference of their distances from -1 is too. The
     // noise is that of the replicates.
     double squares = 0, degrees = 0, late_late = 0, late_early = 0, early_early = 0;
     for (auto group = groups.begin(); group != groups.end(); ++group) {

@@ -39,7 +39,7 @@ Survey survey(const Plan& plan, CellWorker& worker, const std::atomic<bool>* sto
 Status broken_scenes(const ExperimentConfig& config, const std::map<std::size_t, Error>& broken) {
     for (const auto& [scene, error] : broken) {
         Error told = error;
-        told.message = "scene '" + config.scenes[scene].name + "' fails, and so do all its cells: " + told.message;
+        told.message = "scene '" + config.scenes[scene].name + "' fails, so all its cells fail: " + told.message;
         if (scene == broken.rbegin()->first) return told;
         static_cast<void>(report_error(told));
     }

@@ -205,7 +205,7 @@ class Run {
         if (broken_.size() == config_.scenes.size() && !any_died && !earlier_) return broken_.begin()->second;
         for (const auto& [index, error] : broken_)
             print_warning("scene '" + config_.scenes[index].name +
-                          "' fails, and so do all its cells: " + error.to_string());
+                          "' fails, so all its cells fail: " + error.to_string());
         return write_experiment_files(experiment_);
     }
 

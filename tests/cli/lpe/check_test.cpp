@@ -107,7 +107,7 @@ TEST_CASE("several splits of one beauty in a file are recognised") {
     INFO(more.out);
     CHECK(more.code == 1);
     CHECK(contains(more.out, "in none: 'caustics'"));
-    // The same channel twice is not two splits.
+    // Two equal channels are not two splits.
     folder.write("twice.rib", channel("a", "CD.*") + channel("b", "CD.*") + channel("rest", "C((S.*[LO])|[LO])"));
     CHECK(run_raylex(folder, "lpe check twice.rib").code == 1);
 }

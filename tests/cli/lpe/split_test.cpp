@@ -44,7 +44,7 @@ TEST_CASE("unknown groups and objects are named, with the known ones", "[law7]")
     const Folder folder;
     folder.write("scene.pbrt", small_scene());
     check_refused(folder, "lpe split --by light-group --groups left,right --scene scene.pbrt -o x.toml",
-                  {"--groups", "scene.pbrt has no light group 'left', 'right'", "those it has: none"});
+                  {"--groups", "scene.pbrt has no light group 'left', 'right'", "expected some of: none"});
     check_refused(folder, "lpe split --by object --objects flor --scene scene.pbrt -o x.toml",
                   {"--objects", "has no object label 'flor'"});
 }

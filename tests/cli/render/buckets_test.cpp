@@ -146,7 +146,7 @@ TEST_CASE("finished buckets are not rendered again after a kill, whatever the si
 
 TEST_CASE("a full disk during a render in buckets loses no finished bucket", "[buckets][law7]") {
     const SceneFolder folder;
-    // 40 x 37 pixels: a bucket of 4 rows takes 10 to 25 kB, one of all rows 100 to 200, and so does the image.
+    // 40 x 37 pixels: a bucket of 4 rows takes 10 to 25 kB, one of all rows 100 to 200, as the image does.
     const std::string what = "render room.pbrt" + bucket_layers;
     REQUIRE(run_raylex(folder, what + " -o whole.exr").code == 0);
     const auto within = [&](int kilobytes, const std::string& more) {

@@ -60,7 +60,7 @@ TEST_CASE("statistics become consistent layers and do not change the beauty", "[
     CHECK(contains(refusal(folder, "render room.pbrt --statistics beaut=mse"), "did you mean 'beauty'"));
     CHECK(contains(refusal(folder, "render room.pbrt --aov z --statistics z=mse"),
                    "has the rule 'zmin', which has no statistics"));
-    CHECK(contains(refusal(folder, "render room.pbrt --statistics mse"), "expected such as beauty=variance,mse"));
+    CHECK(contains(refusal(folder, "render room.pbrt --statistics mse"), "expected one such as beauty=variance,mse"));
     CHECK(contains(refusal(folder, "render room.pbrt --deep d.exr --statistics beauty=mse --deep-channels beauty_mse"),
                    "cannot be deep"));
     folder.write("bad.toml", "[scene]\nfile = \"room.pbrt\"\n[channels.statistics]\nbeauty = [\"mse\", \"evn\"]\n");

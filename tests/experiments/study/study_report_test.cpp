@@ -149,7 +149,7 @@ TEST_CASE("a study's report has the known results", "[study][report]") {
                                           : "sample_filter.type none to clamp (luminance=10), max_depth=4"));
         speed_ups += strategy && line["channel"] == "bounce1" ? 1 : 0;
         costs += strategy ? 0 : 1;
-        // The same error in 1.1 times the time, and 0.06 s of setup; replicates differ in their noise.
+        // Errors are equal, time is 1.1 times as long, setup is 0.06 s; replicates differ in their noise.
         if (strategy && line["channel"] == "bounce1") {
             CHECK(line["speed_up"]["value"].get<double>() == Approx(1 / 1.1).epsilon(0.02));
             // For normal noise, a median varies 1.25 times as much as the mean.

@@ -45,7 +45,7 @@ std::size_t end_of_block(const Lines& lines, std::size_t at) {
     return at + 1;
 }
 
-/// Splits a line at blanks. A string is one piece, and so is a bracket.
+/// Splits a line at blanks. A string is one piece; a bracket is one piece.
 std::vector<std::string> pieces_of(const std::string& line) {
     std::vector<std::string> pieces;
     for (std::size_t i = 0; i < line.size();) {

@@ -80,7 +80,7 @@ struct BiasEntry {
     double budget = 0;
     std::size_t replicates = 0;
     BiasVerdict verdict;
-    /// A few rare samples dominate the cells, or a reference whose own variance is unknown. The assumptions of the test
+    /// True if a few rare samples dominate the cells, or a reference of unknown variance. The test's assumptions then
     /// do not hold, so no method is reported as biased.
     bool heavy_tail = false;
     /// paths of this channel that the method declares not to find; it is then not judged by the channel

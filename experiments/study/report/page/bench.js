@@ -1,5 +1,5 @@
-// The images of a scene beside each other: any number of them side by side, flipped, split under the pointer, or as
-// differences from one of them, under one zoom, with insets; and every channel's value where the pointer is.
+// Compares a scene's images: side by side, flipped, split at the pointer, or as differences from one of them. All share
+// one zoom and have insets. A table shows every channel's value at the pointer.
 const raylexBench = (bench, scene) => {
   const part = selector => bench.querySelector(selector), all = selector => [...bench.querySelectorAll(selector)];
   const { width, height, block } = scene, count = width * height;
@@ -9,7 +9,7 @@ const raylexBench = (bench, scene) => {
   const state = { mode: 'side', channel: 0, flipped: 0, x: -1, y: -1,
     chosen: new Set(chips.map((_, i) => i).filter(i => i < 2 || i === chips.length - 1)) };
 
-  // An image without this channel: no numbers, and no light to show.
+  // Pixels of an image without this channel: every value is NaN.
   const nothing = { count: 3 * count, at: () => NaN };
   const idOf = (image, channel) => scene.images[image].ids[channel];
   const planesOf = (image, channel) => {
@@ -23,14 +23,14 @@ const raylexBench = (bench, scene) => {
   const paintLight = async (image, level) =>
     raylexPixels.light(await reducedOf(image, level), 2 ** +exposure.value, raylexPixels.srgb);
 
-  // Black for equal, by blue to white for too dark, by red to yellow for too bright.
+  // Equal pixels are black; too dark ones go through blue to white, too bright ones through red to yellow.
   const stops = [[[22, 22, 26], [28, 110, 214], [205, 238, 255]], [[22, 22, 26], [214, 62, 36], [255, 228, 140]]];
   const colorOf = t => {
     const row = stops[t > 0 ? 1 : 0], u = 2 * Math.min(1, Math.abs(t)), i = Math.min(1, Math.floor(u));
     return row[i].map((low, c) => low + (row[i + 1][c] - low) * (u - i));
   };
-  // The mean over red, green and blue of the difference relative to the reference, whose dark pixels are judged as a tenth
-  // of its mean.
+  // Returns the mean over red, green and blue of the difference relative to the reference. A dark pixel of the reference
+  // counts as a tenth of the reference's mean.
   const paintDifference = async (image, level) => {
     const [a, b] = await Promise.all([reducedOf(image, level), reducedOf(+against.value, level)]);
     const n = a.width * a.height, scale = 2 ** +gain.value;

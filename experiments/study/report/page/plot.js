@@ -1,5 +1,5 @@
-// One plot as SVG text, from plain data: the same bytes in the page and in plots/*.svg, so nothing here touches a document.
-// ECMAScript 5, since an embedded interpreter runs it too; d3 (version 3) gives scales, ticks and paths.
+// Draws one plot as SVG text from plain data. The page and plots/*.svg have the same bytes, so no code uses a document.
+// The code is ECMAScript 5 because an embedded interpreter runs it too; d3 (version 3) computes scales, ticks and paths.
 function raylexPlot(d3, spec) {
   var width = 640, margin = {top: 46, right: 14, bottom: 50, left: 70};
   var right = width - margin.right, bottom = 400 - margin.bottom;
@@ -10,7 +10,7 @@ function raylexPlot(d3, spec) {
     return String(value).replace(/&/g, '&amp;').replace(/</g, '&lt;').replace(/>/g, '&gt;').replace(/"/g, '&quot;');
   }
   function at(value) { return Math.round(value * 100) / 100; }
-  // Lines of at most `length` letters, broken at blanks where there are any: nothing is cut off.
+  // Breaks text into lines of at most `length` letters, at blanks if there are any. No letter is cut off.
   function wrapped(value, length) {
     var lines = [''];
     value.split(' ').forEach(function (word) {
@@ -22,7 +22,7 @@ function raylexPlot(d3, spec) {
     return lines.filter(function (line) { return line; });
   }
   function color(series) { return colors[series.slot % colors.length]; }
-  // Beyond eight series the dash tells those of one colour apart, beyond six markers repeat in another order.
+  // Dashes distinguish series of the same colour, beyond eight series; beyond six, markers repeat in another order.
   function dash(series) { return series.slot >= colors.length ? ' stroke-dasharray="6 3"' : ''; }
   function marker(series, x, y, size, attributes) {
     var shape = shapes[(series.slot + Math.floor(series.slot / colors.length)) % shapes.length];
@@ -34,7 +34,7 @@ function raylexPlot(d3, spec) {
     return '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 14" width="30" height="14"><path d="M1,7h28" stroke="' +
         color(spec.markOf) + '" stroke-width="1.8"' + dash(spec.markOf) + '/>' + marker(spec.markOf, 15, 7, 42) + '</svg>';
 
-  // The legend below the plot, in as many columns as have room for the longest name; a page that has its own asks for none.
+  // The legend stands below the plot, in as many columns as the longest name permits. A page with its own legend omits it.
   var entries = spec.legend === false ? [] : spec.series.filter(function (series) { return series.points.length; });
   var longest = d3.max(entries.map(function (series) { return Math.max(series.name.length, 0.85 * series.note.length); })) || 0;
   var columns = Math.max(1, Math.min(3, entries.length, Math.floor((width - 20) / (44 + 7.3 * longest))));
@@ -66,7 +66,7 @@ function raylexPlot(d3, spec) {
   var x = d3.scale.log().domain(padded(xs)).range([margin.left, right]);
   var y = d3.scale.log().domain(padded(ys)).range([bottom, margin.top]);
 
-  // 1, 2, 5 per decade while they have room, else decades, every second, every third ...
+  // Ticks are at 1, 2, 5 of each decade if these have room, else at decades, at every second decade, every third ...
   function ticks(scale) {
     var domain = scale.domain(), decades = Math.log(domain[1] / domain[0]) / Math.LN10, list = [], k, m;
     var steps = decades < 0.7 ? [1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9] : decades < 3.2 ? [1, 2, 5] : [1];
@@ -78,7 +78,7 @@ function raylexPlot(d3, spec) {
       }
     return list;
   }
-  // At the budgets that ran, where the axis is theirs; every second, every third ... where their labels have no room.
+  // Ticks are at the rendered budgets if the axis shows budgets; at every second, every third ... if labels have no room.
   function budgetTicks(scale) {
     function crowded(value, i, list) { return i > 0 && scale(value) - scale(list[i - 1]) < 34; }
     var budgets = spec.ticks || [], list = budgets, every = 2;
@@ -111,7 +111,7 @@ function raylexPlot(d3, spec) {
   out.push('<clipPath id="' + text(spec.id) + '-clip"><rect x="' + margin.left + '" y="' + margin.top + '" width="' + (right - margin.left) +
       '" height="' + (bottom - margin.top) + '"/></clipPath><g clip-path="url(#' + text(spec.id) + '-clip)">');
 
-  // How an unbiased method falls: relative error as 1 / sqrt(time).
+  // The guide shows how the relative error of an unbiased method decreases: as 1 / sqrt(time).
   if (spec.guide) {
     var cx = Math.sqrt(x.domain()[0] * x.domain()[1]), cy = Math.sqrt(y.domain()[0] * y.domain()[1]);
     var ends = x.domain().map(function (value) { return [x(value), y(cy * Math.sqrt(cx / value))]; });
@@ -146,7 +146,7 @@ function raylexPlot(d3, spec) {
     var step = d3.svg.line().interpolate('step-after');
     out.push('<path d="' + step(spec.front.map(function (p) { return [at(x(p.x)), at(y(p.y))]; })) +
         '" fill="none" stroke="currentColor" stroke-width="1.4" stroke-opacity="0.6"/>');
-    // Numbers stand where there is none yet: above to the right, else below to the left, above to the left, below to the right.
+    // A number's place is the first free one: above right, below left, above left, below right of its point.
     var placed = [], corners = [[7, -6], [-18, 15], [-18, -6], [7, 15]];
     spec.front.forEach(function (p, i) {
       var spots = corners.map(function (corner) { return [x(p.x) + corner[0], y(p.y) + corner[1]]; });

@@ -1,9 +1,9 @@
-// The page of a study: plots from its data, the choice of channel, and the image viewer. Fetches nothing.
+// The page of a study: draws plots from its data, chooses a channel and starts the image viewer. It fetches nothing.
 (() => {
   const study = JSON.parse(document.getElementById('study').textContent);
   const part = (root, selector) => root.querySelector(selector);
 
-  // ---- Plots, drawn when first seen. Figures side by side share one legend, which stands below them.
+  // ---- Plots are drawn when first visible. Figures side by side share one legend below them.
   const focus = (group, slot) => {
     group.classList.toggle('focused', slot !== undefined);
     group.querySelectorAll('[data-slot]').forEach(each => each.classList.toggle('focus', each.dataset.slot === slot));
@@ -41,7 +41,7 @@
   };
   const drawAll = () => document.querySelectorAll('.plots').forEach(draw);
 
-  // ---- One channel at a time: buttons with data-choose show the panels with the same key.
+  // ---- Panels show one channel at a time: a button with data-choose shows the panels with its key.
   document.querySelectorAll('.scene-study').forEach(section => {
     const buttons = [...section.querySelectorAll('[data-choose]')], panels = [...section.querySelectorAll('[data-panel]')];
     const choose = key => {
