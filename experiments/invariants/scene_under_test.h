@@ -29,7 +29,7 @@ class SceneUnderTest {
     [[nodiscard]] std::string integrator() const { return output->used.integrator; }
     /// Number of channels of light: the beauty and the layers that split it, with ids below this number.
     [[nodiscard]] std::size_t light_channels() const { return layers + 1; }
-    /// Whether a pixel can be negative although all light is positive.
+    /// Returns whether a pixel can be negative although all light is positive.
     [[nodiscard]] bool filter_has_negative_lobes() const {
         return output->used.filter == "mitchell" || output->used.filter == "sinc";
     }

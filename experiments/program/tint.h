@@ -5,7 +5,7 @@
 
 namespace raylex::experiments {
 
-/// When words are coloured. automatic: on a terminal, unless $NO_COLOR is set or the terminal is "dumb".
+/// Chooses if words are coloured. automatic: on a terminal, unless $NO_COLOR is set or the terminal is "dumb".
 enum class ColorChoice { automatic, always, never };
 void choose_color(ColorChoice choice);
 

@@ -170,7 +170,7 @@ void add_explanations(py::module_& module) {
             return take(lpe::explain(source_of(channel), words));
         },
         "channel"_a, "words"_a, py::call_guard<Unlocked>());
-    py::class_<lpe::WhyNot>(module, "WhyNot", "Where a path fails to match, and what the expression expects there.")
+    py::class_<lpe::WhyNot>(module, "WhyNot", "The event where a path fails to match, and the events expected there.")
         .def_readonly("matches", &lpe::WhyNot::matches)
         .def_readonly("live_events", &lpe::WhyNot::live_events,
                       "number of events of the path that begin a matching path")

@@ -66,7 +66,7 @@ struct BiasVerdict {
     double detectable_whole = 0;
     double detectable_block = 0;  ///< the smallest relative bias of a block, for the median block
     std::string note;             ///< why nothing was tested, or the source of the reference's variance
-    /// Why a difference larger than the noise does not reject: the method's replicates do not show their noise there.
+    /// The reason why a difference above the noise does not reject: the replicates do not show their noise there.
     /// Empty if there is no such difference, or if another one rejects.
     std::string blind;
 };

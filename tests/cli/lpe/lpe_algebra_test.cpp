@@ -35,7 +35,7 @@ TEST_CASE("lpe check can prove only disjointness or only coverage") {
     CHECK(run_raylex(folder, "lpe check --what nothing 'a=CL'").code == 2);
 }
 
-TEST_CASE("lpe check compares the parts with the channel that equals the beauty, whatever its name") {
+TEST_CASE("lpe check compares the parts with the channel that equals the beauty, under any name") {
     const Folder folder;
     folder.write("list.rib",
                  "DisplayChannel \"color Ci\" \"string source\" \"color lpe:C[DS]*[<L.>O]\"\n"

@@ -1,4 +1,4 @@
-"""Prints what Blender's compositor reads of every layer of a multi-part OpenEXR file: its largest value.
+"""Prints each layer's largest value in a multi-part OpenEXR file, as Blender's compositor reads it.
 
 blender -b --factory-startup --python blender_reads.py -- FILE.exr
 """

@@ -1,12 +1,12 @@
-# Renders the image that `raylex verify --preset cycles` is tested with, and its relatives that the allowances were measured on.
+# Renders the image that tests `raylex verify --preset cycles`, and the variants that its tolerances were measured on.
 #
 #   blender -b --factory-startup --python tests/experiments/data/cycles_image.py -- OUT.exr [key=value ...]
 #
 # scene=still|fog|strong  size=48x36  samples=64  depth=32|16  codec=ZIP|ZIPS|PIZ|DWAA|...  seed=1  groups=all|some|none
 # transparent=0|1  layers=1|2  clamp=10 (Blender's own default)  sky=0.4
 #
-# Every kind of light is in it: diffuse, glossy, glass, subsurface, emission, environment and, with scene=fog, a volume; three
-# light groups hold every light. scene=strong has lights a thousand times as bright beside dark corners.
+# The image has every kind of light: diffuse, glossy, glass, subsurface, emission, environment; with scene=fog, a volume.
+# Three light groups contain all lights. scene=strong has dark corners, and lights that are a thousand times as bright.
 import math
 import sys
 
@@ -26,7 +26,7 @@ bpy.ops.wm.read_factory_settings(use_empty=True)
 scene = bpy.context.scene
 scene.render.engine = "CYCLES"
 scene.cycles.device = "CPU"
-scene.cycles.use_denoising = False  # a denoised Combined is the sum of nothing
+scene.cycles.use_denoising = False  # a denoised Combined is not the sum of its passes
 scene.cycles.samples = int(options["samples"])
 scene.cycles.seed = int(options["seed"])
 scene.cycles.sample_clamp_indirect = float(options["clamp"])
@@ -40,7 +40,7 @@ scene.render.filepath = out
 scene.render.use_file_extension = False
 settings = scene.render.image_settings
 settings.file_format, settings.color_depth, settings.exr_codec = "OPEN_EXR_MULTILAYER", options["depth"], options["codec"]
-# Blender writes when, where and how long it rendered; none of that belongs into an image that is the same every time.
+# Blender writes the date, the machine and the render time into images. These would differ between runs.
 for name in dir(scene.render):
     if name.startswith("use_stamp"):
         setattr(scene.render, name, False)

@@ -17,7 +17,7 @@ using transport::Real;
 using transport::Vec2;
 using transport::Vec3;
 
-/// How far a point is outside its domain, and its density.
+/// A point's distance from its domain (0 inside) and its density.
 struct Drawn {
     double outside = 0;
     double pdf = 1;

@@ -87,7 +87,7 @@ struct BiasEntry {
     std::string omitted;
     std::string against;  ///< the method whose replicates it is compared with; empty: the scene's reference
     std::string doubt;    ///< why agreement with the reference, or difference from it, is not evidence
-    /// Why the result is inconclusive, if for another reason than noise.
+    /// The reason why the result is inconclusive; empty if the reason is noise.
     [[nodiscard]] const std::string& reason() const { return doubt.empty() ? verdict.blind : doubt; }
     [[nodiscard]] BiasJudgement judgement() const;
     [[nodiscard]] bool convicts() const { return judgement() == BiasJudgement::differs; }
@@ -160,11 +160,11 @@ struct Study {
     std::vector<Omission> omissions;
     std::vector<ErrorSpectrum> spectra;  ///< of the curves of whole images, in their order
 
-    /// Whether the config declares the variant unbiased.
+    /// Returns whether the config declares the variant unbiased.
     [[nodiscard]] bool unbiased(const std::string& variant) const;
     [[nodiscard]] const Curve* curve(const std::string& scene, const std::string& variant, const std::string& channel,
                                      const std::string& region = {}) const;
-    /// Whether errors exclude the reference's noise, which is not known for every reference.
+    /// Returns whether errors exclude the reference's noise, which is not known for every reference.
     [[nodiscard]] bool noise_subtracted(const std::string& scene, const std::string& channel,
                                         const std::string& region = {}) const;
 };

@@ -50,7 +50,7 @@ class CellWorker {
     /// Waits until the last cell is safely on disk.
     Status close();
 
-    /// Whether the process crashed during the last request.
+    /// Returns whether the process crashed during the last request.
     [[nodiscard]] bool died() const { return died_; }
     /// Wall seconds in renderers: loading, building, preparing, rendering.
     [[nodiscard]] double seconds() const { return seconds_; }
