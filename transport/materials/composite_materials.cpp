@@ -9,8 +9,6 @@ namespace raylex::transport {
 
 namespace {
 
-using Built = Result<std::unique_ptr<Material>>;
-
 /// How much of either part is surface. Where interfaces are mixed in, rays pass by the share of all of them before
 /// anybody asks for a material (EmbreeScene), and what is chosen then is among surfaces.
 struct SurfaceShares {
@@ -95,7 +93,7 @@ Result<SurfaceShares> shares_of(const Material& first, const Material& second, c
     return shares;
 }
 
-Built make_mix(const SceneEntity& entity, const MaterialContext& context) {
+MadeMaterial make_mix(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const RealInput amount = reader.real_texture("amount", 0.5f);
     const Parameter* names = entity.parameters.find("materials");

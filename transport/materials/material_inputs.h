@@ -75,10 +75,49 @@ inline bool may_be_matched(const IndexSpectrum& index) {
            index.most() > 1 - DielectricClosure::matched_within;
 }
 
-/// A ParameterReader for materials. Every factory begins with one and ends by asking for error().
+/// The kinds of lobes that a dielectric interface can have somewhere: what lobes its material must announce.
+struct InterfaceLobes {
+    bool rough, smooth;
+    bool smooth_reflection;  ///< false where an index of exactly 1 leaves nothing to reflect
+
+    /// `index`: null where the index of refraction does not depend on the wavelength.
+    InterfaceLobes(const RoughnessInput& roughness, Real eta, const IndexSpectrum* index = nullptr);
+};
+
+using MadeMaterial = Result<std::unique_ptr<Material>>;
+
+/// A material whose closure follows from one hit alone: `shade(textures, point, closure)` sets it.
+template <class Shade>
+class HitMaterial final : public Material {
+  public:
+    HitMaterial(std::vector<LobeId> lobes, Shade shade) : lobes_(std::move(lobes)), shade_(std::move(shade)) {}
+    void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
+               std::span<Bsdf> closures) const override {
+        for (const std::uint32_t i : hits) shade_(textures, points[i], closures[i]);
+    }
+    void append_lobes(std::vector<LobeId>& lobes) const override {
+        lobes.insert(lobes.end(), lobes_.begin(), lobes_.end());
+    }
+
+  private:
+    std::vector<LobeId> lobes_;
+    Shade shade_;
+};
+
+/// A ParameterReader for materials. Every factory begins with one and ends with material() or error().
 class MaterialReader : public ParameterReader {
   public:
     MaterialReader(const SceneEntity& entity, const MaterialContext& context);
+
+    /// A HitMaterial, or the first error of the parameters that were read.
+    template <class Shade>
+    [[nodiscard]] MadeMaterial material(std::vector<LobeId> lobes, Shade shade,
+                                        std::shared_ptr<const IndexSpectrum> index = nullptr) const {
+        if (error()) return *error();
+        std::unique_ptr<Material> made = std::make_unique<HitMaterial<Shade>>(std::move(lobes), std::move(shade));
+        made->index_spectrum = std::move(index);
+        return made;
+    }
 
     RgbInput rgb(std::string_view name, const Rgb& fallback, SpectrumRole role = SpectrumRole::albedo);
     RealInput real_texture(std::string_view name, Real fallback);

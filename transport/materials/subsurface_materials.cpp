@@ -29,10 +29,9 @@ class SubsurfaceMaterial final : public Material {
         }
     }
     void append_lobes(std::vector<LobeId>& lobes) const override {
-        const bool varies = index_spectrum != nullptr;
-        const bool matched = varies ? may_be_matched(*index_spectrum) : DielectricClosure{{1, 1}, eta_}.is_delta();
-        if (roughness_.may_be_rough() && (!matched || varies)) lobes.push_back(lobes::specular_glossy);
-        if ((roughness_.may_be_smooth() || matched) && (eta_ != 1 || varies)) lobes.push_back(lobes::specular_singular);
+        const InterfaceLobes may_give(roughness_, eta_, index_spectrum.get());
+        if (may_give.rough) lobes.push_back(lobes::specular_glossy);
+        if (may_give.smooth_reflection) lobes.push_back(lobes::specular_singular);
         lobes.push_back(lobes::subsurface);
     }
     const Medium* interior() const override { return &interior_; }
@@ -134,7 +133,7 @@ Result<Medium> make_interior(const SceneEntity& entity, const MaterialContext& c
     return made;
 }
 
-Result<std::unique_ptr<Material>> make_subsurface(const SceneEntity& entity, const MaterialContext& context) {
+MadeMaterial make_subsurface(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const RoughnessInput roughness = reader.roughness("", 0);
     const Real eta = reader.index_of_refraction("eta", Real(1.33));
