@@ -9,7 +9,7 @@ namespace raylex::transport {
 
 namespace {
 
-/// What decides the absorption, in the order in which it wins (as in pbrt-v4).
+/// The parameter that decides the absorption. The first one that is given wins, as in pbrt-v4.
 enum class HairColour : std::uint8_t { absorption, reflectance, melanin };
 
 struct HairInput {
@@ -29,7 +29,7 @@ struct HairInput {
     [[nodiscard]] HairClosure at(const TextureTable& textures, const SurfacePoint& p) const {
         HairParameters hair;
         hair.h = (2 * p.v - 1) * (p.mirrored ? -1 : 1);  // the closure's frame is right-handed in the world
-        // An index below 1 would have total reflection outside; 1 and below is no fibre.
+        // A fibre of index 1 or less is not meant: it would reflect totally outside.
         hair.eta = std::clamp(eta.at(textures, p), Real(1.0001), Real(100));
         hair.beta_m = beta_m.at(textures, p);
         hair.beta_n = std::clamp(beta_n.at(textures, p), Real(0), Real(1));
@@ -43,7 +43,7 @@ MadeMaterial make_hair(const SceneEntity& entity, const MaterialContext& context
     MaterialReader reader(entity, context);
     HairInput input;
     const auto given = [&](const char* name) { return reader.set().find(name) != nullptr; };
-    // All are looked at, so that none counts as unknown; the first of them decides.
+    // find() marks a parameter as known, also one that has no effect here.
     const bool absorption = given("sigma_a"), reflectance = given("reflectance"), colour = given("color"),
                eumelanin = given("eumelanin"), pheomelanin = given("pheomelanin");
     if (absorption) {

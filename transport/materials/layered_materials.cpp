@@ -13,7 +13,7 @@ struct CoatInput {
     std::uint16_t max_depth = 10, sample_count = 1;
     bool as_pbrt = true;
 
-    /// pbrt-v4's parameters; those of the interface have the prefix, those of the slab between have not.
+    /// Reads pbrt-v4's parameters. Those of the interface have the prefix, those of the slab below it do not.
     static CoatInput read(MaterialReader& reader, std::string_view prefix) {
         CoatInput coat;
         const std::string p(prefix);
@@ -22,7 +22,7 @@ struct CoatInput {
         coat.eta = reader.index_of_refraction(p + "eta", 1.5f);
         coat.g = reader.real_texture("g", 0);
         coat.albedo = reader.rgb("albedo", Rgb(0));
-        // Walks of no layers never meet the base: as in pbrt-v4, what the coat reflects is all there is.
+        // Walks of 0 layers never reach the base: as in pbrt-v4, the surface is then the coat's reflection alone.
         coat.max_depth = static_cast<std::uint16_t>(reader.integer("maxdepth", 10, 0, 10000));
         coat.sample_count = static_cast<std::uint16_t>(reader.integer("nsamples", 1, 1, 10000));
         coat.as_pbrt = !reader.boolean("raylex:unbiased", false);
@@ -31,7 +31,7 @@ struct CoatInput {
     [[nodiscard]] CoatLayer at(const TextureTable& textures, const SurfacePoint& p) const {
         CoatLayer layer;
         layer.interface = {roughness.at(textures, p), eta};
-        // A slab without thickness would leave a walk nowhere to be (pbrt-v4 keeps it above the least float).
+        // Walks need a thickness above 0 (pbrt-v4 keeps it above the least float).
         layer.thickness = std::max(thickness.at(textures, p), Real(1e-30));
         layer.g = std::clamp(g.at(textures, p), -Real(0.999), Real(0.999));
         layer.albedo = clamp_to_unit(albedo.at(textures, p));
@@ -68,7 +68,7 @@ MadeMaterial make_coated_conductor(const SceneEntity& entity, const MaterialCont
     const CoatInput coat = CoatInput::read(reader, "interface.");
     const ConductorInput metal = reader.conductor("conductor.", coat.eta);
     std::vector<LobeId> lobes = coat.lobes();
-    // The base is singular only where coat and base both are and the slab does not scatter.
+    // The base is singular only where coat and base are singular and the slab does not scatter.
     const InterfaceLobes over_it(coat.roughness, coat.eta);
     if (over_it.rough || metal.roughness.may_be_rough() || coat.scatters()) lobes.push_back(lobes::conductor_glossy);
     if (over_it.smooth && metal.roughness.may_be_smooth()) lobes.push_back(lobes::conductor_singular);

@@ -96,7 +96,7 @@ RoughnessInput MaterialReader::roughness(std::string_view prefix, Real fallback)
         if (each->varies || each->value >= 0) continue;
         Error negative = error_at(
             entity_.location, quoted(p, "roughness") + " is " + std::to_string(each->value) + "; expected 0 or more");
-        if (result.remap || std::isnan(each->value)) {  // a root that pbrt-v4 takes, too, and that is no number
+        if (result.remap || std::isnan(each->value)) {  // pbrt-v4 takes this root too, which is NaN
             fail(std::move(negative));
             continue;
         }

@@ -78,11 +78,10 @@ MadeMaterial make_dielectric(const SceneEntity& entity, const MaterialContext& c
     if (may_give.smooth_reflection) lobes.push_back(lobes::glass_reflect_singular);
     if (may_give.smooth) lobes.push_back(lobes::glass_transmit_singular);
     const auto shade = [=](const TextureTable& textures, const SurfacePoint& p, Bsdf& closure) {
-        const DielectricClosure interface { roughness.at(textures, p), eta };
-        const Frame frame = shading_frame(p, interface.facets);
-        if (compensation && !interface.is_delta())
-            closure.set(frame, CompensatedDielectric{interface, compensation.get()});
-        else closure.set(frame, GlassClosure{interface});
+        const DielectricClosure glass{roughness.at(textures, p), eta};
+        const Frame frame = shading_frame(p, glass.facets);
+        if (compensation && !glass.is_delta()) closure.set(frame, CompensatedDielectric{glass, compensation.get()});
+        else closure.set(frame, GlassClosure{glass});
     };
     return reader.material(lobes, shade, index);
 }
