@@ -9,10 +9,8 @@ namespace raylex::transport {
 
 namespace {
 
-using Built = Result<std::unique_ptr<Material>>;
-
-/// How much of either part is surface. Where interfaces are mixed in, rays pass by the share of all of them before
-/// anybody asks for a material (EmbreeScene), and what is chosen then is among surfaces.
+/// The share of either part that is surface, for mixes with interfaces. EmbreeScene already passes rays by the whole
+/// share of interfaces, so the mix chooses among surfaces alone.
 struct SurfaceShares {
     TextureId first = -1, second = -1, whole = -1;  ///< -1: all of it
 };
@@ -28,14 +26,14 @@ class MixMaterial final : public Material {
           salt_(salt),
           depth_(1 + std::max(depth_of(first), depth_of(second))),
           interior_(first.interior() != nullptr ? first.interior() : second.interior()) {
-        // Once and each once: mixes of mixes that share their parts would list them as often as there are ways down,
-        // which double with each mix; so it is with the interior.
+        // Lobes and interior are found once, here. Nested mixes that share parts have exponentially many ways down to
+        // them, and each lobe counts once.
         first.append_lobes(lobes_);
         second.append_lobes(lobes_);
         std::sort(lobes_.begin(), lobes_.end());
         lobes_.erase(std::unique(lobes_.begin(), lobes_.end()), lobes_.end());
     }
-    /// Mixes inside one another, this one included; 0 for other materials. Shading goes down by recursion.
+    /// The depth of nested mixes, this one included; 0 for other materials. Shading recurses as deep.
     static std::uint64_t depth_of(const Material& material) {
         const auto* mix = dynamic_cast<const MixMaterial*>(&material);
         return mix != nullptr ? mix->depth_ : 0;
@@ -57,11 +55,11 @@ class MixMaterial final : public Material {
     }
 
   private:
-    /// In [0, 1): amount 0 never takes the second, amount 1 always. A mix inside a mix has another salt.
+    /// In [0, 1): amount 0 never chooses the second part, amount 1 always. A mix inside a mix has another salt.
     [[nodiscard]] Real draw(std::uint32_t key) const {
         return unit_float(mix_bits(std::uint64_t{salt_} << 32 ^ mix_bits(key + 0x6d6978ull)));
     }
-    /// The second's share of what is surface here.
+    /// The second part's share of the surface at this point.
     [[nodiscard]] Real among_surfaces(const TextureTable& textures, const SurfacePoint& point, Real amount) const {
         const auto share = [&](TextureId id) {
             return id < 0 ? Real(1) : std::clamp(textures.real(id, texture_point(point)), Real(0), Real(1));
@@ -95,7 +93,7 @@ Result<SurfaceShares> shares_of(const Material& first, const Material& second, c
     return shares;
 }
 
-Built make_mix(const SceneEntity& entity, const MaterialContext& context) {
+MadeMaterial make_mix(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const RealInput amount = reader.real_texture("amount", 0.5f);
     const Parameter* names = entity.parameters.find("materials");

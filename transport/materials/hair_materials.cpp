@@ -9,7 +9,7 @@ namespace raylex::transport {
 
 namespace {
 
-/// What decides the absorption, in the order in which it wins (as in pbrt-v4).
+/// The parameter that decides the absorption. The first one that is given wins, as in pbrt-v4.
 enum class HairColour : std::uint8_t { absorption, reflectance, melanin };
 
 struct HairInput {
@@ -26,39 +26,24 @@ struct HairInput {
         if (by == HairColour::reflectance) return hair_absorption_of_reflectance(clamp_to_unit(c), beta_n_here);
         return {positive(c.r), positive(c.g), positive(c.b)};
     }
+    [[nodiscard]] HairClosure at(const TextureTable& textures, const SurfacePoint& p) const {
+        HairParameters hair;
+        hair.h = (2 * p.v - 1) * (p.mirrored ? -1 : 1);  // the closure's frame is right-handed in the world
+        // A fibre of index 1 or less is not meant: it would reflect totally outside.
+        hair.eta = std::clamp(eta.at(textures, p), Real(1.0001), Real(100));
+        hair.beta_m = beta_m.at(textures, p);
+        hair.beta_n = std::clamp(beta_n.at(textures, p), Real(0), Real(1));
+        hair.alpha = alpha.at(textures, p);
+        hair.sigma_a = absorption(textures, p, hair.beta_n);
+        return HairClosure(hair);
+    }
 };
 
-class HairMaterial final : public Material {
-  public:
-    explicit HairMaterial(const HairInput& input) : input_(input) {}
-    void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
-               std::span<Bsdf> closures) const override {
-        for (const std::uint32_t i : hits) {
-            const SurfacePoint& p = points[i];
-            HairParameters hair;
-            hair.h = (2 * p.v - 1) * (p.mirrored ? -1 : 1);  // the closure's frame is right-handed in the world
-            // An index below 1 would have total reflection outside; 1 and below is no fibre.
-            hair.eta = std::clamp(input_.eta.at(textures, p), Real(1.0001), Real(100));
-            hair.beta_m = input_.beta_m.at(textures, p);
-            hair.beta_n = std::clamp(input_.beta_n.at(textures, p), Real(0), Real(1));
-            hair.alpha = input_.alpha.at(textures, p);
-            hair.sigma_a = input_.absorption(textures, p, hair.beta_n);
-            closures[i].set(Frame::from_normal_and_tangent(p.shading_normal, p.dpdu), HairClosure(hair));
-        }
-    }
-    void append_lobes(std::vector<LobeId>& lobes) const override {
-        lobes.insert(lobes.end(), {lobes::hair_r, lobes::hair_tt, lobes::hair_trt, lobes::hair_trrt});
-    }
-
-  private:
-    HairInput input_;
-};
-
-Result<std::unique_ptr<Material>> make_hair(const SceneEntity& entity, const MaterialContext& context) {
+MadeMaterial make_hair(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     HairInput input;
     const auto given = [&](const char* name) { return reader.set().find(name) != nullptr; };
-    // All are looked at, so that none counts as unknown; the first of them decides.
+    // find() marks a parameter as known, also one that has no effect here.
     const bool absorption = given("sigma_a"), reflectance = given("reflectance"), colour = given("color"),
                eumelanin = given("eumelanin"), pheomelanin = given("pheomelanin");
     if (absorption) {
@@ -83,8 +68,11 @@ Result<std::unique_ptr<Material>> make_hair(const SceneEntity& entity, const Mat
     if (input.eta.texture < 0 && !(input.eta.value > 1))
         reader.fail(error_at(entity.location, "hair's index \"eta\" is " + std::to_string(input.eta.value) +
                                                   "; expected more than 1 (hair: 1.55)"));
-    if (reader.error()) return *reader.error();
-    return std::unique_ptr<Material>(std::make_unique<HairMaterial>(input));
+    return reader.material({lobes::hair_r, lobes::hair_tt, lobes::hair_trt, lobes::hair_trrt},
+                           [=](const TextureTable& textures, const SurfacePoint& p, Bsdf& closure) {
+                               closure.set(Frame::from_normal_and_tangent(p.shading_normal, p.dpdu),
+                                           input.at(textures, p));
+                           });
 }
 
 }  // namespace

@@ -5,8 +5,6 @@ namespace raylex::transport {
 
 namespace {
 
-using Built = Result<std::unique_ptr<Material>>;
-
 struct CoatInput {
     RoughnessInput roughness;
     RealInput thickness, g;
@@ -15,7 +13,7 @@ struct CoatInput {
     std::uint16_t max_depth = 10, sample_count = 1;
     bool as_pbrt = true;
 
-    /// pbrt-v4's parameters; those of the interface have the prefix, those of the slab between have not.
+    /// Reads pbrt-v4's parameters. Those of the interface have the prefix, those of the slab below it do not.
     static CoatInput read(MaterialReader& reader, std::string_view prefix) {
         CoatInput coat;
         const std::string p(prefix);
@@ -24,7 +22,7 @@ struct CoatInput {
         coat.eta = reader.index_of_refraction(p + "eta", 1.5f);
         coat.g = reader.real_texture("g", 0);
         coat.albedo = reader.rgb("albedo", Rgb(0));
-        // Walks of no layers never meet the base: as in pbrt-v4, what the coat reflects is all there is.
+        // Walks of 0 layers never reach the base: as in pbrt-v4, the surface is then the coat's reflection alone.
         coat.max_depth = static_cast<std::uint16_t>(reader.integer("maxdepth", 10, 0, 10000));
         coat.sample_count = static_cast<std::uint16_t>(reader.integer("nsamples", 1, 1, 10000));
         coat.as_pbrt = !reader.boolean("raylex:unbiased", false);
@@ -33,7 +31,7 @@ struct CoatInput {
     [[nodiscard]] CoatLayer at(const TextureTable& textures, const SurfacePoint& p) const {
         CoatLayer layer;
         layer.interface = {roughness.at(textures, p), eta};
-        // A slab without thickness would leave a walk nowhere to be (pbrt-v4 keeps it above the least float).
+        // Walks need a thickness above 0 (pbrt-v4 keeps it above the least float).
         layer.thickness = std::max(thickness.at(textures, p), Real(1e-30));
         layer.g = std::clamp(g.at(textures, p), -Real(0.999), Real(0.999));
         layer.albedo = clamp_to_unit(albedo.at(textures, p));
@@ -42,86 +40,45 @@ struct CoatInput {
         layer.as_pbrt = as_pbrt;
         return layer;
     }
-    void append_lobes(std::vector<LobeId>& lobes) const {
-        const bool matched = DielectricClosure{{1, 1}, eta}.is_delta();
-        if (roughness.may_be_rough() && !matched) lobes.push_back(lobes::coat_glossy);
-        if (roughness.may_be_smooth() || matched) lobes.push_back(lobes::coat_singular);
+    [[nodiscard]] std::vector<LobeId> lobes() const {
+        std::vector<LobeId> result;
+        const InterfaceLobes may_give(roughness, eta);
+        if (may_give.rough) result.push_back(lobes::coat_glossy);
+        if (may_give.smooth) result.push_back(lobes::coat_singular);
+        return result;
     }
     [[nodiscard]] bool scatters() const { return albedo.varies || !albedo.value.is_black(); }
 };
 
-/// Anisotropy of either interface needs the tangent.
-Frame layered_frame(const SurfacePoint& p, const Ggx& coat, const Ggx& base) {
-    return shading_frame(p, coat.alpha_x == coat.alpha_y ? base : coat);
-}
-
-class CoatedDiffuseMaterial final : public Material {
-  public:
-    CoatedDiffuseMaterial(const CoatInput& coat, const RgbInput& reflectance)
-        : coat_(coat), reflectance_(reflectance) {}
-    void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
-               std::span<Bsdf> closures) const override {
-        for (const std::uint32_t i : hits) {
-            const SurfacePoint& p = points[i];
-            LayeredClosure<LambertClosure> layered;
-            layered.coat = coat_.at(textures, p);
-            layered.base.reflectance = clamp_to_unit(reflectance_.at(textures, p));
-            layered.key = p.random_key;
-            closures[i].set(shading_frame(p, layered.coat.interface.facets), layered);
-        }
-    }
-    void append_lobes(std::vector<LobeId>& lobes) const override {
-        coat_.append_lobes(lobes);
-        lobes.push_back(lobes::diffuse);
-    }
-
-  private:
-    CoatInput coat_;
-    RgbInput reflectance_;
-};
-
-class CoatedConductorMaterial final : public Material {
-  public:
-    CoatedConductorMaterial(const CoatInput& coat, const ConductorInput& metal) : coat_(coat), metal_(metal) {}
-    void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
-               std::span<Bsdf> closures) const override {
-        for (const std::uint32_t i : hits) {
-            const SurfacePoint& p = points[i];
-            LayeredClosure<ConductorClosure> layered;
-            layered.coat = coat_.at(textures, p);
-            layered.base = metal_.at(textures, p, coat_.eta);
-            layered.key = p.random_key;
-            closures[i].set(layered_frame(p, layered.coat.interface.facets, layered.base.facets), layered);
-        }
-    }
-    /// The base is singular only where coat and base both are and the slab does not scatter.
-    void append_lobes(std::vector<LobeId>& lobes) const override {
-        coat_.append_lobes(lobes);
-        const bool coat_rough = coat_.roughness.may_be_rough() && !DielectricClosure{{1, 1}, coat_.eta}.is_delta();
-        const bool coat_smooth = coat_.roughness.may_be_smooth() || DielectricClosure{{1, 1}, coat_.eta}.is_delta();
-        if (coat_rough || metal_.roughness.may_be_rough() || coat_.scatters()) lobes.push_back(lobes::conductor_glossy);
-        if (coat_smooth && metal_.roughness.may_be_smooth()) lobes.push_back(lobes::conductor_singular);
-    }
-
-  private:
-    CoatInput coat_;
-    ConductorInput metal_;
-};
-
-Built make_coated_diffuse(const SceneEntity& entity, const MaterialContext& context) {
+MadeMaterial make_coated_diffuse(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const CoatInput coat = CoatInput::read(reader, "");
     const RgbInput reflectance = reader.rgb("reflectance", Rgb(0.5f));
-    if (reader.error()) return *reader.error();
-    return std::unique_ptr<Material>(std::make_unique<CoatedDiffuseMaterial>(coat, reflectance));
+    std::vector<LobeId> lobes = coat.lobes();
+    lobes.push_back(lobes::diffuse);
+    return reader.material(lobes, [=](const TextureTable& textures, const SurfacePoint& p, Bsdf& closure) {
+        const LayeredClosure<LambertClosure> layered{
+            coat.at(textures, p), {clamp_to_unit(reflectance.at(textures, p))}, p.random_key};
+        closure.set(shading_frame(p, layered.coat.interface.facets), layered);
+    });
 }
 
-Built make_coated_conductor(const SceneEntity& entity, const MaterialContext& context) {
+MadeMaterial make_coated_conductor(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const CoatInput coat = CoatInput::read(reader, "interface.");
     const ConductorInput metal = reader.conductor("conductor.", coat.eta);
-    if (reader.error()) return *reader.error();
-    return std::unique_ptr<Material>(std::make_unique<CoatedConductorMaterial>(coat, metal));
+    std::vector<LobeId> lobes = coat.lobes();
+    // The base is singular only where coat and base are singular and the slab does not scatter.
+    const InterfaceLobes over_it(coat.roughness, coat.eta);
+    if (over_it.rough || metal.roughness.may_be_rough() || coat.scatters()) lobes.push_back(lobes::conductor_glossy);
+    if (over_it.smooth && metal.roughness.may_be_smooth()) lobes.push_back(lobes::conductor_singular);
+    return reader.material(lobes, [=](const TextureTable& textures, const SurfacePoint& p, Bsdf& closure) {
+        const LayeredClosure<ConductorClosure> layered{coat.at(textures, p), metal.at(textures, p, coat.eta),
+                                                       p.random_key};
+        // Anisotropy of either interface needs the tangent.
+        const Ggx &outer = layered.coat.interface.facets, &inner = layered.base.facets;
+        closure.set(shading_frame(p, outer.alpha_x == outer.alpha_y ? inner : outer), layered);
+    });
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ Result<MaterialTable> MaterialTable::build(const SceneDescription& scene, Textur
     table.materials_.resize(scene.materials.size());
     table.filtered_ = materials_with_filtered_images(scene);
     table.filters_images_ = std::count(table.filtered_.begin(), table.filtered_.end(), 1) > 0;
-    // As pbrt-v4: a named material may use those before it, one without a name any.
+    // As in pbrt-v4, a named material may use named ones before it, and a material without a name any of them.
     for (const bool named : {true, false})
         for (std::size_t i = 0; i < scene.materials.size(); ++i)
             if (scene.materials[i].name.empty() != named)
@@ -89,7 +89,7 @@ Result<const Material*> MaterialTable::find(std::string_view name, const SourceL
 
 namespace {
 
-/// Per-thread lists of the hits of each material; they grow to the largest batch and scene once, then stay.
+/// Per-thread lists of the hits of each material. They grow to the largest batch and scene, and then keep their size.
 struct Buckets {
     static constexpr std::uint32_t none = 0xffffffffu;
     std::vector<std::uint32_t> head;   // [material] first hit; `none` between calls
@@ -107,10 +107,6 @@ struct Buckets {
         if (used.capacity() < std::min(materials, hits)) used.reserve(std::min(materials, hits));
     }
 };
-
-}  // namespace
-
-namespace {
 
 bool is_wanted(std::span<const std::uint8_t> wanted, std::size_t i) {
     return wanted.empty() || wanted[i] != 0;

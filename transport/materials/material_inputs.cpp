@@ -39,6 +39,14 @@ std::optional<Ggx> RoughnessInput::constant() const {
                  : Ggx::from_alpha(u.value, v.value);
 }
 
+InterfaceLobes::InterfaceLobes(const RoughnessInput& roughness, Real eta, const IndexSpectrum* index) {
+    const bool varies = index != nullptr;
+    const bool matched = varies ? may_be_matched(*index) : DielectricClosure{{1, 1}, eta}.is_delta();
+    rough = roughness.may_be_rough() && (!matched || varies);
+    smooth = roughness.may_be_smooth() || matched;
+    smooth_reflection = smooth && (eta != 1 || varies);
+}
+
 ConductorClosure ConductorInput::at(const TextureTable& textures, const SurfacePoint& p, Real outside_eta) const {
     ConductorClosure closure;
     closure.facets = roughness.at(textures, p);
@@ -88,7 +96,7 @@ RoughnessInput MaterialReader::roughness(std::string_view prefix, Real fallback)
         if (each->varies || each->value >= 0) continue;
         Error negative = error_at(
             entity_.location, quoted(p, "roughness") + " is " + std::to_string(each->value) + "; expected 0 or more");
-        if (result.remap || std::isnan(each->value)) {  // a root that pbrt-v4 takes, too, and that is no number
+        if (result.remap || std::isnan(each->value)) {  // pbrt-v4 takes this root too, which is NaN
             fail(std::move(negative));
             continue;
         }

@@ -6,22 +6,7 @@ namespace raylex::transport {
 
 namespace {
 
-class MeasuredMaterial final : public Material {
-  public:
-    explicit MeasuredMaterial(std::shared_ptr<const MeasuredReflectance> table) : table_(std::move(table)) {}
-    void shade(const TextureTable&, HitIndices hits, std::span<const SurfacePoint> points,
-               std::span<Bsdf> closures) const override {
-        for (const std::uint32_t i : hits)
-            closures[i].set(Frame::from_normal_and_tangent(points[i].shading_normal, points[i].dpdu),
-                            MeasuredClosure{table_.get()});
-    }
-    void append_lobes(std::vector<LobeId>& lobes) const override { lobes.push_back(lobes::measured); }
-
-  private:
-    std::shared_ptr<const MeasuredReflectance> table_;
-};
-
-Result<std::unique_ptr<Material>> make_measured(const SceneEntity& entity, const MaterialContext& context) {
+MadeMaterial make_measured(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const std::string file = reader.string("filename", "");
     if (reader.error()) return *reader.error();
@@ -36,7 +21,10 @@ Result<std::unique_ptr<Material>> make_measured(const SceneEntity& entity, const
     if (!(*table)->warning.empty())
         context.textures.warn(
             error_at(reader.where(*parameter), "measured material '" + file + "': " + (*table)->warning));
-    return std::unique_ptr<Material>(std::make_unique<MeasuredMaterial>(*std::move(table)));
+    return reader.material(
+        {lobes::measured}, [table = *std::move(table)](const TextureTable&, const SurfacePoint& p, Bsdf& closure) {
+            closure.set(Frame::from_normal_and_tangent(p.shading_normal, p.dpdu), MeasuredClosure{table.get()});
+        });
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace raylex::transport {
 namespace {
 
-/// Gauss-Legendre on [0, 1], for light that falls by the cosine.
+/// Gauss-Legendre quadrature on [0, 1].
 constexpr std::array<double, 8> cosines{0.0198550717512319, 0.1016667612931866, 0.2372337950418355, 0.4082826787521751,
                                         0.5917173212478249, 0.7627662049581645, 0.8983332387068134, 0.9801449282487681},
     weights{0.0506142681451881, 0.1111905172266872, 0.1568533229389436, 0.1813418916891810,
@@ -36,7 +36,7 @@ double squared_error(const Index& index, const Reflectances& wanted) {
     return sum;
 }
 
-/// Levenberg and Marquardt's step from `at`, derivatives by differences.
+/// A Levenberg-Marquardt step from `at`, with derivatives from differences.
 Index step_from(const Index& at, const Reflectances& wanted, double damping) {
     constexpr double h = 1e-5;
     double a = 0, b = 0, c = 0, u = 0, v = 0;
@@ -62,7 +62,7 @@ Index fit(Index at, const Reflectances& wanted) {
     double error = squared_error(at, wanted), damping = 1e-2;
     for (int round = 0; round < 100; ++round) {
         const Index next = step_from(at, wanted, damping);
-        // What floats hold the squares of, far beyond any metal.
+        // Squares of larger ones exceed a float; metals are far below.
         if (!(std::max(std::abs(next.eta), std::abs(next.k)) < 10)) break;
         if (const double now = squared_error(next, wanted); now < error) {
             at = next;
@@ -89,7 +89,7 @@ MetalIndex rgb_index_of_metal(const VisibleSpectrum& eta, const VisibleSpectrum&
     }
     MetalIndex result;
     for (int c = 0; c < 3; ++c) {
-        // From near where it must lie; a k of 0 has no logarithm.
+        // The means are near the solution; a k of 0 has no logarithm.
         const Index begin{elementary::log(std::max(double{means.eta[c]} / double{outside}, 1e-2)),
                           elementary::log(std::max(double{means.k[c]} / double{outside}, 1e-2))};
         const Index found = fit(begin, wanted[static_cast<std::size_t>(c)]);

@@ -78,7 +78,7 @@ void NormalDetail::apply_displacement(const TextureTable& textures, const Surfac
         tangents.dpdu + n * slope(&TexturePoint::u, tangents.dpdu, tangents.dpdv) + tangents.dndu * height;
     const Vec3 dpdv =
         tangents.dpdv + n * slope(&TexturePoint::v, tangents.dpdv, tangents.dpdu) + tangents.dndv * height;
-    // Of unit tangents: the product of small ones would vanish in float.
+    // Tangents are normalised first: the cross product of small ones would vanish in float.
     turn(cross(normalize(dpdu), normalize(dpdv)), dpdu, point);
 }
 

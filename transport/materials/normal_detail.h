@@ -1,4 +1,4 @@
-// Bump and normal maps: what turns the shading frame of a hit before its material sees it.
+// Bump and normal maps: they turn the shading frame of a hit before its material makes a closure.
 //
 // Any material takes "displacement" (a float texture: heights along the shading normal, by which only normals are
 // turned; Blinn 1978, "Simulation of Wrinkled Surfaces") or "normalmap" (an image of tangent-space normals). As in
@@ -13,13 +13,13 @@ namespace raylex::transport {
 
 class NormalDetail {
   public:
-    /// From a material's parameters. Without either of them, or with a constant displacement: an empty one.
+    /// Reads a material's parameters. The result is empty without a map and with a constant displacement.
     static Result<NormalDetail> read(const SceneEntity& material, TextureTable& textures);
 
     [[nodiscard]] bool empty() const { return displacement_ < 0 && normal_map_ < 0; }
-    /// Turns `point`'s shading normal and dpdu. `beam_width`: of the ray where it hit, in world units; 0: not known.
-    /// Heights a step apart are compared, in each texture coordinate: an eighth of the beam, as pbrt-v4 takes at 64
-    /// samples a pixel and more, at least 2^-14 and what floats near u tell apart well; without a beam 0.0005.
+    /// Turns `point`'s shading normal and dpdu. `beam_width`: of the ray at the hit, in world units; 0: not known.
+    /// A slope comes from two heights that are a step apart in u or v. The step is an eighth of the beam, as in pbrt-v4
+    /// at 64 samples a pixel and more, but at least 2^-14 and 2^-18 of the coordinate. Without a beam it is 0.0005.
     /// Where no frame can be made (infinite slopes, texels that cancel), the point stays as it is.
     void apply(const TextureTable& textures, const SurfaceTangents& tangents, Real beam_width,
                SurfacePoint& point) const;

@@ -7,130 +7,6 @@ namespace raylex::transport {
 
 namespace {
 
-using Built = Result<std::unique_ptr<Material>>;
-
-class DiffuseMaterial final : public Material {
-  public:
-    explicit DiffuseMaterial(const RgbInput& reflectance) : reflectance_(reflectance) {
-        if (reflectance_.texture < 0) reflectance_.value = clamp_to_unit(reflectance_.value);
-    }
-    void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
-               std::span<Bsdf> closures) const override {
-        if (reflectance_.texture < 0) {
-            for (const std::uint32_t i : hits)
-                closures[i].set(Frame::from_normal(points[i].shading_normal), LambertClosure{reflectance_.value});
-            return;
-        }
-        for (const std::uint32_t i : hits) {
-            const Rgb reflectance = clamp_to_unit(reflectance_.at(textures, points[i]));
-            closures[i].set(Frame::from_normal(points[i].shading_normal), LambertClosure{reflectance});
-        }
-    }
-    void append_lobes(std::vector<LobeId>& lobes) const override { lobes.push_back(lobes::diffuse); }
-
-  private:
-    RgbInput reflectance_;
-};
-
-class DiffuseTransmissionMaterial final : public Material {
-  public:
-    DiffuseTransmissionMaterial(const RgbInput& reflectance, const RgbInput& transmittance, Real scale)
-        : reflectance_(reflectance), transmittance_(transmittance), scale_(scale) {}
-    void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
-               std::span<Bsdf> closures) const override {
-        for (const std::uint32_t i : hits) {
-            const auto at = [&](const RgbInput& input) {
-                return clamp_to_unit(input.at(textures, points[i]) * scale_);
-            };
-            closures[i].set(Frame::from_normal(points[i].shading_normal),
-                            DiffuseTransmissionClosure{at(reflectance_), at(transmittance_)});
-        }
-    }
-    void append_lobes(std::vector<LobeId>& lobes) const override {
-        const auto lit = [](const RgbInput& input) { return input.texture >= 0 || !input.value.is_black(); };
-        if (lit(reflectance_)) lobes.push_back(lobes::diffuse);
-        if (lit(transmittance_)) lobes.push_back(lobes::diffuse_transmit);
-    }
-
-  private:
-    RgbInput reflectance_, transmittance_;
-    Real scale_;
-};
-
-class ConductorMaterial final : public Material {
-  public:
-    ConductorMaterial(const ConductorInput& metal, std::shared_ptr<const FacetAlbedo> compensation)
-        : metal_(metal), compensation_(std::move(compensation)) {}
-    void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
-               std::span<Bsdf> closures) const override {
-        for (const std::uint32_t i : hits) {
-            const ConductorClosure closure = metal_.at(textures, points[i], 1);
-            const Frame frame = shading_frame(points[i], closure.facets);
-            if (compensation_ && !closure.is_delta())
-                closures[i].set(frame, CompensatedConductor{closure, compensation_.get()});
-            else closures[i].set(frame, closure);
-        }
-    }
-    void append_lobes(std::vector<LobeId>& lobes) const override {
-        if (metal_.roughness.may_be_rough()) lobes.push_back(lobes::conductor_glossy);
-        if (metal_.roughness.may_be_smooth()) lobes.push_back(lobes::conductor_singular);
-    }
-
-  private:
-    ConductorInput metal_;
-    std::shared_ptr<const FacetAlbedo> compensation_;  ///< null: none
-};
-
-class DielectricMaterial final : public Material {
-  public:
-    DielectricMaterial(const RoughnessInput& roughness, Real eta, std::shared_ptr<const FacetAlbedo> compensation,
-                       std::shared_ptr<const IndexSpectrum> index)
-        : roughness_(roughness), eta_(eta), compensation_(std::move(compensation)) {
-        index_spectrum = std::move(index);
-    }
-    void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
-               std::span<Bsdf> closures) const override {
-        for (const std::uint32_t i : hits) {
-            const DielectricClosure interface { roughness_.at(textures, points[i]), eta_ };
-            const Frame frame = shading_frame(points[i], interface.facets);
-            if (compensation_ && !interface.is_delta())
-                closures[i].set(frame, CompensatedDielectric{interface, compensation_.get()});
-            else closures[i].set(frame, GlassClosure{interface});
-        }
-    }
-    void append_lobes(std::vector<LobeId>& lobes) const override {
-        const bool varies = index_spectrum != nullptr;
-        const bool matched = varies ? may_be_matched(*index_spectrum) : DielectricClosure{{1, 1}, eta_}.is_delta();
-        if (roughness_.may_be_rough() && (!matched || varies))
-            lobes.insert(lobes.end(), {lobes::glass_reflect_glossy, lobes::glass_transmit_glossy});
-        if (!roughness_.may_be_smooth() && !matched) return;
-        if (eta_ != 1 || varies)
-            lobes.push_back(lobes::glass_reflect_singular);  // else there is nothing to reflect, exactly
-        lobes.push_back(lobes::glass_transmit_singular);
-    }
-
-  private:
-    RoughnessInput roughness_;
-    Real eta_;
-    std::shared_ptr<const FacetAlbedo> compensation_;  ///< null: none
-};
-
-class ThinDielectricMaterial final : public Material {
-  public:
-    explicit ThinDielectricMaterial(Real eta) : eta_(eta) {}
-    void shade(const TextureTable&, HitIndices hits, std::span<const SurfacePoint> points,
-               std::span<Bsdf> closures) const override {
-        for (const std::uint32_t i : hits)
-            closures[i].set(Frame::from_normal(points[i].shading_normal), ThinDielectricClosure{eta_});
-    }
-    void append_lobes(std::vector<LobeId>& lobes) const override {
-        lobes.insert(lobes.end(), {lobes::glass_reflect_singular, lobes::glass_transmit_singular});
-    }
-
-  private:
-    Real eta_;
-};
-
 class InterfaceMaterial final : public Material {
   public:
     void shade(const TextureTable&, HitIndices hits, std::span<const SurfacePoint>,
@@ -141,50 +17,82 @@ class InterfaceMaterial final : public Material {
     bool is_interface() const override { return true; }
 };
 
-Built make_diffuse(const SceneEntity& entity, const MaterialContext& context) {
-    MaterialReader reader(entity, context);
-    const RgbInput reflectance = reader.rgb("reflectance", Rgb(0.5f));
-    if (reader.error()) return *reader.error();
-    return std::unique_ptr<Material>(std::make_unique<DiffuseMaterial>(reflectance));
+MadeMaterial make_interface(const SceneEntity&, const MaterialContext&) {
+    return std::unique_ptr<Material>(std::make_unique<InterfaceMaterial>());
 }
 
-Built make_diffuse_transmission(const SceneEntity& entity, const MaterialContext& context) {
+MadeMaterial make_diffuse(const SceneEntity& entity, const MaterialContext& context) {
+    MaterialReader reader(entity, context);
+    const RgbInput reflectance = reader.rgb("reflectance", Rgb(0.5f));
+    if (reflectance.texture < 0)
+        return reader.material({lobes::diffuse}, [lambert = LambertClosure{clamp_to_unit(reflectance.value)}](
+                                                     const TextureTable&, const SurfacePoint& p, Bsdf& closure) {
+            closure.set(Frame::from_normal(p.shading_normal), lambert);
+        });
+    return reader.material({lobes::diffuse}, [=](const TextureTable& textures, const SurfacePoint& p, Bsdf& closure) {
+        const LambertClosure lambert{clamp_to_unit(reflectance.at(textures, p))};
+        closure.set(Frame::from_normal(p.shading_normal), lambert);
+    });
+}
+
+MadeMaterial make_diffuse_transmission(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const RgbInput reflectance = reader.rgb("reflectance", Rgb(0.25f)),
                    transmittance = reader.rgb("transmittance", Rgb(0.25f));
     const Real scale = reader.real("scale", 1, 0, std::numeric_limits<Real>::infinity());
-    if (reader.error()) return *reader.error();
-    return std::unique_ptr<Material>(std::make_unique<DiffuseTransmissionMaterial>(reflectance, transmittance, scale));
+    std::vector<LobeId> lobes;
+    const auto lit = [](const RgbInput& input) { return input.texture >= 0 || !input.value.is_black(); };
+    if (lit(reflectance)) lobes.push_back(lobes::diffuse);
+    if (lit(transmittance)) lobes.push_back(lobes::diffuse_transmit);
+    return reader.material(lobes, [=](const TextureTable& textures, const SurfacePoint& p, Bsdf& closure) {
+        const auto at = [&](const RgbInput& input) { return clamp_to_unit(input.at(textures, p) * scale); };
+        closure.set(Frame::from_normal(p.shading_normal),
+                    DiffuseTransmissionClosure{at(reflectance), at(transmittance)});
+    });
 }
 
-Built make_conductor(const SceneEntity& entity, const MaterialContext& context) {
+MadeMaterial make_conductor(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
-    const ConductorInput metal = reader.conductor("");
-    auto compensation = reader.compensation(metal.roughness, 0);
-    if (reader.error()) return *reader.error();
-    return std::unique_ptr<Material>(std::make_unique<ConductorMaterial>(metal, std::move(compensation)));
+    const ConductorInput input = reader.conductor("");
+    const auto compensation = reader.compensation(input.roughness, 0);
+    std::vector<LobeId> lobes;
+    if (input.roughness.may_be_rough()) lobes.push_back(lobes::conductor_glossy);
+    if (input.roughness.may_be_smooth()) lobes.push_back(lobes::conductor_singular);
+    return reader.material(lobes, [=](const TextureTable& textures, const SurfacePoint& p, Bsdf& closure) {
+        const ConductorClosure metal = input.at(textures, p, 1);
+        const Frame frame = shading_frame(p, metal.facets);
+        if (compensation && !metal.is_delta()) closure.set(frame, CompensatedConductor{metal, compensation.get()});
+        else closure.set(frame, metal);
+    });
 }
 
-Built make_dielectric(const SceneEntity& entity, const MaterialContext& context) {
+MadeMaterial make_dielectric(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const RoughnessInput roughness = reader.roughness("", 0);
     const Real eta = reader.index_of_refraction("eta", 1.5f);
-    auto index = reader.index_spectrum("eta");
-    auto compensation = reader.compensation(roughness, index != nullptr && may_be_matched(*index) ? 1 : eta);
-    if (reader.error()) return *reader.error();
-    return std::unique_ptr<Material>(
-        std::make_unique<DielectricMaterial>(roughness, eta, std::move(compensation), std::move(index)));
+    const auto index = reader.index_spectrum("eta");
+    const auto compensation = reader.compensation(roughness, index != nullptr && may_be_matched(*index) ? 1 : eta);
+    const InterfaceLobes may_give(roughness, eta, index.get());
+    std::vector<LobeId> lobes;
+    if (may_give.rough) lobes = {lobes::glass_reflect_glossy, lobes::glass_transmit_glossy};
+    if (may_give.smooth_reflection) lobes.push_back(lobes::glass_reflect_singular);
+    if (may_give.smooth) lobes.push_back(lobes::glass_transmit_singular);
+    const auto shade = [=](const TextureTable& textures, const SurfacePoint& p, Bsdf& closure) {
+        const DielectricClosure glass{roughness.at(textures, p), eta};
+        const Frame frame = shading_frame(p, glass.facets);
+        if (compensation && !glass.is_delta()) closure.set(frame, CompensatedDielectric{glass, compensation.get()});
+        else closure.set(frame, GlassClosure{glass});
+    };
+    return reader.material(lobes, shade, index);
 }
 
-Built make_thin_dielectric(const SceneEntity& entity, const MaterialContext& context) {
+MadeMaterial make_thin_dielectric(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const Real eta = reader.index_of_refraction("eta", 1.5f);
-    if (reader.error()) return *reader.error();
-    return std::unique_ptr<Material>(std::make_unique<ThinDielectricMaterial>(eta));
-}
-
-Built make_interface(const SceneEntity&, const MaterialContext&) {
-    return std::unique_ptr<Material>(std::make_unique<InterfaceMaterial>());
+    return reader.material({lobes::glass_reflect_singular, lobes::glass_transmit_singular},
+                           [=](const TextureTable&, const SurfacePoint& p, Bsdf& closure) {
+                               closure.set(Frame::from_normal(p.shading_normal), ThinDielectricClosure{eta});
+                           });
 }
 
 }  // namespace

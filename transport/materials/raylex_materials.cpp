@@ -6,76 +6,39 @@ namespace raylex::transport {
 
 namespace {
 
-using Built = Result<std::unique_ptr<Material>>;
-
-class IdealMaterial final : public Material {
-  public:
-    IdealMaterial(const RgbInput& diffuse, const RgbInput& mirror, const RgbInput& sheet)
-        : diffuse_(diffuse), mirror_(mirror), sheet_(sheet) {}
-    void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
-               std::span<Bsdf> closures) const override {
-        for (const std::uint32_t i : hits) {
-            const SurfacePoint& p = points[i];
-            const IdealClosure closure{clamp_to_unit(diffuse_.at(textures, p)), clamp_to_unit(mirror_.at(textures, p)),
-                                       clamp_to_unit(sheet_.at(textures, p))};
-            closures[i].set(Frame::from_normal(p.shading_normal), closure);
-        }
-    }
-    void append_lobes(std::vector<LobeId>& lobes) const override {
-        const auto lit = [](const RgbInput& input) { return input.varies || !input.value.is_black(); };
-        if (lit(diffuse_)) lobes.push_back(lobes::diffuse);
-        if (lit(mirror_)) lobes.push_back(lobes::mirror);
-        if (lit(sheet_)) lobes.push_back(lobes::sheet);
-    }
-
-  private:
-    RgbInput diffuse_, mirror_, sheet_;
-};
-
-class AdditiveMaterial final : public Material {
-  public:
-    AdditiveMaterial(const RgbInput& diffuse, const RgbInput& specular, const RoughnessInput& roughness, bool constant)
-        : diffuse_(diffuse), specular_(specular), roughness_(roughness), constant_(constant) {}
-    void shade(const TextureTable& textures, HitIndices hits, std::span<const SurfacePoint> points,
-               std::span<Bsdf> closures) const override {
-        for (const std::uint32_t i : hits) {
-            const SurfacePoint& p = points[i];
-            AdditiveClosure closure;
-            closure.diffuse.reflectance = clamp_to_unit(diffuse_.at(textures, p));
-            const Rgb specular = clamp_to_unit(specular_.at(textures, p));
-            Ggx facets = roughness_.at(textures, p);
-            if (facets.smooth()) facets = {Ggx::smooth_below, Ggx::smooth_below};
-            closure.specular = {facets, constant_ ? specular : Rgb(1),
-                                constant_ ? Rgb(0) : conductor_k_from_reflectance(specular), constant_};
-            closures[i].set(shading_frame(p, facets), closure);
-        }
-    }
-    void append_lobes(std::vector<LobeId>& lobes) const override {
-        lobes.insert(lobes.end(), {lobes::diffuse, lobes::specular_glossy});
-    }
-
-  private:
-    RgbInput diffuse_, specular_;
-    RoughnessInput roughness_;
-    bool constant_;
-};
-
-Built make_ideal(const SceneEntity& entity, const MaterialContext& context, const char* diffuse, const char* mirror,
-                 const char* sheet) {
+/// A null name leaves its lobe out.
+MadeMaterial make_ideal(const SceneEntity& entity, const MaterialContext& context, const char* diffuse_name,
+                        const char* mirror_name, const char* sheet_name) {
     MaterialReader reader(entity, context);
-    const auto input = [&](const char* name) { return name != nullptr ? reader.rgb(name, Rgb(0.5f)) : RgbInput{}; };
-    const RgbInput d = input(diffuse), m = input(mirror), s = input(sheet);
-    if (reader.error()) return *reader.error();
-    return std::unique_ptr<Material>(std::make_unique<IdealMaterial>(d, m, s));
+    std::vector<LobeId> lobes;
+    const auto input = [&](const char* name, LobeId lobe) {
+        const RgbInput read = name != nullptr ? reader.rgb(name, Rgb(0.5f)) : RgbInput{};
+        if (read.varies || !read.value.is_black()) lobes.push_back(lobe);
+        return read;
+    };
+    const RgbInput diffuse = input(diffuse_name, lobes::diffuse), mirror = input(mirror_name, lobes::mirror),
+                   sheet = input(sheet_name, lobes::sheet);
+    return reader.material(lobes, [=](const TextureTable& textures, const SurfacePoint& p, Bsdf& closure) {
+        const auto at = [&](const RgbInput& each) { return clamp_to_unit(each.at(textures, p)); };
+        closure.set(Frame::from_normal(p.shading_normal), IdealClosure{at(diffuse), at(mirror), at(sheet)});
+    });
 }
 
-Built make_additive(const SceneEntity& entity, const MaterialContext& context) {
+MadeMaterial make_additive(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const RgbInput diffuse = reader.rgb("diffuse", Rgb(0.5f)), specular = reader.rgb("specular", Rgb(0.5f));
     const RoughnessInput roughness = reader.roughness("", Real(0.3));
     const bool constant = reader.boolean("constantreflectance", false);
-    if (reader.error()) return *reader.error();
-    return std::unique_ptr<Material>(std::make_unique<AdditiveMaterial>(diffuse, specular, roughness, constant));
+    const auto shade = [=](const TextureTable& textures, const SurfacePoint& p, Bsdf& closure) {
+        const LambertClosure lambert{clamp_to_unit(diffuse.at(textures, p))};
+        const Rgb reflectance = clamp_to_unit(specular.at(textures, p));
+        Ggx facets = roughness.at(textures, p);
+        if (facets.smooth()) facets = {Ggx::smooth_below, Ggx::smooth_below};
+        const ConductorClosure metal{facets, constant ? reflectance : Rgb(1),
+                                     constant ? Rgb(0) : conductor_k_from_reflectance(reflectance), constant};
+        closure.set(shading_frame(p, facets), AdditiveClosure{lambert, metal});
+    };
+    return reader.material({lobes::diffuse, lobes::specular_glossy}, shade);
 }
 
 }  // namespace

@@ -1,8 +1,7 @@
 // subsurface: a dielectric interface over a homogeneous medium, in which light walks at random.
 //
-// pbrt-v4 spreads light by a tabulated diffusion profile between points of the surface; here it takes its way through
-// the shape, as with a dielectric and a MediumInterface under volpath. Coefficients are pbrt's, whichever way they are
-// given.
+// pbrt-v4 spreads light by a tabulated diffusion profile between points of the surface; here light walks through the
+// shape, as with a dielectric and a MediumInterface under volpath. All of pbrt's ways to give coefficients are read.
 #include <string>
 #include <utility>
 
@@ -29,10 +28,9 @@ class SubsurfaceMaterial final : public Material {
         }
     }
     void append_lobes(std::vector<LobeId>& lobes) const override {
-        const bool varies = index_spectrum != nullptr;
-        const bool matched = varies ? may_be_matched(*index_spectrum) : DielectricClosure{{1, 1}, eta_}.is_delta();
-        if (roughness_.may_be_rough() && (!matched || varies)) lobes.push_back(lobes::specular_glossy);
-        if ((roughness_.may_be_smooth() || matched) && (eta_ != 1 || varies)) lobes.push_back(lobes::specular_singular);
+        const InterfaceLobes may_give(roughness_, eta_, index_spectrum.get());
+        if (may_give.rough) lobes.push_back(lobes::specular_glossy);
+        if (may_give.smooth_reflection) lobes.push_back(lobes::specular_singular);
         lobes.push_back(lobes::subsurface);
     }
     const Medium* interior() const override { return &interior_; }
@@ -43,7 +41,7 @@ class SubsurfaceMaterial final : public Material {
     Medium interior_;
 };
 
-/// One value for the whole medium. A texture's is its mean over u and v from 0 to 1, with a warning.
+/// Reads one value for the whole medium. A texture counts by its mean over u and v from 0 to 1, with a warning.
 class UniformReader {
   public:
     UniformReader(MaterialReader& reader, TextureTable& textures) : reader_(reader), textures_(textures) {}
@@ -79,7 +77,7 @@ Parameter coefficient(const char* name, const Rgb& value) {
     return p;
 }
 
-/// The medium as a scene would name it: whatever is wrong with it, its factory says.
+/// Makes the medium from the parameters that a scene would give, so that the medium's factory checks them.
 Result<Medium> make_interior(const SceneEntity& entity, const MaterialContext& context, MaterialReader& reader,
                              Real eta) {
     SceneMedium medium;
@@ -104,7 +102,7 @@ Result<Medium> make_interior(const SceneEntity& entity, const MaterialContext& c
         const Rgb albedo = scattering_albedo_of_reflectance(
             uniform.rgb("reflectance", Rgb(1), SpectrumRole::albedo), static_cast<double>(eta),
             static_cast<double>(reader.real("g", 0, Real(-0.999), Real(0.999))));
-        // Of these pbrt-v4 scales the mean free path, not the coefficients.
+        // pbrt-v4 scales the mean free path here, not the coefficients.
         const Rgb mfp = uniform.rgb("mfp", Rgb(1), SpectrumRole::unbounded) * reader.real("scale", 1);
         scale = nullptr;
         Rgb sigma_a, sigma_s;
@@ -124,7 +122,7 @@ Result<Medium> make_interior(const SceneEntity& entity, const MaterialContext& c
                                                          SpectrumRole::unbounded))};
     }
     if (scale != nullptr) parameters.push_back(*scale);
-    if (g != nullptr && name == nullptr) parameters.push_back(*g);  // named media are of reduced scattering
+    if (g != nullptr && name == nullptr) parameters.push_back(*g);  // presets hold reduced scattering coefficients
     auto entry = medium_registry().require(medium.type, medium.location);
     if (!entry) return entry.error();
     std::vector<Error> warnings;
@@ -134,7 +132,7 @@ Result<Medium> make_interior(const SceneEntity& entity, const MaterialContext& c
     return made;
 }
 
-Result<std::unique_ptr<Material>> make_subsurface(const SceneEntity& entity, const MaterialContext& context) {
+MadeMaterial make_subsurface(const SceneEntity& entity, const MaterialContext& context) {
     MaterialReader reader(entity, context);
     const RoughnessInput roughness = reader.roughness("", 0);
     const Real eta = reader.index_of_refraction("eta", Real(1.33));

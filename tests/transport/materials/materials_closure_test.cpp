@@ -2,6 +2,8 @@
 // tests/stability/scattering.toml.
 #include <catch2/catch.hpp>
 
+#include <array>
+#include <optional>
 #include <set>
 #include <tuple>
 #include <type_traits>
@@ -192,4 +194,42 @@ TEST_CASE("closures are small values that batches may copy") {
         CHECK(std::string(kind.name) != "");
         CHECK(kinds.emplace(kind.type, kind.scatter, kind.name).second);
     }
+}
+
+TEST_CASE("a closure that keeps one side draws its lobes alone, with the density of such samples") {
+    const CoatLayer coat{{Ggx::from_alpha(0.2f, 0.2f), 1.5f}, 0.01f, 0, Rgb(0), 10, 1, false};
+    const DielectricClosure rough{Ggx::from_alpha(0.3f, 0.3f), 1.5f}, smooth{Ggx::from_alpha(0, 0), 1.5f};
+    const std::array<Bsdf, 7> choosing{
+        make(GlassClosure{rough}),
+        make(GlassClosure{smooth}),
+        make(GlassClosure{rough, true}),
+        make(ThinDielectricClosure{1.5f}),
+        make(DiffuseTransmissionClosure{Rgb(0.5f), Rgb(0.3f)}),
+        make(LayeredClosure<LambertClosure>{coat, {Rgb(0.5f)}, 3}),
+        make(LayeredClosure<ConductorClosure>{coat, {Ggx::from_alpha(0.1f, 0.1f), grey_eta, grey_k, false}, 3})};
+    CHECK_FALSE(make(LambertClosure{Rgb(0.5f)}).side_lobes());
+    CHECK_FALSE(make(IdealClosure{Rgb(0), Rgb(0.5f), Rgb(0.5f)}).side_lobes());
+    Random random(31);
+    for (const Bsdf& both : choosing)
+        for (const Sides side : {Sides::reflection, Sides::transmission}) {
+            const std::optional<SideLobes> lobes = both.side_lobes();
+            REQUIRE(lobes);
+            Bsdf one = both;
+            one.keep_side(side);
+            CHECK(one.side_lobes()->reflected == lobes->reflected);
+            int drawn = 0;
+            for (int i = 0; i < 300; ++i) {
+                const Vec3 wo = one.frame().to_world(local_direction(0.9f * random.one() + 0.05f));
+                const float u_lobe = random.one();
+                const BsdfSample s = one.sample(wo, u_lobe, random.two());
+                if (!(s.pdf > 0)) continue;
+                ++drawn;
+                REQUIRE(s.lobes.count == 1);
+                const LobeId lobe = s.lobes.entry[0].lobe;
+                if (side == Sides::reflection) CHECK(lobe == lobes->reflected);
+                else CHECK((lobe == lobes->passed[0] || lobe == lobes->passed[1]));
+                if (!s.delta && !s.pdf_is_proportional) CHECK(one.pdf(wo, s.wi) == s.pdf);
+            }
+            CHECK(drawn > 100);
+        }
 }

@@ -1,6 +1,6 @@
-// Scattering at a surface point: plain closures, filled per batch by materials, evaluated without virtual calls.
+// Results of scattering at a point: values, samples and the lobes that they belong to.
 //
-// Every evaluation says what each lobe contributed, so that a path can be attributed exactly (Law 5).
+// Every result lists the contribution of each lobe, so that a path can be attributed exactly (Law 5).
 #pragma once
 
 #include <array>
@@ -21,13 +21,13 @@ using LobeId = std::uint8_t;
 struct LobeKind {
     lpe::EventType type = lpe::EventType::reflection;
     lpe::Scatter scatter = lpe::Scatter::diffuse;
-    const char* name = "";  ///< lobe label slot, and what lobe slots number it by: "diffuse", "conductor", "coat", ...
+    const char* name = "";  ///< the lobe's label, by which lobe slots number it: "diffuse", "conductor", ...
 };
 
 /// All lobes that any registered material can give, in LobeId order: those of the in-tree materials, then plugins'.
 std::span<const LobeKind> lobe_kinds();
-/// A row for a plugin's lobe, before any scene is built; the same row again gives the same id. Nothing when all 256 are
-/// taken. `lobe.name` must outlive every use.
+/// Adds the row of a plugin's lobe, before any scene is built, and returns its id: the known one if the row exists,
+/// nothing if all 256 are taken. `lobe.name` must outlive every use.
 std::optional<LobeId> add_lobe(const LobeKind& lobe);
 
 inline constexpr int max_lobes = 4;
@@ -38,7 +38,7 @@ struct LobeValue {
     Rgb value;
 };
 
-/// Every scattering makes a list and hands it on, mostly of one lobe: only entries in use are made and copied.
+/// Every scattering returns such a list, and most lists have one entry: only entries in use are constructed and copied.
 struct LobeList {
     union {
         std::array<LobeValue, max_lobes> entry;
@@ -49,7 +49,7 @@ struct LobeList {
     LobeList(const LobeList& other) { *this = other; }
     LobeList& operator=(const LobeList& other) {
         const int entries = other.count;
-        for (count = 0; count < entries;) {  // itself too
+        for (count = 0; count < entries;) {  // correct for self-assignment too
             const LobeValue& lobe = other.entry[static_cast<std::size_t>(count)];
             add(lobe.lobe, lobe.value);
         }
@@ -80,7 +80,7 @@ struct BsdfSample {
     Real eta = 1;    ///< relative index crossed; 1 unless transmitted through an interface
     bool delta = false;
     bool transmitted = false;
-    bool pdf_is_proportional = false;  ///< stochastic (layered) closures: `pdf` serves `weight` only, MIS asks pdf()
+    bool pdf_is_proportional = false;  ///< stochastic (layered) closures: `pdf` belongs to `weight`; MIS uses pdf()
 };
 
 }  // namespace raylex::transport

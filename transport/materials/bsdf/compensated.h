@@ -3,8 +3,8 @@
 // Turquin 2019, "Practical multiple scattering compensation for microfacet models": the light that a second facet would
 // have sent on goes where the first ones send theirs. Glass is divided by E(wo) (facet_albedo.h), so that R + T = 1; a
 // metal is multiplied by 1 + F0 (1 - E(wo)) / E(wo) (equation 16 there), F0 its reflectance at normal incidence: 1 / E
-// where nothing is absorbed, and less where every further facet takes its share. Directions are drawn as without, so
-// densities are the same and a sample's weight is at most 1 / E.
+// where nothing is absorbed, and less where every further facet absorbs its share. Directions are drawn as without
+// compensation, so densities are the same and a sample's weight is at most 1 / E.
 //
 // The factor depends on the camera's direction alone, so f(wo, wi) is not reciprocal; energy is kept for light that
 // arrives from everywhere. Light subpaths evaluate f(towards camera, towards light) as camera subpaths do

@@ -27,7 +27,7 @@ Rgb ConductorClosure::value(Vec3 wo, Vec3 wi) const {
 
 Real ConductorClosure::pdf(Vec3 wo, Vec3 wi) const {
     if (is_delta() || !to_upper_side(wo, wi)) return 0;
-    return facets.d(normalize(wo + wi)) / (4 * wo.z) / (1 + facets.lambda(wo));  // the same bits as above
+    return facets.d(normalize(wo + wi)) / (4 * wo.z) / (1 + facets.lambda(wo));  // the same bits as value_and_pdf()
 }
 
 LocalSample ConductorClosure::draw(Vec3 wo, const Vec2& u, bool density) const {

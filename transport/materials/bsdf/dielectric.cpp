@@ -17,7 +17,7 @@ Real radiance_scale(TransportMode mode, Real eta) {
     return mode == TransportMode::radiance ? 1 / (eta * eta) : 1.0f;
 }
 
-/// Everything that value and density share for a pair of directions, wo above the surface.
+/// What value and density have in common for a pair of directions, wo above the surface.
 struct Pair {
     bool valid = false, reflected = false;
     Real fresnel = 0, d = 0;
@@ -85,7 +85,7 @@ LocalSample DielectricClosure::draw_ideal(const Vec3& wo, Real u_lobe, Transport
         return s;
     }
     const Real cos2_t = refracted_cosine_squared(cos_o, view.eta);
-    if (cos2_t <= 0) return s;  // only asked for transmission and there is none
+    if (cos2_t <= 0) return s;  // only transmission is allowed, and there is none
     const Real cos_t = std::copysign(std::sqrt(cos2_t), -wo.z);
     s.wi = {-wo.x / view.eta, -wo.y / view.eta, cos_t};
     s.pdf = 1 - reflect_chance;

@@ -33,7 +33,7 @@ Vec3 direction_at(const Ggx& facets, Real x, Real azimuth) {
     return {along * sine, across * sine, mu};
 }
 
-/// What one visible normal gives back: Fresnel's shares of both directions that it leads to, masked.
+/// The light that one visible normal returns: Fresnel's shares of the reflected and refracted directions, masked.
 double given_back(const Ggx& facets, const Vec3& wo, const Vec3& m, Real eta, double lambda_o) {
     const Real om = dot(wo, m);
     if (!(om > 0)) return 0;
@@ -86,7 +86,7 @@ FacetAlbedo::FacetAlbedo(const std::optional<Ggx>& only, Real eta) : cosines_(64
     const int points = rows() == 1 ? 4096 : 2048;
     for (int side = 0; side < (glass_ ? 2 : 1); ++side)
         for (int r = 0; r < static_cast<int>(rows()); ++r) {
-            // Roughness of any size is tabulated by alpha / (1 + alpha), ideal facets among it.
+            // Even steps in alpha / (1 + alpha) reach from ideal facets to any roughness.
             const Real a = step(r, alphas_), alpha = std::clamp(a / (1 - a), Ggx::smooth_below, Real(1e3));
             const Ggx facets = only ? *only : Ggx{alpha, alpha};
             const Real azimuth = azimuths_ > 1 ? step(r, azimuths_) : 1.0f;

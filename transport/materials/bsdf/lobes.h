@@ -26,13 +26,13 @@ inline constexpr LobeId hair_tt = 14;            ///< T G: through the fibre
 inline constexpr LobeId hair_trt = 15;           ///< R G: reflected once inside the fibre
 inline constexpr LobeId hair_trrt = 16;          ///< R G: reflected inside more often
 inline constexpr LobeId specular_singular = 17;  ///< R S: the surface of a subsurface material
-/// T D: into and out of a subsurface material, smooth or rough: of light that walks at random inside nothing else is
-/// left to see, and it is what RenderMan's and the shipped `subsurface` channels take.
+/// T D: into and out of a subsurface material, smooth or rough. Light that walks at random inside leaves diffusely, and
+/// the `subsurface` channels of RenderMan and of the shipped partition count such light.
 inline constexpr LobeId subsurface = 18;
 inline constexpr LobeId measured = 19;  ///< R G
 inline constexpr int count = 20;
 
-// Numbers (D2, S4, S8) come from lobe slots by these names: lpe/channels/lobe_slots.h.
+// Lobe slots give these names their numbers (D2, S4, S8): lpe/channels/lobe_slots.h.
 inline constexpr std::array<LobeKind, count> kinds{{
     {lpe::EventType::reflection, lpe::Scatter::diffuse, "diffuse"},
     {lpe::EventType::reflection, lpe::Scatter::glossy, "conductor"},

@@ -1,6 +1,6 @@
 // The GGX (Trowbridge-Reitz) distribution of microfacet normals, anisotropic, with Smith masking.
 //
-// All directions stand in the shading frame with z >= 0: closures mirror both directions before they ask. Formulas:
+// All directions are in the shading frame with z >= 0: closures mirror both directions first. Formulas:
 // Walter et al. 2007, "Microfacet Models for Refraction"; Heitz 2014, "Understanding the Masking-Shadowing Function";
 // visible normals by spherical caps: Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
 #pragma once
@@ -13,7 +13,7 @@
 
 namespace raylex::transport {
 
-/// Directions nearer to the horizon than this are refused by sample, pdf and evaluate alike.
+/// Directions nearer to the horizon than this give no sample, no density and no value.
 inline constexpr Real min_cosine = Real(1e-7);
 
 struct Ggx {
@@ -31,7 +31,7 @@ struct Ggx {
     static Real alpha_from_roughness(Real roughness) { return safe_sqrt(roughness); }
 
     [[nodiscard]] constexpr bool smooth() const { return alpha_x == 0; }
-    /// Blurred as pbrt-v4's "regularize" has it: alphas below 0.3 become twice as large, from 0.1 to 0.3.
+    /// Blurred like pbrt-v4's "regularize": alphas below 0.3 become twice as large, from 0.1 to 0.3.
     [[nodiscard]] constexpr Ggx regularized() const {
         const auto wider = [](Real a) { return a < Real(0.3) ? std::clamp(2 * a, Real(0.1), Real(0.3)) : a; };
         return {wider(alpha_x), wider(alpha_y)};

@@ -66,7 +66,7 @@ constexpr std::array<LobeId, HairClosure::lobe_count> lobe_ids{lobes::hair_r, lo
 
 }  // namespace
 
-/// What follows from wo.
+/// The quantities that depend on wo alone.
 struct HairClosure::Fibre {
     Real sine, cosine, phi;               // of wo
     std::array<Rgb, lobe_count> left;     // A
@@ -135,7 +135,7 @@ HairClosure::Tilted HairClosure::tilted(int lobe, Real sine, Real cosine) const 
     return {sine * by.cosine + cosine * s, std::abs(cosine * by.cosine - sine * s)};
 }
 
-/// M N of every lobe.
+/// The product M N of every lobe.
 std::array<Real, HairClosure::lobe_count> HairClosure::densities(const Fibre& fibre, const Vec3& wi) const {
     const Real sine = std::clamp(wi.x, Real(-1), Real(1)), cosine = cosine_of(sine);
     const Real phi = elementary::atan2(wi.z, wi.y) - fibre.phi;

@@ -11,7 +11,7 @@
 //
 // p = 0: R, reflected at the surface; 1: TT, through the fibre; 2: TRT, reflected once inside; 3: TRRT, all others,
 // evenly around the fibre. The sum of A is 1 without absorption: a white furnace stays white. A depends on wo alone, so
-// the value is not symmetric; all methods ask it with wo towards the camera.
+// the value is not symmetric; all methods evaluate it with wo towards the camera.
 #pragma once
 
 #include <array>
@@ -37,9 +37,9 @@ class HairClosure {
 
     [[nodiscard]] BsdfEvaluation evaluate(const Vec3& wo, const Vec3& wi) const;
     [[nodiscard]] Real pdf(const Vec3& wo, const Vec3& wi) const;
-    /// A lobe by its mean attenuation, then theta and phi by its densities. Directions in the frame.
+    /// Draws a lobe by its mean attenuation, then theta and phi by the lobe's densities.
     [[nodiscard]] BsdfSample sample(const Vec3& wo, Real u_lobe, const Vec2& u) const;
-    /// Exact: what leaves of light that arrives from wo.
+    /// Exact: the share of the light from wo that leaves the fibre.
     [[nodiscard]] Rgb albedo(const Vec3& wo) const;
     [[nodiscard]] static constexpr bool has_density() { return true; }
 

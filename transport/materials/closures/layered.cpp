@@ -46,7 +46,7 @@ struct WalkPoint {
 
 enum class Advance : std::uint8_t { interface, scattered, stuck };
 
-/// To the next interface or, in a scattering medium, perhaps to an event before it. `beta` takes the absorption.
+/// Moves to the next interface or, in a scattering medium, to an event before it. Absorption is multiplied to `beta`.
 Advance advance(const CoatLayer& coat, WalkPoint& at, Rgb& beta, WalkRandom& random) {
     if (at.w.z == 0) return Advance::stuck;
     const Real boundary = at.w.z > 0 ? coat.thickness : 0;
@@ -65,7 +65,7 @@ Advance advance(const CoatLayer& coat, WalkPoint& at, Rgb& beta, WalkRandom& ran
     return Advance::interface;
 }
 
-/// Ends weak walks after the fourth layer. False when it did.
+/// Russian roulette from the fifth layer on. False when the walk ends.
 bool survives(int depth, Rgb& beta, Real& pdf, WalkRandom& random) {
     const Real strongest = beta.max();
     if (depth <= 3 || strongest >= 0.25f) return strongest > 0;
@@ -149,7 +149,7 @@ class Evaluation {
     void leave(Real rise, Real pdf, bool only_strategy) {
         const Real value = coat_.interface.value(-at_.w, exit_.wi, TransportMode::radiance);
         if (!(value > 0)) return;
-        // The competitor refracts from wi inwards; pbrt-v4 takes the density of the way out (see layered.h).
+        // The competing strategy refracts from wi inwards; pbrt-v4 uses the density of the way out (see layered.h).
         const Real other = coat_.as_pbrt ? coat_.interface.pdf(-at_.w, exit_.wi, Sides::transmission)
                                          : coat_.interface.pdf(exit_.wi, -at_.w, Sides::transmission);
         result_ += beta_ * (value * transmittance(rise, at_.w) * (only_strategy ? 1.0f : power_heuristic(pdf, other)));
@@ -222,7 +222,7 @@ BsdfEvaluation LayeredClosure<Base>::evaluate(const Vec3& wo, const Vec3& wi) co
 
 template <class Base>
 Real LayeredClosure<Base>::pdf(Vec3 wo, Vec3 wi) const {
-    if (!has_density() || !to_upper_side(wo, wi)) return 0;
+    if (!to_upper_side(wo, wi)) return 0;
     if (sides == Sides::reflection) return coat.interface.pdf(wo, wi, sides);
     const Real enters = 1 - fresnel_dielectric(wo.z, coat.interface.eta);
     Real entered = LambertClosure::pdf(wo, wi);  // what a Lambert base gives through any number of reflections
@@ -232,11 +232,11 @@ Real LayeredClosure<Base>::pdf(Vec3 wo, Vec3 wi) const {
             entered = Real(0.2) * entered + Real(0.8) * conductor_density(coat, base, wo, wi);
     }
     if (sides == Sides::transmission) return entered;
-    // The share of the biased values that an image gets is decided by the weights: what pbrt-v4's estimate has in the
-    // mean (LayeredBxDF::PDF), in which coat and base are not weighed by Fresnel's reflectance.
+    // The weights decide how much of the biased values reaches an image. So this is the mean of pbrt-v4's estimate
+    // (LayeredBxDF::PDF), which does not weigh coat and base by Fresnel's reflectance.
     if (coat.as_pbrt && !coat.interface.is_delta())
         return Real(0.9) * (coat.interface.pdf(wo, wi, Sides::reflection) + entered) + Real(0.1) * uniform_sphere_pdf();
-    // Where next to nothing enters, a little is left to what does, so that no direction of it is weighed as impossible.
+    // Where almost nothing enters, what enters keeps a share of 2 %, so that none of its directions has a density of 0.
     const Real share = std::max(enters, Real(0.02));
     return share * entered + (1 - share) / std::max(1 - enters, Real(1e-6)) * coat.interface.pdf(wo, wi, Sides::both);
 }

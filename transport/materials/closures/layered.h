@@ -3,7 +3,7 @@
 // The model is pbrt-v4's LayeredBxDF (book, 4th edition, 14.3; Guo et al. 2018, "Position-Free Monte Carlo Simulation
 // for Arbitrary Layered BSDFs") for the two-sided materials that pbrt-v4 has: light enters and leaves through the coat,
 // so the surface only reflects. Values are unbiased estimates: they come from walks whose random numbers are a hash of
-// the surface point's key and the directions, so that the same question gets the same answer (Law 3), and value and
+// the surface point's key and the directions, so that equal arguments give equal values (Law 3), and value and
 // sample are independent of one another.
 //
 // pdf() differs from pbrt-v4's, which estimates it by further walks: here it is a closed form near the true density,
@@ -12,8 +12,8 @@
 // A bias kept for agreement. Under a rough coat, pbrt-v4 weighs a walk that leaves in a sampled direction against the
 // density of refracting *out* along it, where the competing strategy refracts *in* from the light: the weights do not
 // sum to 1 and values come out too large (measured, entered light of a Lambert base: +1 % at alpha 0.05, +3 % at 0.15,
-// +9 % at 0.4), while sample() is unbiased. Images that are to agree with pbrt-v4's need it, so `as_pbrt` keeps it and
-// is what scene files get; with it off both strategies agree, whatever the light sampling.
+// +9 % at 0.4), while sample() is unbiased. Materials of scene files have `as_pbrt` set, which keeps the
+// bias, so that images agree with pbrt-v4's. Without it both strategies agree, whatever the light sampling.
 //
 // A gap shared with pbrt-v4: over a smooth metal under a smooth coat with a scattering medium between them, evaluate()
 // has no connection for light whose last turn after the medium is the metal's mirror image; only sample() finds it.

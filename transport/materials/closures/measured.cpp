@@ -20,7 +20,7 @@ Vec2 square_of(Real theta, Real phi) {
     return {std::sqrt(std::max(theta, Real(0)) * (2 * inv_pi)), v - std::floor(v)};
 }
 
-Real theta_of(const Vec3& w) {  // by the chord: an arc cosine has no digits at the pole
+Real theta_of(const Vec3& w) {  // by the chord: an arc cosine is inexact at the pole
     const Real half = std::sqrt(square(w.x) + square(w.y) + square(w.z - 1)) / 2;
     return 2 * elementary::asin(std::clamp(half, Real(0), Real(1)));
 }
@@ -167,7 +167,7 @@ Result<std::shared_ptr<const MeasuredReflectance>> MeasuredReflectance::read(con
     if (!fields) return fields.error();
     std::string wrong, first_bad;
     std::size_t bad = 0;
-    /// The field of that many dimensions, each of `least` or more where it matters.
+    // The field of this name, which must have `rank` dimensions.
     const auto field = [&](const char* name, std::size_t rank) {
         Tensor tensor = std::move((*fields)[name]);
         const bool empty = std::any_of(tensor.shape.begin(), tensor.shape.end(), [](std::size_t n) { return n == 0; });
@@ -175,7 +175,7 @@ Result<std::shared_ptr<const MeasuredReflectance>> MeasuredReflectance::read(con
             wrong = "field '" + std::string(name) + "' is missing or not an array of " + std::to_string(rank) +
                     " dimensions";
         tensor.shape.resize(rank);
-        // Measured values are far below this; products of four of them and quotients are still floats.
+        // Measured values are far below this limit; products of four such values are still finite floats.
         constexpr float most = 1e9f;
         for (std::size_t i = 0; i < tensor.values.size(); ++i) {
             if (std::abs(tensor.values[i]) <= most) continue;

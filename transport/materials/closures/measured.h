@@ -21,14 +21,14 @@
 
 namespace raylex::transport {
 
-/// Where wo stands between the directions that were measured: four of them and their weights.
+/// The four measured directions around wo, and their weights.
 struct MeasuredDirection {
     std::array<std::size_t, 4> slice;
     std::array<Real, 4> weight;
 };
 
 /// A density on the unit square for every measured direction, bilinear between the nodes of a grid and linear between
-/// directions; its sampling and the inverse of that.
+/// directions, with its sampling and the inverse.
 class MeasuredWarp {
   public:
     MeasuredWarp() = default;
@@ -37,10 +37,10 @@ class MeasuredWarp {
 
     struct Point {
         Vec2 at;
-        Real density = 0;  ///< of `at`, or of the point that it was made from
+        Real density = 0;  ///< of `at`, or for invert() of its argument
     };
     [[nodiscard]] Point sample(Vec2 u, const MeasuredDirection& direction) const;
-    /// The u that sample() takes there, and the density there.
+    /// The u from which sample() makes `at`, and the density of `at`.
     [[nodiscard]] Point invert(const Vec2& at, const MeasuredDirection& direction) const;
     [[nodiscard]] Real density(const Vec2& at, const MeasuredDirection& direction) const;
 
@@ -57,16 +57,16 @@ class MeasuredWarp {
 
 class MeasuredReflectance {
   public:
-    /// Reads the file and takes its spectra to the rendering space, as albedos but for values above 1.
+    /// Reads the file and converts its spectra to the rendering space like albedos, except that values above 1 remain.
     static Result<std::shared_ptr<const MeasuredReflectance>> read(const std::string& path, const ColorContext& color);
 
     [[nodiscard]] Rgb value(Vec3 wo, Vec3 wi) const;
     [[nodiscard]] Real pdf(Vec3 wo, Vec3 wi) const;
     [[nodiscard]] LocalSample draw(const Vec3& wo, const Vec2& u) const;
-    /// By theta alone: of an anisotropic material the mean over the measured phi.
+    /// Depends on theta alone; for an anisotropic material it is the mean over phi.
     [[nodiscard]] Rgb albedo(Real cosine) const;
 
-    std::string warning;  ///< of values that were cleared; empty: none
+    std::string warning;  ///< names values that were set to 0; empty: there are none
 
   private:
     struct Halfway;

@@ -8,7 +8,7 @@ namespace raylex::transport {
 
 namespace {
 
-/// Integral from 0 to t of what is linear between a and b at 0 and 1, and t for a given integral, without cancellation.
+/// The integral from 0 to t of the line from a at 0 to b at 1, and t for a given integral, without cancellation.
 Real linear_integral(Real t, Real a, Real b) {
     return t * (a + t * (b - a) / 2);
 }
@@ -84,7 +84,7 @@ Real MeasuredWarp::row_sum(std::size_t row, const MeasuredDirection& direction) 
 
 MeasuredWarp::Point MeasuredWarp::sample(Vec2 u, const MeasuredDirection& direction) const {
     const std::size_t area = rows_ * columns_;
-    // The last node whose sum is at most what is wanted, by halving.
+    // Bisection for the last node whose sum is at most the wanted one.
     const auto find = [](std::size_t count, Real wanted, const auto& sum) {
         std::size_t low = 0, high = count - 1;
         while (low + 1 < high) {
