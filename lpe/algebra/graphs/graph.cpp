@@ -167,10 +167,10 @@ std::string to_dot(const Graph& graph) {
         "    node [shape=circle, style=\"rounded,filled\", color=\"#45525e\", fillcolor=\"#e8edf2\", "
         "fontname=\"Helvetica\", fontsize=12, label=\"\", width=0.25];\n"
         "    edge [color=\"#45525e\", fontname=\"Courier\", fontsize=11];\n"
-        "    begin [shape=none, style=\"\", width=0, height=0, tooltip=\"start\"";
+        "    begin [shape=none, style=\"\", width=0, height=0";
     dot += graph.states.empty() ? ", label=\"no path is accepted\"];\n" : "];\n    begin -> s0;\n";
     for (std::size_t k = 0; k < graph.states.size(); ++k) {
-        dot += "    s" + std::to_string(k) + " [tooltip=" + dot_text(graph.states[k].reached_by);
+        dot += "    s" + std::to_string(k) + " [tooltip=" + dot_text(k == 0 ? "start" : graph.states[k].reached_by);
         std::string names;
         for (const std::size_t channel : graph.states[k].accepts) {
             names += (names.empty() ? "" : "\n") + graph.channels[channel];
