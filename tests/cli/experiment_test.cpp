@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "display/output/reader/exr_reader.h"
+#include "experiment_support.h"
 #include "experiments/job/text/json.h"
 #include "experiments/study/results.h"
 #include "support.h"
@@ -15,54 +16,19 @@
 
 using namespace raylex::experiments;
 using raylex::test::contains;
+using raylex::test::experiment_config;
 using raylex::test::Folder;
 using raylex::test::Outcome;
+using raylex::test::prepare;
+using raylex::test::results_of;
 using raylex::test::run_raylex;
 using raylex::test::run_shell;
 using raylex::test::small_scene;
+using raylex::test::succeed;
 
 namespace fs = std::filesystem;
 
 namespace {
-
-const std::string config = R"(replicates = 2
-threads = 2
-[[scene]]
-name = "room"
-file = "room.pbrt"
-[[method]]
-name = "deep"
-[[method]]
-name = "shallow"
-max_depth = 2
-[budget]
-samples = [4, 24]
-[reference]
-method = "deep"
-spp = 64
-[[channel]]
-name = "direct"
-lpe = "CDL"
-)";
-
-void prepare(const Folder& folder, const std::string& text = config) {
-    folder.write("room.pbrt", small_scene());
-    folder.write("c.toml", text);
-}
-
-Outcome succeed(const Folder& folder, const std::string& arguments, int code = 0) {
-    Outcome outcome = run_raylex(folder, arguments);
-    INFO(arguments << "\n" << outcome.out << outcome.err);
-    REQUIRE(outcome.code == code);
-    return outcome;
-}
-
-Experiment results_of(const Folder& folder, const std::string& name) {
-    auto read = read_experiment(folder.path(name));
-    INFO((read ? std::string() : read.error().to_string()));
-    REQUIRE(read);
-    return *std::move(read);
-}
 
 /// Returns the properties of a cell that must not depend on where and when it runs.
 std::string bits_of(const Folder& folder, const std::string& results, const std::string& id) {
@@ -222,7 +188,7 @@ TEST_CASE("an experiment stores every cell's image and sums, and refuses to star
 
 TEST_CASE("a study measures perceptual errors of the beauty, like raylex compare") {
     const Folder folder;
-    prepare(folder, config.substr(0, config.find("[[method]]\nname = \"shallow\"")) +
+    prepare(folder, experiment_config.substr(0, experiment_config.find("[[method]]\nname = \"shallow\"")) +
                         "[budget]\nsamples = [4]\n[[channel]]\nname = \"direct\"\nlpe = \"CDL\"\n");
     std::string text = folder.read("c.toml");
     text.insert(text.find("[[method]]"), "reference = \"truth.exr\"\n");
@@ -293,7 +259,7 @@ TEST_CASE("shards merge to the unsharded run bit for bit, in any order; overlaps
 
 TEST_CASE("a killed experiment resumes inside the cell, with the same bits", "[release-only][law3]") {
     const Folder folder;
-    prepare(folder, "checkpoint = '0.02s'\n" + config);
+    prepare(folder, "checkpoint = '0.02s'\n" + experiment_config);
     const std::string budget = " --set budget.samples=20000 --set replicates=1 --set reference.spp=16";
     succeed(folder, "experiment run c.toml -o whole" + budget);
     const Outcome killed = run_shell(
@@ -321,7 +287,7 @@ TEST_CASE("a killed experiment resumes inside the cell, with the same bits", "[r
 
 TEST_CASE("a split that does not hold is rendered and measured, with a counterexample") {
     const Folder folder;
-    prepare(folder, config + R"([[channel]]
+    prepare(folder, experiment_config + R"([[channel]]
 name = "lit"
 lpe = "C.+L"
 [[channel]]
@@ -408,62 +374,6 @@ TEST_CASE("a study by the CPU clock records the load of other processes, and war
     CHECK(idle.load_warning().find("clock = \"cpu\" compares by CPU time") != std::string::npos);
 }
 
-TEST_CASE("a renderer that writes only the beauty gets one warning and needs no {scene}; a partial image is refused") {
-    const Folder folder;
-    const std::string study = R"(replicates = 2
-[[scene]]
-name = "room"
-file = "room.pbrt"
-[[method]]
-name = "path"
-[[method]]
-name = "theirs"
-command = "\"$RAYLEX\" render room.pbrt --seed {seed} --spp {spp} --threads 1 -o {out}"
-[[method]]
-name = "part"
-command = "\"$RAYLEX\" render room.pbrt --seed {seed} --spp {spp} --crop 0,0,8,8 -o {out}"
-[[channel]]
-name = "direct"
-lpe = "CDL"
-[budget]
-samples = [2, 8]
-[reference]
-method = "path"
-spp = 32
-)";
-    prepare(folder, study);
-    const Outcome run = run_shell(folder, "export RAYLEX\nexec \"$RAYLEX\" experiment run c.toml -o out");
-    INFO(run.out << run.err);
-    REQUIRE(run.code == 2);
-    const std::string absent =
-        "the images of method 'theirs' have no layers named direct, rest; these channels are not measured";
-    CHECK(raylex::test::count_matches(run.out, absent) == 1);
-    for (const Cell& cell : results_of(folder, "out").cells) {
-        CAPTURE(cell.id, cell.failure);
-        REQUIRE(cell.failed == (cell.method == "part"));
-        if (cell.failed)
-            CHECK(cell.failure.find("the image has pixels in 8x8 of its 16x16 only (its data window)") !=
-                  std::string::npos);
-    }
-    succeed(folder, "experiment report c.toml -o out");
-    int told = 0;
-    std::istringstream lines(folder.read("out/results.jsonl"));
-    for (std::string line; std::getline(lines, line);)
-        if (const auto json = parse_json(line); json.at("kind") == "omission")
-            told += json.at("what").get<std::string>().find("theirs") != std::string::npos ? 1 : 0;
-    CHECK(told == 1);
-
-    // With several scenes a command must name the scene.
-    folder.write("c.toml", study + "[[scene]]\nname = \"again\"\nfile = \"room.pbrt\"\n");
-    CHECK(succeed(folder, "experiment plan c.toml", 2).err.find("would render the same image for 2 scenes") !=
-          std::string::npos);
-    std::string named = folder.read("c.toml");
-    for (std::size_t at; (at = named.find("render room.pbrt")) != std::string::npos;)
-        named.replace(at, 16, "render {scene_name}.pbrt");
-    folder.write("c.toml", named);
-    succeed(folder, "experiment plan c.toml --no-calibration");
-}
-
 TEST_CASE("budgets of time and error store the samples they reached, and replay") {
     const Folder folder;
     prepare(folder);
@@ -481,73 +391,4 @@ TEST_CASE("budgets of time and error store the samples they reached, and replay"
                                 " -o out --set replicates=1 --set budget.samples=1 --set budget.seconds=0.1 --set "
                                 "'budget.error=[\"20%\"]'");
     }
-}
-
-TEST_CASE("external renderers are run, timed and judged; failures are listed with their output") {
-    const Folder folder;
-    prepare(folder, R"(replicates = 2
-[[scene]]
-name = "room"
-file = "room.pbrt"
-reference = "truth.exr"
-[[method]]
-name = "self"
-command = "\"$RAYLEX\" render {scene} --seed {seed} --spp {spp} --lpe direct=CDL --threads 1 -o {out}"
-[[method]]
-name = "broken"
-command = "[ -e licence ] || { echo 'no licence' >&2; exit 3; }; \"$RAYLEX\" render {scene} --seed {seed} --spp {spp} -o {out}"
-[[method]]
-name = "silent"
-command = ": {scene} {seed} {out} {spp}"
-[[method]]
-name = "endless"
-command = "sleep 60; : {scene} {seed} {out} {spp}"
-timeout = "0.2s"
-[[exclude]]
-method = "endless"
-samples = 8
-[[channel]]
-name = "direct"
-lpe = "CDL"
-[budget]
-samples = [2, 8]
-)");
-    succeed(folder, "render room.pbrt --spp 64 -o truth.exr");
-    const Outcome run = run_shell(folder, "export RAYLEX\nexec \"$RAYLEX\" experiment run c.toml -o out");
-    CAPTURE(run.out, run.err);
-    REQUIRE(run.code == 2);
-    CHECK(run.out.find("4 of 14 cells done, 10 FAILED") != std::string::npos);
-    const Experiment results = results_of(folder, "out");
-    for (const Cell& cell : results.cells) {
-        CAPTURE(cell.id, cell.failure);
-        CHECK(cell.failed == (cell.method != "self"));
-        if (cell.method == "broken")
-            CHECK(cell.failure.find("ended with exit code 3; its last output: no licence") != std::string::npos);
-        if (cell.method == "broken") CHECK(cell.failure.find("c.toml:9:") != std::string::npos);
-        if (cell.method == "silent") CHECK(cell.failure.find("wrote no image to {out}") != std::string::npos);
-        if (cell.method == "endless") CHECK(cell.failure.find("after its timeout of 0.2") != std::string::npos);
-        if (cell.failed) continue;
-        CHECK(cell.cpu_seconds > 0);
-        CHECK(cell.wall_seconds > 0);
-        REQUIRE(read_mean(cell.directory, "direct"));
-        CHECK_FALSE(read_m2(cell.directory, "direct"));
-    }
-    CHECK(results.scenes.front().reference_relative_error < 0);
-    REQUIRE(read_mean(results.scenes.front().reference, "beauty"));
-    // The renders equal those of a method of raylex; an image stores its means as floats.
-    auto first = read_mean(folder.path("out/cells/room.self.2spp.r0"), "beauty"),
-         second = read_mean(folder.path("out/cells/room.self.2spp.r1"), "beauty");
-    REQUIRE(first);
-    REQUIRE(second);
-    CHECK(first->values != second->values);
-    // Failed cells stay failed unless --retry is given.
-    CHECK(run_shell(folder, "export RAYLEX\nexec \"$RAYLEX\" experiment resume c.toml -o out").code == 2);
-    CHECK(results_of(folder, "out").cells.size() == 14);
-    folder.write("licence", "");
-    CHECK(run_shell(folder, "export RAYLEX\nexec \"$RAYLEX\" experiment resume c.toml -o out --retry").code == 2);
-    const Experiment retried = results_of(folder, "out");
-    CHECK(std::count_if(retried.cells.begin(), retried.cells.end(), [](const Cell& cell) { return cell.failed; }) == 6);
-    for (const Cell& cell : retried.cells)
-        if (cell.method == "broken") CHECK_FALSE(cell.failed);
-    CHECK_FALSE(folder.has("out/failed/room.broken.2spp.r0.json"));
 }

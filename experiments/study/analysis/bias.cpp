@@ -168,6 +168,20 @@ std::vector<double> block_variances(const PixelArray& variance) {
     return blocks.sums;
 }
 
+namespace {
+
+/// Returns the test of the block whose relative standard error is the median; null without blocks.
+const Test* median_test(std::vector<const Test*>& tests) {
+    if (tests.empty()) return nullptr;
+    const auto middle = tests.begin() + static_cast<std::ptrdiff_t>(tests.size() / 2);
+    std::nth_element(tests.begin(), middle, tests.end(), [](const Test* a, const Test* b) {
+        return a->standard_error * std::abs(b->reference) < b->standard_error * std::abs(a->reference);
+    });
+    return *middle;
+}
+
+}  // namespace
+
 BiasVerdict test_bias(const BiasSide& method, const BiasSide& reference, const BiasOptions& options) {
     BiasVerdict verdict;
     if (method.replicates.size() < 2 && method.variance.empty()) {
@@ -226,13 +240,8 @@ BiasVerdict test_bias(const BiasSide& method, const BiasSide& reference, const B
     verdict.worst = worst->block;
     verdict.worst_is_whole = worst->block == whole;
     verdict.worst_difference = interval_of(*worst, family_of(*worst));
-    if (!in_blocks.empty()) {
-        const auto middle = in_blocks.begin() + static_cast<std::ptrdiff_t>(in_blocks.size() / 2);
-        std::nth_element(in_blocks.begin(), middle, in_blocks.end(), [](const Test* a, const Test* b) {
-            return a->standard_error * std::abs(b->reference) < b->standard_error * std::abs(a->reference);
-        });
-        if ((*middle)->standard_error > 0) verdict.detectable_block = detectable(**middle);
-    }
+    if (const Test* middle = median_test(in_blocks); middle != nullptr && middle->standard_error > 0)
+        verdict.detectable_block = detectable(*middle);
     return verdict;
 }
 
