@@ -2,14 +2,15 @@
 
 #include <sys/resource.h>
 
+#include "display/services/parameters.h"
 #include "experiments/study/run/processes/messages.h"
 
 namespace raylex::experiments {
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Verdict, invariant, outcome, measured, bound, note)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SceneReport, refused, verdicts)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(InvariantOptions, seed, only, means, ordinary, most_pixels, most_samples, replicates,
-                                   samples_of_means)
+RAYLEX_MESSAGE_FIELDS(Verdict, invariant, outcome, measured, bound, note)
+RAYLEX_MESSAGE_FIELDS(SceneReport, refused, verdicts)
+RAYLEX_MESSAGE_FIELDS(InvariantOptions, seed, only, means, ordinary, most_pixels, most_samples, replicates,
+                      samples_of_means)
 
 namespace {
 

@@ -11,6 +11,16 @@ namespace raylex::experiments {
 
 using Message = Json;
 
+/// Declares to_json() and from_json() for these fields of a struct, as NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE does for
+/// nlohmann::json. Use it in the struct's namespace.
+#define RAYLEX_MESSAGE_FIELDS(Type, ...)                                           \
+    inline void to_json(Message& nlohmann_json_j, const Type& nlohmann_json_t) {   \
+        NLOHMANN_JSON_EXPAND(NLOHMANN_JSON_PASTE(NLOHMANN_JSON_TO, __VA_ARGS__))   \
+    }                                                                              \
+    inline void from_json(const Message& nlohmann_json_j, Type& nlohmann_json_t) { \
+        NLOHMANN_JSON_EXPAND(NLOHMANN_JSON_PASTE(NLOHMANN_JSON_FROM, __VA_ARGS__)) \
+    }
+
 /// Returns a message as bytes. Numbers are exact, and texts can be any bytes.
 std::string packed(const Message& message);
 /// Parses the bytes of packed(). Throws for any other bytes.
