@@ -33,10 +33,10 @@ namespace raylex::transport {
 /// and come back. So `tail` carries an exponent of its own, and stays within 2^-256 and 2^256, or is 0, between steps
 /// of at most 2^400. A step beyond that needs densities of 1e30 beside densities of 1e-30.
 struct PartialMisWeights {
-    double forward = 1;   ///< density of this vertex
-    double previous = 1;  ///< density of the vertex before
-    /// |cos| at the vertex before / distance^2: from steradians here to area there. Until the vertex is reached: |cos|.
-    double to_previous = 1;
+    double forward = 1;      ///< density of this vertex
+    double previous = 1;     ///< density of the vertex before
+    double cosine = 1;       ///< |cos| at the vertex before, of the direction in which the subpath left it
+    double to_previous = 0;  ///< cosine / distance^2: from steradians here to area at the vertex before
     /// c of this vertex: 1, 0, or a ratio of densities squared where a light sample makes the vertex before.
     double connects = 0;
     double tail = 0;                 ///< c of the vertex before, and of all further ones times their ratios
@@ -66,8 +66,9 @@ struct PartialMisWeights {
 
     /// The subpath has been scattered here (Georgiev 2012, equations 34 to 36; specular: 53 to 55).
     /// `reverse_to_previous`: density per steradian with which a path from the next vertex is scattered to the vertex
-    /// before. Both densities of a specular scattering are 1. `cosine`: of the new direction to the geometric normal.
-    void leave(bool specular, double reverse_to_previous, double cosine) {
+    /// before. Both densities of a specular scattering are 1. `new_cosine`: of the new direction to the geometric
+    /// normal.
+    void leave(bool specular, double reverse_to_previous, double new_cosine) {
         tail *= squared(ratio_to_previous(reverse_to_previous));
         rescale_tail();
         if (!specular && connects > 0) {
@@ -76,12 +77,13 @@ struct PartialMisWeights {
         }
         connects = specular ? 0 : 1;
         previous = forward;
-        to_previous = cosine;
+        cosine = new_cosine;
     }
-    /// The next vertex has been reached. `density`: per area. `near`: 1 / distance^2, or 1 from infinity.
+    /// The next vertex has been reached. `density`: per area. `near`: 1 / distance^2, or 1 from infinity. A surface
+    /// that the ray then passes, as it has a cutout there, is replaced by the next.
     void arrive(double density, double near) {
         forward = density;
-        to_previous *= near;
+        to_previous = cosine * near;
     }
 
   private:

@@ -135,6 +135,23 @@ TEST_CASE("weights stay exact where the sums of a side leave the range of double
     }
 }
 
+TEST_CASE("a cutout that a subpath passes leaves no trace in its weights", "[bdpt][mis]") {
+    PartialMisWeights over_cutout, direct;
+    for (PartialMisWeights* weights : {&over_cutout, &direct}) {
+        weights->connects = 1;
+        weights->arrive(3, 0.5);
+        weights->leave(false, 0.25, 0.75);
+        if (weights == &over_cutout) weights->arrive(7, 4);
+        weights->arrive(2, 0.125);
+    }
+    CHECK(over_cutout.others(5, 6) == direct.others(5, 6));
+    over_cutout.leave(false, 0.5, 1);
+    direct.leave(false, 0.5, 1);
+    over_cutout.arrive(1, 1);
+    direct.arrive(1, 1);
+    CHECK(over_cutout.others(5, 6) == direct.others(5, 6));
+}
+
 TEST_CASE("densities of zero and beyond all range leave weights that are numbers", "[bdpt][mis]") {
     for (const double tiny : {0.0, 1e-300, 1e-30})
         for (const double huge : {1e30, 1e300}) {

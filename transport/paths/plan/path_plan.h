@@ -28,8 +28,8 @@ struct SplitPlan {
     std::uint8_t rays = 1;
     /// Number of specular vertices behind that vertex at which both the reflected and the transmitted ray are followed.
     std::uint8_t both_lobes = 0;
-    /// Paths end where they would split: for pilots, which measure what that costs.
-    bool ends_paths = false;
+    /// Which of two rays are followed: for pilots, which measure costs. `none`: paths end where they would split.
+    enum class Only : std::uint8_t { all, first, none } only = Only::all;
 
     [[nodiscard]] bool any() const { return rays > 1 || both_lobes > 0; }
 };

@@ -57,8 +57,10 @@ void CameraSubpaths::keep_split_vertices() {
         const std::uint32_t row = v.rows[j];
         SplitState& split = splits_[row];
         if (split.branches() == 1) continue;
-        if (context_.plan->splits.ends_paths && !split.all_lobes) {
-            split.rays = 0;
+        const SplitPlan& splits = context_.plan->splits;
+        if (splits.only != SplitPlan::Only::all && !split.all_lobes) {
+            if (splits.only == SplitPlan::Only::none) split.rays = 0;
+            else branch_samplers_[row] = branch_samplers_[row].branch(0, splits.rays);
             continue;
         }
         if (level == nullptr) {

@@ -76,8 +76,7 @@ void LightSubpaths::start(std::uint32_t row, const EmissionSample& s, Real time)
         PartialMisWeights& mis_weights = mis_weights_[row];
         mis_weights = PartialMisWeights();
         mis_weights.previous = static_cast<double>(density.position);
-        if (light.is_area())
-            mis_weights.to_previous = static_cast<double>(std::abs(dot(s.from.target_normal, s.direction)));
+        if (light.is_area()) mis_weights.cosine = static_cast<double>(std::abs(dot(s.from.target_normal, s.direction)));
         mis_weights.tail = light.is_delta() ? 0 : 1;  // camera subpaths find what is not a delta light by themselves
     }
     Ray ray;

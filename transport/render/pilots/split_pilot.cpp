@@ -60,7 +60,7 @@ class SplitPilot {
     [[nodiscard]] std::uint64_t rays() const { return rays_; }
 
   private:
-    [[nodiscard]] SplitTrial make(std::uint8_t both_lobes, bool ends_paths) const;
+    [[nodiscard]] SplitTrial make(std::uint8_t both_lobes, SplitPlan::Only only) const;
     template <class Visit>
     void follow(SplitTrial& trial, Visit visit) {
         paths_.follow(*trial.path.integrator, *trial.thread, visit);
@@ -78,9 +78,9 @@ class SplitPilot {
     std::uint64_t rays_ = 0;
 };
 
-SplitTrial SplitPilot::make(std::uint8_t both_lobes, bool ends_paths) const {
+SplitTrial SplitPilot::make(std::uint8_t both_lobes, SplitPlan::Only only) const {
     SplitTrial trial;
-    trial.path = trials_.make({.rays = 2, .both_lobes = both_lobes, .ends_paths = ends_paths});
+    trial.path = trials_.make({.rays = 2, .both_lobes = both_lobes, .only = only});
     trial.thread = trial.path.integrator->make_thread_state();
     return trial;
 }
@@ -116,7 +116,7 @@ std::uint32_t SplitPilot::finds() const {
 }
 
 void SplitPilot::run() {
-    SplitTrial none = make(0, true), both = make(0, false);
+    SplitTrial none = make(0, SplitPlan::Only::none), both = make(0, SplitPlan::Only::all);
     sums_.assign(paths_.channels(), Sums{std::vector<double>(grid * grid), std::vector<double>(grid * grid)});
     const std::uint32_t most = std::max(paths_.most_rounds(most_rounds), fewest_rounds);
     for (rounds_ = 0; rounds_ < most; ++rounds_) {
@@ -134,13 +134,13 @@ void SplitPilot::run() {
 }
 
 Costs SplitPilot::costs(std::uint8_t both_lobes) {
-    SplitTrial trial = make(both_lobes, false);
+    SplitTrial trial = make(both_lobes, SplitPlan::Only::first);
     for (std::uint32_t round = 0; round < fewest_rounds; ++round) {
         paths_.begin(round);
         follow(trial, [](std::size_t, const LaterRadiance::Path&) {});
     }
     rays_ += trial.rays();
-    return {costs_.before, (trial.cost() / (double{grid} * grid * fewest_rounds) - costs_.before) / 2};
+    return {costs_.before, trial.cost() / (double{grid} * grid * fewest_rounds) - costs_.before};
 }
 
 void SplitPilot::find_variances() {
