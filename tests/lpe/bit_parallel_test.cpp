@@ -113,6 +113,22 @@ TEST_CASE("128 channels that each look for a label anywhere take five words", "[
     check_against_each_alone(channels, 128, 100, true);
 }
 
+TEST_CASE("channels share tables and words of bits so that a path's state takes the fewest words", "[bit-parallel]") {
+    const auto words_of = [](const char* family, const char* other) {
+        std::vector<ChannelSource> channels;
+        add_family(channels, family, 24, Dialect::renderman);
+        add_family(channels, other, 24, Dialect::renderman);
+        const auto program = Program::compile(channels);
+        REQUIRE(program);
+        return program->word_count();
+    };
+    // A table whose states grow like a sum is one word. 48 labels anywhere take the phase and two words of bits.
+    CHECK(words_of("C<RD'@'>L", "C<RD'@'>[DSV]*L") == 1);
+    CHECK(words_of("C.*<RD'@'>L", "C.*<RD'@'>.*L") == 3);
+    // Automata of three bits take the phase and three words, fewer than their tables; the others join them as bits.
+    CHECK(words_of("C.*<.D'@'>.*<..'@'>.[LO]", "C<RD'@'>[DSV]*L") == 4);
+}
+
 TEST_CASE("bit-parallel automata of every width, in both dialects, accept what each channel accepts alone",
           "[bit-parallel]") {
     std::vector<ChannelSource> channels;
