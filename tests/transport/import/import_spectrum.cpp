@@ -250,7 +250,7 @@ TEST_CASE("a spectrum file is read, and its slips are named", "[spectrum][law7]"
     CHECK(contains(unsorted.error().message, "wavelength 300 follows 400"));
 }
 
-TEST_CASE("what is no colour is an error that says what was expected", "[spectrum][law7]") {
+TEST_CASE("a parameter that is not a colour is an error that names what was expected", "[spectrum][law7]") {
     using T = ParameterType;
     CHECK(contains(error_message(parameter_of(T::rgb, {0.5, 1.5, 0}), SpectrumRole::albedo), "above 1"));
     CHECK(contains(error_message(parameter_of(T::rgb, {0.5, -0.5, 0}), SpectrumRole::illuminant), "negative"));
@@ -259,7 +259,7 @@ TEST_CASE("what is no colour is an error that says what was expected", "[spectru
     CHECK(contains(error_message(parameter_of(T::blackbody, {6500, 2}), SpectrumRole::illuminant), "one temperature"));
     CHECK(contains(error_message(parameter_of(T::spectrum, {400, 1, 500}), SpectrumRole::albedo), "3 numbers"));
     CHECK(contains(error_message(parameter_of(T::spectrum, {500, 1, 400, 1}), SpectrumRole::albedo), "increasing"));
-    CHECK(contains(error_message(parameter_of(T::point3, {1, 1, 1}), SpectrumRole::albedo), "is no colour"));
+    CHECK(contains(error_message(parameter_of(T::point3, {1, 1, 1}), SpectrumRole::albedo), "is not a colour"));
     CHECK(contains(error_message(parameter_of(T::spectrum, {}, {"metal-Cu-et"}), SpectrumRole::unbounded),
                    "did you mean 'metal-Cu-eta'? Known spectra: glass-BK7"));
     CHECK_FALSE(resolve_named_spectrum("metal-Xx-eta", SpectrumRole::unbounded, {}));
