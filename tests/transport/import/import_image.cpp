@@ -288,6 +288,6 @@ TEST_CASE("what is no image is an error that lists the formats", "[image][law7]"
                    "unknown image format; expected PNG, JPEG, TGA, BMP, QOI, HDR, OpenEXR or PFM"));
     const auto gif = read_image(folder.write("a.gif", "GIF89a and the rest"));
     REQUIRE_FALSE(gif);
-    CHECK(contains(gif.error().message, "GIF images are not read; expected PNG"));
+    CHECK(contains(gif.error().message, "GIF images are not supported; expected PNG"));
     CHECK_FALSE(read_image(folder.path("missing.png")));
 }

@@ -95,10 +95,10 @@ TEST_CASE("a QOI image that is cut short, damaged or absurd is an error that nam
     const std::string whole = qoi(7, 1, 4, 1, every_chunk);
     for (std::size_t size = 4; size < whole.size(); ++size)
         CHECK(contains(refused(whole.substr(0, size)), "QOI is truncated"));
-    CHECK(contains(refused(qoi(8, 1, 4, 1, every_chunk)), "as many pixels as its header says"));
-    CHECK(contains(refused(qoi(1, 1, 4, 1, {0xc1})), "as many pixels as its header says"));  // a run of 2
-    CHECK(contains(refused(qoi(0, 1, 4, 1, every_chunk)), "QOI has no size"));
-    CHECK(contains(refused(qoi(0x80000000, 1, 4, 1, every_chunk)), "QOI has no size"));
+    CHECK(contains(refused(qoi(8, 1, 4, 1, every_chunk)), "as many pixels as its header states"));
+    CHECK(contains(refused(qoi(1, 1, 4, 1, {0xc1})), "as many pixels as its header states"));  // a run of 2
+    CHECK(contains(refused(qoi(0, 1, 4, 1, every_chunk)), "QOI header has no size"));
+    CHECK(contains(refused(qoi(0x80000000, 1, 4, 1, every_chunk)), "QOI header has no size"));
     CHECK(contains(refused(qoi(7, 1, 5, 1, every_chunk)), "other than 3 or 4 channels"));
     CHECK(contains(refused(qoi(7, 1, 4, 2, every_chunk)), "unknown colour space"));
     // Refused by what the header says, before there is memory for it.

@@ -222,8 +222,8 @@ TEST_CASE("a header that does not parse names its line", "[law7][import][ply]") 
         const char* message;
     };
     const Case cases[] = {
-        {"", 0, "no PLY file"},
-        {"obj\n", 1, "no PLY file"},
+        {"", 0, "not a PLY file"},
+        {"obj\n", 1, "not a PLY file"},
         {"ply\nformat ascii 1.0\n", 2, "truncated; expected 'end_header'"},
         {header("element vertex 1\n"), 3, "no 'format' line"},
         {header("format ascii 2.0\n"), 2, "expected 'format"},
