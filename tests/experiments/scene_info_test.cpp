@@ -245,7 +245,7 @@ TEST_CASE("raylex scene check tells all files that are missing, each at its line
     const Outcome ptex = run_raylex(folder, "render ptex.pbrt");
     CHECK(ptex.code == 2);
     CHECK(contains(ptex.err, "ptex.pbrt:2:31: cannot find file 'no/a.ptx'"));
-    CHECK(contains(ptex.err, "of ptex textures raylex reads no files: imagemap takes images"));
+    CHECK(contains(ptex.err, "raylex does not read ptex files: imagemap reads images"));
 }
 
 TEST_CASE("a file that cannot be read says where the scene names it") {

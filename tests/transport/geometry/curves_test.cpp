@@ -354,7 +354,7 @@ TEST_CASE("curves made in code are those of a file", "[curves][scene-builder]") 
     };
     const CurveData good = data;
     data.first_points = {0, 3};
-    refused("curve 0 has no whole number of segments");
+    refused("curve 0 has a number of positions that is not 3 n + 1");
     data = good, data.widths[1].y = -1;
     refused("a width of curve 1 is negative");
     data = good, data.normals.pop_back();

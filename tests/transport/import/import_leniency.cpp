@@ -223,7 +223,7 @@ TEST_CASE("shapes under transformations without inverse: meshes are flat, the re
     CHECK(scene.shapes[0].positions[2] == StoredVec3(1, 2, 4));
     CHECK(scene.instances.empty());
     CHECK(warns(scene, "the shape has no area and is left out"));
-    CHECK(warns(scene, "the shape is flat, and its normals are the faces'"));
+    CHECK(warns(scene, "the shape is flat and uses face normals"));
     CHECK(warns(scene, "the instance has no extent and is left out"));
 }
 

@@ -150,7 +150,7 @@ TEST_CASE("SceneBuilder: handles of another builder are refused", "[scene-builde
     refused(here.set_camera("perspective", {}, Transform::translate(0, 0, 1), medium), "medium");
     const auto invented = here.add_shape("sphere", {}, {.material = {.reference = 1}});
     REQUIRE_FALSE(invented.ok());
-    CHECK(contains(invented.error().message, "that no scene builder handed out"));
+    CHECK(contains(invented.error().message, "that no scene builder returned"));
     did(here.add_shape("sphere", {}, {.material = here.material_named("late")}));
     got(here.add_named_material("late", "diffuse", {}));
     // A builder that moved keeps what it handed out.
