@@ -95,7 +95,7 @@ TEST_CASE("a curve of an unknown type is a cylinder, as in pbrt", "[curves][impo
     CHECK(scene.shapes[0].curve_type == CurveType::cylinder);
     REQUIRE(scene.warnings.size() == 1);
     CHECK(contains(scene.warnings[0].message,
-                   "'type' of a curve is 'round'; expected flat, cylinder or ribbon, and it is taken as cylinder"));
+                   "'type' of a curve is 'round'; expected flat, cylinder or ribbon. It is read as cylinder"));
     CHECK(scene.warnings[0].line == 3);
 }
 

@@ -181,9 +181,9 @@ TEST_CASE("quadrics of which their parameters leave nothing are left out", "[imp
         Shape "sphere" "float radius" 2)");
     REQUIRE(scene.shapes.size() == 1);
     REQUIRE(scene.warnings.size() == 3);
-    CHECK(contains(scene.warnings[0].message, "'innerradius' leaves nothing"));
-    CHECK(contains(scene.warnings[1].message, "'innerradius' leaves nothing"));
-    CHECK(contains(scene.warnings[2].message, "'phimax' leaves nothing"));
+    CHECK(contains(scene.warnings[0].message, "'innerradius' leaves no surface"));
+    CHECK(contains(scene.warnings[1].message, "'innerradius' leaves no surface"));
+    CHECK(contains(scene.warnings[2].message, "'phimax' leaves no surface"));
 }
 
 TEST_CASE("an unknown colour space leaves the one before it", "[import]") {
@@ -191,7 +191,7 @@ TEST_CASE("an unknown colour space leaves the one before it", "[import]") {
     CHECK(scene.color.scene_space == ColorSpace::rec2020);
     REQUIRE(scene.warnings.size() == 1);
     CHECK(contains(scene.warnings[0].message, "unknown colour space 'rec2002'; expected srgb, dci-p3, rec2020 or"));
-    CHECK(contains(scene.warnings[0].message, "the one before it stays"));
+    CHECK(contains(scene.warnings[0].message, "The previous space stays in use"));
     CHECK(contains(scene.warnings[0].hint, "rec2020"));
     CHECK(scene.warnings[0].line == 2);
     CHECK(scene.warnings[0].column == 12);
@@ -204,7 +204,7 @@ TEST_CASE("lines of old Macintosh files", "[import]") {
 TEST_CASE("what a declaration holds beside type and name is passed over", "[import]") {
     const SceneDescription scene = scene_of("WorldBegin Shape \"sphere\" \" float radius  (old)\" 2");
     CHECK(scene.shapes[0].radius == 2);
-    CHECK(warns(scene, "what follows type and name"));
+    CHECK(warns(scene, "the text after type and name"));
 }
 
 TEST_CASE("shapes under transformations without inverse: meshes are flat, the rest has no area", "[import]") {
