@@ -330,7 +330,7 @@ TEST_CASE("media that cannot be are refused where they are written", "[import][l
         "\"rgb sigma_a\" [1 1 1] MediumInterface \"fog\"\nCamera \"perspective\"\nWorldBegin\nShape \"sphere\"");
     REQUIRE(MediumTable::build(odd, warnings).ok());
     REQUIRE(warnings.size() == 1);
-    CHECK(contains(warnings[0].message, "'sigma_a' means nothing to medium 'fog'"));
+    CHECK(contains(warnings[0].message, "'sigma_a' has no effect on medium 'fog'"));
 }
 
 TEST_CASE("a medium of an unknown preset has its coefficients, and an asymmetry is bounded, as in pbrt", "[import]") {
@@ -344,7 +344,7 @@ TEST_CASE("a medium of an unknown preset has its coefficients, and an asymmetry 
     CHECK((*media)[0].sigma_a == raylex::Rgb(1));
     CHECK((*media)[0].g == Real(-0.99));
     REQUIRE(warnings.size() == 2);
-    CHECK(contains(warnings[0].message, "no medium was measured under the name 'Skin'; expected one of: Apple"));
+    CHECK(contains(warnings[0].message, "there is no measured medium 'Skin'; expected one of: Apple"));
     CHECK(contains(warnings[0].message, "'sigma_a' and 'sigma_s' count instead"));
     CHECK(contains(warnings[0].hint, "'Skin1'"));
     CHECK(warnings[0].line == 2);

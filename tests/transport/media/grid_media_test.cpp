@@ -255,7 +255,7 @@ TEST_CASE("values that are no number count as 0, and are counted", "[media][grid
         build_medium("\"string type\" \"uniformgrid\" \"integer nx\" 2 \"integer ny\" 2 \"float density\" [1 -1 -2 1]");
     REQUIRE(built.warnings.size() == 1);
     CHECK(contains(built.warnings[0].message,
-                   "2 values of 'density' are negative or no numbers and count as 0; the first is voxel (1, 0, 0)"));
+                   "2 values of 'density' are negative or not finite and count as 0; the first is voxel (1, 0, 0)"));
     CHECK(built.warnings[0].line == 2);
     CHECK(built.at(0.75, 0.25, 0.5).sigma_a.r == 0);
     CHECK(built.at(0.25, 0.25, 0.5).sigma_a.r == 1);
@@ -268,7 +268,7 @@ TEST_CASE("an unknown preset and an asymmetry out of bounds are mended in grids,
     CHECK(built.medium().g == Real(0.99));
     CHECK(built.at(0.5, 0.5, 0.5).sigma_a == Rgb(2));
     REQUIRE(built.warnings.size() == 2);
-    CHECK(contains(built.warnings[0].message, "no medium was measured under the name 'None'"));
+    CHECK(contains(built.warnings[0].message, "there is no measured medium 'None'"));
     CHECK(contains(built.warnings[1].message, "'g' is 1.5"));
     for (const auto& warning : built.warnings) CHECK(warning.line == 2);
 }
