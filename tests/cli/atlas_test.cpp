@@ -335,7 +335,8 @@ TEST_CASE("labels, lobes and groups that an atlas did not keep are not answered"
     check_refused(folder, "render job.toml -o n.exr --atlas-length 4", {"--atlas FILE.exr"});
     check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --no-beauty --lpe d=CDL",
                   {"expected a render with beauty"});
-    check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --integrator pssmlt", {"keeps no path atlas"});
+    check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --integrator pssmlt",
+                  {"supports no path atlas"});
 }
 
 TEST_CASE("why a pixel is bright, and what is noisy", "[atlas]") {

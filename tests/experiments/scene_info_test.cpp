@@ -105,9 +105,9 @@ TEST_CASE("raylex scene check finds what can hardly be meant, each at its line, 
               face + "\"point2 uv\" [0 0  1 1  2 2]\n",
           "have collinear texture coordinates");
     check(sky + face + "\nLightSource \"point\" \"rgb I\" [0 0 0]\n",
-          "doubtful.pbrt:5:1: this point light gives no light");
+          "doubtful.pbrt:5:1: this point light emits no light");
     check(sky + "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [0 0 0]\n" + face + "\nAttributeEnd\n",
-          "doubtful.pbrt:5:1: this area light gives no light");
+          "doubtful.pbrt:5:1: this area light emits no light");
     check(sky + face + "\nMakeNamedMaterial \"gold\" \"string type\" \"conductor\"\n",
           "doubtful.pbrt:5:1: the material 'gold' is unused");
     check(sky +

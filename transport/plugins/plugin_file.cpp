@@ -87,7 +87,7 @@ Result<PluginStamp> read_plugin_stamp(const std::string& file, const SourceLocat
     }
     const auto stamp = record_at<PluginStamp>(section, 0);
     if (section.size() != sizeof(PluginStamp) || !stamp || text_of(magic) != PluginStamp::magic_text)
-        return error_at(where, "plugin '" + file + "' carries a stamp of another form" +
+        return error_at(where, "plugin '" + file + "' has a stamp in another format" +
                                    (text_of(version).empty() ? "" : ", of raylex " + text_of(version)) +
                                    "; expected one built for this raylex, " RAYLEX_PLUGIN_VERSION);
     return *stamp;

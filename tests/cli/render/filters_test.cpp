@@ -83,7 +83,7 @@ TEST_CASE("no sample filter is one that every integrator takes", "[filters]") {
         CHECK(plane(folder, "with.exr", "beauty", "G") == plane(folder, "without.exr", "beauty", "G"));
     }
     check_render_refused(folder, "render room.pbrt --integrator lighttracer --sample-filter none --sample-filter clamp",
-                         {"takes no sample filters ('clamp')"});
+                         {"supports no sample filters ('clamp')"});
 }
 
 TEST_CASE("a filter that changes one layer of a partition takes the partition out, and says so", "[filters][law1]") {

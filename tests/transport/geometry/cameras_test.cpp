@@ -324,7 +324,7 @@ Camera "realistic" "float aperturediameter" 12 "float focusdistance" 2 "string l
         const auto refused =
             transport::render(render_test::scene_of(scene + "LightSource \"infinite\" \"rgb L\" [2 2 2]"), settings);
         REQUIRE_FALSE(refused.ok());
-        CHECK(refused.error().message.find("camera 'realistic' does not go with") != std::string::npos);
+        CHECK(refused.error().message.find("camera 'realistic' cannot be used with") != std::string::npos);
         CHECK(refused.error().line == 4);
     }
 }

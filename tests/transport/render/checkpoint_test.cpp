@@ -134,7 +134,7 @@ TEST_CASE("a checkpoint of another render is refused, and what differs is named"
         const raylex::Error error = refusal(scene, other, file);
         CAPTURE(error.message, difference);
         CHECK(error.file == file.path());
-        CHECK(error.message.find("the checkpoint is of another render") != std::string::npos);
+        CHECK(error.message.find("the checkpoint belongs to another render") != std::string::npos);
         CHECK(error.message.find(difference) != std::string::npos);
     };
     transport::RenderSettings other = settings;
@@ -288,7 +288,7 @@ TEST_CASE("an integrator's own state is saved, or the integrator is named and re
     settings.checkpoint = transport::CheckpointSettings{.file = file.path()};
     auto refused = transport::render(scene, settings);
     REQUIRE_FALSE(refused.ok());
-    CHECK(refused.error().message.find("integrator 'silent' does not say how its state is saved") != std::string::npos);
+    CHECK(refused.error().message.find("integrator 'silent' cannot save its state") != std::string::npos);
 }
 
 TEST_CASE("an interrupted render that ends by its error goes on to the same bits", "[law3]") {

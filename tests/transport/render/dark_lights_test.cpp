@@ -29,14 +29,14 @@ TEST_CASE("a scene without light, and lights that give none, are warnings", "[re
         const auto warnings = warnings_of(light + ball);
         REQUIRE(warnings.size() == 1);
         CHECK(warnings[0].line == 4);
-        CHECK(warnings[0].message.ends_with(" light gives no light"));
+        CHECK(warnings[0].message.ends_with(" light emits no light"));
     }
     const auto several = warnings_of(
         "LightSource \"point\" \"rgb I\" [0 0 0]\nLightSource \"infinite\"\n"
         "LightSource \"point\" \"rgb I\" [0 0 0]\n" +
         ball);
     REQUIRE(several.size() == 1);
-    CHECK(several[0].message == "this point light gives no light, nor does one other of the scene");
+    CHECK(several[0].message == "this point light emits no light, and neither does one other light of the scene");
     CHECK(warnings_of("LightSource \"infinite\"" + ball).empty());
     CHECK(warnings_of("MakeNamedMedium \"fire\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1]\n"
                       "MediumInterface \"fire\" \"\"\n" +
@@ -64,7 +64,7 @@ TEST_CASE("lights whose image is black and media that cannot shine are dark", "[
         CAPTURE(light);
         const auto warnings = warnings_of(light + ball);
         REQUIRE(warnings.size() == 1);
-        CHECK(warnings[0].message.ends_with(" light gives no light"));
+        CHECK(warnings[0].message.ends_with(" light emits no light"));
     }
     for (const char* medium :
          {"\"float density\" 1 \"float temperature\" 50",
