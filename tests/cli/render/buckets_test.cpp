@@ -199,7 +199,7 @@ TEST_CASE("what cannot be rendered in buckets is refused by name", "[buckets][la
     check_refused(folder, buckets + "--integrator bdpt", {"buckets", "bdpt", "land anywhere"});
     check_refused(folder, buckets + "--integrator pssmlt", {"buckets", "pssmlt"});
     check_refused(folder, buckets + "--filter-mode splat", {"buckets", "filter mode splat"});
-    check_refused(folder, buckets + "--until-error 5%", {"buckets", "until an error"});
+    check_refused(folder, buckets + "--until-error 5%", {"buckets", "with an error limit"});
     check_refused(folder, buckets + "--time 1s", {"buckets", "end by time"});
     check_refused(folder, buckets + "--cryptomatte object", {"buckets", "cryptomattes"});
     check_refused(folder, buckets + "--deep d.exr", {"deep image", "buckets"});

@@ -345,7 +345,7 @@ TEST_CASE("a medium of an unknown preset has its coefficients, and an asymmetry 
     CHECK((*media)[0].g == Real(-0.99));
     REQUIRE(warnings.size() == 2);
     CHECK(contains(warnings[0].message, "there is no measured medium 'Skin'; expected one of: Apple"));
-    CHECK(contains(warnings[0].message, "'sigma_a' and 'sigma_s' count instead"));
+    CHECK(contains(warnings[0].message, "'sigma_a' and 'sigma_s' are used instead"));
     CHECK(contains(warnings[0].hint, "'Skin1'"));
     CHECK(warnings[0].line == 2);
     CHECK(contains(warnings[1].message, "'g' is -1; expected an asymmetry above -1 and below 1"));
