@@ -174,7 +174,8 @@ TEST_CASE("nanovdb files that cannot be read say why", "[media][grids][nanovdb][
     std::string older = whole;
     older[11] = 1;  // of a version's 32 bits the 11 highest are its major number
     folder.write("older.nvdb", older);
-    CHECK(contains(refused_medium(medium(folder.path("older.nvdb"))).message, "the file has NanoVDB version 8; expected"));
+    CHECK(contains(refused_medium(medium(folder.path("older.nvdb"))).message,
+                   "the file has NanoVDB version 8; expected"));
     // The size of packed data, for which memory is taken first, stands before it.
     write(folder.path("packed.nvdb"), handles(density_grid()), nanovdb::io::Codec::ZIP);
     std::string packed = folder.read("packed.nvdb");
