@@ -282,7 +282,7 @@ TEST_CASE("meshes from files keep their order among shapes and warnings for any 
     }
 }
 
-TEST_CASE("the first of several broken meshes is the error, however many threads read them", "[import][law7]") {
+TEST_CASE("the first of several invalid meshes is the error for any number of threads", "[import][law7]") {
     const Folder folder;
     folder.write("a.ply", "no ply");
     folder.write("b.ply", "none either");
