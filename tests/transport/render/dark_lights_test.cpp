@@ -1,4 +1,4 @@
-// Black images come with a word on why, where somebody asked for light.
+// A black image has a warning with the reason if light was requested.
 #include "transport/image_file.h"
 #include "transport/render_support.h"
 
@@ -16,7 +16,7 @@ std::vector<raylex::Error> warnings_of(const std::string& world, const transport
 
 }  // namespace
 
-TEST_CASE("a scene without light, and lights that give none, are warnings", "[render][lights]") {
+TEST_CASE("a scene without light, and lights that emit none, give warnings", "[render][lights]") {
     const std::string ball = "\nTranslate 0 0 4 Shape \"sphere\"\n";
     const auto none = warnings_of(ball);
     REQUIRE(none.size() == 1);
@@ -44,7 +44,7 @@ TEST_CASE("a scene without light, and lights that give none, are warnings", "[re
               .empty());
 }
 
-TEST_CASE("who asks for AOVs alone hears nothing of lights", "[render][geoaovs]") {
+TEST_CASE("a render of AOVs only has no warnings about lights", "[render][geoaovs]") {
     const std::string ball = "Translate 0 0 4 Shape \"sphere\"\n";
     transport::RenderSettings settings;
     settings.channels.beauty = false;
@@ -55,7 +55,7 @@ TEST_CASE("who asks for AOVs alone hears nothing of lights", "[render][geoaovs]"
     CHECK(warnings_of(ball, settings).size() == 1);
 }
 
-TEST_CASE("lights whose image is black and media that cannot shine are dark", "[render][lights][media]") {
+TEST_CASE("lights with a black image and media that cannot emit are dark", "[render][lights][media]") {
     const std::string ball = "\nTranslate 0 0 4 Shape \"sphere\"\n";
     const ImageFile black(4, 4, std::vector<transport::Rgb>(16));
     const std::string file = black.parameter();
