@@ -335,7 +335,8 @@ TEST_CASE("an atlas refuses expressions with labels, lobes and groups that it do
     check_refused(folder, "render job.toml -o n.exr --atlas-length 4", {"--atlas FILE.exr"});
     check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --no-beauty --lpe d=CDL",
                   {"expected a render with beauty"});
-    check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --integrator pssmlt", {"keeps no path atlas"});
+    check_refused(folder, "render job.toml -o n.exr --atlas n.atlas.exr --integrator pssmlt",
+                  {"supports no path atlas"});
 }
 
 TEST_CASE("ask --top lists a pixel's brightest words, and --suggest the noisiest kinds", "[atlas]") {

@@ -74,8 +74,9 @@ TEST_CASE("if the system starts fewer threads, the image is the same", "[cli][la
         run_shell(folder, "ulimit -v 8000000; exec \"$RAYLEX\" render room.pbrt -o out.exr --spp 64 --threads 1500");
     INFO(limited.err);
     CHECK(limited.code == 0);
-    CHECK(count_matches(limited.err,
-                        "[0-9]+ of 1500 threads rendered the image, to the same bits: the system starts no more") == 1);
+    CHECK(count_matches(
+              limited.err,
+              "[0-9]+ of 1500 threads rendered the image, with the same bits: the system cannot start more") == 1);
     CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
 }
 

@@ -85,8 +85,8 @@ TEST_CASE("a plugin's factory that returns nothing, or throws, ends a render wit
     const std::string render = "\"$RAYLEX\" render room.pbrt --spp 1 -o out.exr --driver halfway:a=1 --plugin " +
                                quoted(plugin_path("misbehaving"));
     for (const auto& [how, what] : {std::pair<std::string, std::string>{
-                                        "null-driver", "the plugin's display driver 'halfway' came as a null pointer"},
-                                    {"number-driver", "it threw something that is no std::exception"}}) {
+                                        "null-driver", "the plugin's display driver 'halfway' was a null pointer"},
+                                    {"number-driver", "it threw an object that is not a std::exception"}}) {
         const Outcome outcome = run_shell(folder, "MISBEHAVIOUR=" + how + " " + render);
         INFO(outcome.err);
         CHECK(outcome.code == 2);
@@ -116,15 +116,15 @@ TEST_CASE("a file that is not a plugin is refused before it is opened", "[cli][p
     };
     says(".", "is a directory");
     says("missing.so", "No such file");
-    says("text.so", "is no shared library");
-    says("empty.so", "is no shared library");
+    says("text.so", "is not a shared library");
+    says("empty.so", "is not a shared library");
     // A shared library without a stamp section: the C library of this process.
     std::ifstream maps("/proc/self/maps");
     std::string library;
     for (std::string line; library.empty() && std::getline(maps, line);)
         if (line.find("/libc.so") != std::string::npos) library = line.substr(line.find('/'));
     REQUIRE_FALSE(library.empty());
-    says(test::quoted(library), "no raylex plugin");
+    says(test::quoted(library), "not a raylex plugin");
 }
 
 TEST_CASE("a plugin with any difference in its stamp is refused, and the difference is named", "[cli][plugins][law7]") {
@@ -134,7 +134,7 @@ TEST_CASE("a plugin with any difference in its stamp is refused, and the differe
         CHECK(outcome.code == 2);
         CHECK(contains(outcome.err, message));
     };
-    says(0, "a stamp of another form");
+    says(0, "a stamp in another format");
     says(offsetof(PluginStamp, version), "was built for raylex 1.");
     says(offsetof(PluginStamp, compiler), "was built by h++");
     says(offsetof(PluginStamp, standard_library), "was built with mibstdc++");
@@ -167,7 +167,7 @@ TEST_CASE("a plugin that fails during registration is named and leaves nothing r
         CHECK_FALSE(folder.has("out.exr"));
     };
     says("exception", "misbehaving", "it threw while registering: no licence for this machine");
-    says("number", "misbehaving", "it threw something that is no std::exception");
+    says("number", "misbehaving", "it threw an object that is not a std::exception");
     says("refusal", "misbehaving", "it needs a graphics card");
     says("twice", "misbehaving", "it registers the display driver 'halfway' twice");
     says("nothing", "misbehaving", "registered nothing");

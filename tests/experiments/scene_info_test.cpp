@@ -105,9 +105,9 @@ TEST_CASE("raylex scene check finds likely mistakes with their lines, and exits 
               face + "\"point2 uv\" [0 0  1 1  2 2]\n",
           "have collinear texture coordinates");
     check(sky + face + "\nLightSource \"point\" \"rgb I\" [0 0 0]\n",
-          "doubtful.pbrt:5:1: this point light gives no light");
+          "doubtful.pbrt:5:1: this point light emits no light");
     check(sky + "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [0 0 0]\n" + face + "\nAttributeEnd\n",
-          "doubtful.pbrt:5:1: this area light gives no light");
+          "doubtful.pbrt:5:1: this area light emits no light");
     check(sky + face + "\nMakeNamedMaterial \"gold\" \"string type\" \"conductor\"\n",
           "doubtful.pbrt:5:1: the material 'gold' is unused");
     check(sky +
@@ -246,7 +246,7 @@ TEST_CASE("raylex scene check lists all missing files, each with its line and th
     const Outcome ptex = run_raylex(folder, "render ptex.pbrt");
     CHECK(ptex.code == 2);
     CHECK(contains(ptex.err, "ptex.pbrt:2:31: cannot find file 'no/a.ptx'"));
-    CHECK(contains(ptex.err, "of ptex textures raylex reads no files: imagemap takes images"));
+    CHECK(contains(ptex.err, "raylex does not read ptex files: imagemap reads images"));
 }
 
 TEST_CASE("an unreadable file is an error at the place where the scene names it") {

@@ -1,6 +1,6 @@
-// A closed enclosure in which the light of every word is known: walls of radiance 1 that scatter kd diffusely and ks as
-// a mirror. Radiance is the same along every ray, so a word of d diffuse and s mirror reflections carries kd^d ks^s
-// wherever the camera stands and wherever it looks.
+// A closed enclosure in which the light of every path string is known: walls of radiance 1 that scatter kd diffusely
+// and ks as a mirror. Radiance is equal along every ray, so a path string with d diffuse and s mirror reflections
+// carries kd^d ks^s for every camera.
 #pragma once
 
 #include "transport/replicates.h"
@@ -28,13 +28,13 @@ Shape "sphere" "float radius" 2
 )";
 }
 
-/// A path of the enclosure: its reflections from the camera on, 'D' and 'S', and its light.
+/// A path of the enclosure: its reflections from the camera, 'D' and 'S', and its light.
 struct EnclosureWord {
     std::string reflections;
     double value;
 };
 
-/// Every one of up to `longest` reflections, shorter ones first.
+/// All path strings of up to `longest` reflections, shorter ones first.
 inline std::vector<EnclosureWord> enclosure_words(double kd, double ks, std::size_t longest) {
     std::vector<EnclosureWord> words{{"", 1}};
     for (std::size_t i = 0; words[i].reflections.size() < longest; ++i) {
@@ -44,8 +44,8 @@ inline std::vector<EnclosureWord> enclosure_words(double kd, double ks, std::siz
     return words;
 }
 
-/// The light tracer joins light paths with the camera at a vertex that has a density: what the camera sees by a mirror
-/// it finds not at all.
+/// Whether the light tracer finds the path: it connects light paths with the camera at a vertex with a density, so it
+/// finds no path that the camera sees through a mirror.
 inline bool light_tracer_finds(const EnclosureWord& word) {
     return word.reflections.rfind('S', 0) != 0;
 }

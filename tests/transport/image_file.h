@@ -9,7 +9,7 @@
 
 #include "transport/math/vec.h"
 
-/// A PFM file of RGB, removed at the end. `pixels` row-major from the top.
+/// A PFM file of RGB, which is removed at the end. `pixels` is row-major from the top.
 class ImageFile {
   public:
     ImageFile(int width, int height, const std::vector<raylex::transport::Rgb>& pixels)
@@ -32,7 +32,7 @@ class ImageFile {
     ImageFile(const ImageFile&) = delete;
     ImageFile& operator=(const ImageFile&) = delete;
     [[nodiscard]] const std::string& path() const { return path_; }
-    /// As a parameter of a scene file.
+    /// The file as a parameter of a scene file.
     [[nodiscard]] std::string parameter() const { return " \"string filename\" \"" + path_ + "\" "; }
 
   private:

@@ -1,4 +1,4 @@
-// Shared by the tests of the scene import: short ways to a scene or its error.
+// Helpers of the tests of scene import: short ways to a scene or its error.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@ namespace import_test {
 namespace fs = std::filesystem;
 using raylex::test::Folder;
 
-/// The scene of `text`; a failure shows the error in the test's output.
+/// The scene of `text`; on failure the test's output contains the error.
 inline raylex::transport::SceneDescription scene_of(const std::string& text, const std::string& path = "test.pbrt") {
     auto scene = raylex::transport::import_pbrt_text(text, path);
     if (!scene) FAIL(scene.error().to_string());
@@ -27,7 +27,7 @@ inline raylex::Error error_of(const std::string& text, const std::string& path =
     return scene.error();
 }
 
-/// The mesh where its transform puts it, in single precision.
+/// The mesh after its transform, in single precision.
 inline raylex::transport::PlacedMesh placed(const raylex::transport::SceneShape& shape) {
     auto mesh = raylex::transport::place_mesh(shape, shape.object_to_world);
     if (!mesh) FAIL(mesh.error().to_string());

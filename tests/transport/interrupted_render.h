@@ -1,4 +1,4 @@
-// Renders that are stopped where a test says, and the files they leave.
+// Renders that stop at a chosen sample, and the files they leave.
 #pragma once
 
 #include <atomic>
@@ -9,7 +9,7 @@
 
 namespace render_test {
 
-/// A file that is not there yet, in a folder of its own.
+/// A file that does not exist yet, in a folder of its own.
 class ScratchFile {
   public:
     [[nodiscard]] std::string path() const { return folder_.path(name); }
@@ -22,7 +22,7 @@ class ScratchFile {
     raylex::test::Folder folder_;
 };
 
-/// Stops a render from within, after so many camera samples: a clock would stop it anywhere or, on a fast machine,
+/// Stops a render from within after a number of camera samples: a clock would stop it anywhere or, on a fast machine,
 /// never.
 class Interruption {
   public:
@@ -46,7 +46,7 @@ inline Interruption& interruption() {
     return one;
 }
 
-/// Another integrator, its camera samples counted: for those without iterations and state between them.
+/// Another integrator with a count of its camera samples: for integrators without iterations and state between them.
 class CountedIntegrator final : public transport::Integrator {
   public:
     explicit CountedIntegrator(std::unique_ptr<transport::Integrator> counted) : counted_(std::move(counted)) {}
@@ -72,12 +72,12 @@ inline transport::SceneEntity counted(const std::string& integrator) {
     transport::integrator_registry().add(
         {entity.type,
          "for this test",
-         {{"maxdepth", raylex::ParameterType::integer, "5", "as the counted one"}},
+         {{"maxdepth", raylex::ParameterType::integer, "5", "as in the counted integrator"}},
          [integrator](const transport::SceneEntity& scene,
                       std::optional<std::int64_t> max_depth) -> raylex::Result<std::unique_ptr<transport::Integrator>> {
              transport::SceneEntity inner;
              inner.type = integrator;
-             inner.parameters = scene.parameters;  // what the scene's file says, its depth for one
+             inner.parameters = scene.parameters;  // the parameters of the scene's file, such as its depth
              auto chosen = transport::choose_integrator(inner, max_depth);
              if (!chosen) return chosen.error();
              return std::unique_ptr<transport::Integrator>(

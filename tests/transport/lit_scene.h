@@ -1,4 +1,4 @@
-// Lights of a scene file's world, with the geometry that they stand in.
+// The lights of a scene file, with the geometry around them.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -15,7 +15,7 @@ struct Lit {
     std::vector<raylex::Error> warnings;
 };
 
-/// What stands behind WorldBegin, which is in line 1 behind `options`.
+/// `world` follows WorldBegin, which is in line 1 after `options`.
 inline raylex::Result<Lit> try_lit(const std::string& world, const std::string& options = {}) {
     namespace transport = raylex::transport;
     auto scene = transport::import_pbrt_text(options + "WorldBegin\n" + world, "test.pbrt");

@@ -1,4 +1,4 @@
-// Scene descriptions written in C++, for tests that should not depend on the importer.
+// Scene descriptions written in C++, for tests that must not depend on the importer.
 #pragma once
 
 #include <string>

@@ -17,7 +17,7 @@ using transport::Frame;
 using transport::Vec2;
 using transport::Vec3;
 
-/// Fixed seeds: a test that passes once passes always, and its false-alarm rate was spent when it was written.
+/// Random numbers with fixed seeds: a test that passes once passes always.
 class Random {
   public:
     explicit Random(std::uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15ull + 1) {}
@@ -32,7 +32,7 @@ class Random {
     std::uint64_t state_;
 };
 
-/// A frame that is not the world's, so that tests notice a closure that forgets to turn.
+/// A rotated frame, so that tests detect a closure that does not transform to its local frame.
 inline Frame tilted_frame() {
     return Frame::from_normal_and_tangent(transport::normalize({0.3f, -0.5f, 0.8f}), {0.6f, 0.7f, 0.1f});
 }
@@ -42,7 +42,7 @@ inline Vec3 local_direction(float cos_theta, float phi = 0.7f) {
     return {s * std::cos(phi), s * std::sin(phi), cos_theta};
 }
 
-/// Reflectance of a smooth interface by Snell's law and Fresnel's equations, straight from the textbook.
+/// Reflectance of a smooth interface by Snell's law and Fresnel's equations.
 inline double fresnel_by_snell(double cos_i, double n_i, double n_t) {
     const double sin_t = n_i / n_t * std::sqrt(1 - cos_i * cos_i);
     if (sin_t >= 1) return 1;
@@ -73,8 +73,8 @@ inline double chi_square_tail(double x, double dof) {
     return front * h;
 }
 
-/// Cells of a sphere about an axis, polar angle warped so that a lobe of width `scale` around the axis spans half of
-/// them: t = theta / (theta + scale), scaled to reach 1 at theta = pi.
+/// Cells of a sphere about an axis. The polar angle is warped so that a lobe of width `scale` around the axis covers
+/// half of them: t = theta / (theta + scale), scaled to reach 1 at theta = pi.
 class LobeGrid {
   public:
     LobeGrid(const Vec3& axis, float scale, int rings, int sectors)

@@ -1,4 +1,4 @@
-// Writes measured materials of analytic surfaces, as RGL's files have them: a table of what is known in closed form.
+// Writes measured materials of analytic surfaces in the format of RGL's files, whose values are known in closed form.
 #pragma once
 
 #include <bit>
@@ -26,14 +26,14 @@ struct Surface {
     std::function<double(const Direction& wo, const Direction& wi, const Direction& m)> rest;
 };
 
-/// Normals spread evenly over the hemisphere under a Lambert surface.
+/// A Lambertian surface with normals spread evenly over the hemisphere.
 inline Surface lambert(double albedo) {
     const auto area = [](const Direction& wo) { return (1 + wo.z) / 2; };
     return {[](const Direction&) { return 1 / std::acos(-1.0); }, area,
             [=](const Direction& wo, const Direction& wi, const Direction&) { return 4 * area(wo) * albedo * wi.z; }};
 }
 
-/// GGX with height-correlated masking, reflecting `fresnel`.
+/// GGX with height-correlated masking and the constant reflectance `fresnel`.
 inline Surface ggx(double ax, double ay, double fresnel) {
     const auto lambda = [=](const Direction& w) {
         const double t = (ax * ax * w.x * w.x + ay * ay * w.y * w.y) / (w.z * w.z);
@@ -84,7 +84,7 @@ class TensorWriter {
     std::vector<Field> fields_;
 };
 
-/// Density of a table on a grid of the square, numerically inverted the slow way: cumulative sums and halving.
+/// The density of a table on a grid of the square, inverted slowly: cumulative sums and bisection.
 class SlowWarp {
   public:
     SlowWarp(std::vector<double> values, int rows, int columns)
@@ -162,7 +162,7 @@ inline std::string file_of(const Surface& surface, const Resolution& n) {
             std::vector<double> visible;
             for (int y = 0; y < rows; ++y)
                 for (int x = 0; x < columns; ++x) {
-                    // Normals turn with wo where the surface is isotropic.
+                    // Normals rotate with wo if the surface is isotropic.
                     const double u = double(x) / (columns - 1), t = theta_of(u);
                     const Direction m = polar(t, phi_of(double(y) / (rows - 1)));
                     visible.push_back(surface.normals(m) * std::max(dot(wo, m), 0.0) * u * std::sin(t));

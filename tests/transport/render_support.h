@@ -17,7 +17,7 @@ using raylex::ParameterType;
 namespace display = raylex::display;
 namespace transport = raylex::transport;
 
-/// A channel of a name that raylex has.
+/// A channel with a built-in name.
 inline display::ChannelDefinition aov(const std::string& name) {
     display::ChannelDefinition channel;
     channel.name = name;
@@ -72,8 +72,9 @@ inline transport::SceneEntity path_with(const Parameter& parameter) {
     return entity;
 }
 
-/// Mean of a channel's green component over the image, and its standard error from the pixels' own variances. Exact for
-/// the independent sampler; for scrambled Sobol' points, which vary less, too large: tests with it are conservative.
+/// The mean of a channel's green component over the image, and its standard error from the pixels' variances. The error
+/// is exact for the independent sampler and too large for scrambled Sobol' points, which vary less: tests with those
+/// are conservative.
 struct Estimate {
     double mean = 0, error = 0;
 };
@@ -96,7 +97,7 @@ inline Estimate estimate(const transport::RenderOutput& output) {
     return estimate(output, output.beauty);
 }
 
-/// |a - b| in standard errors of the difference. Beyond 4.5 by chance once in 150,000 comparisons.
+/// |a - b| in standard errors of the difference. Above 4.5 by chance once in 150,000 comparisons.
 inline double deviation(const Estimate& a, const Estimate& b) {
     return std::abs(a.mean - b.mean) / std::hypot(a.error, b.error);
 }
@@ -107,7 +108,8 @@ PixelFilter "box" "float xradius" 0.5 "float yradius" 0.5
 Sampler "independent" "integer pixelsamples" 64
 )";
 
-/// A closed room with a ceiling light, a glossy block and a glass ball: every kind of event, walls of several albedos.
+/// A closed room with a ceiling light, a glossy block and a glass ball: every kind of event, and walls of several
+/// albedos.
 inline const std::string room = film + R"(
 Integrator "path" "integer maxdepth" 6
 LookAt 0 1 3.9  0 1 0  0 1 0
@@ -141,7 +143,7 @@ LightSource "infinite" "rgb L" [0.2 0.3 0.4]
 LightSource "spot" "rgb I" [1 1 1] "point3 from" [0 1.8 0.9] "point3 to" [0 0 0]
 )";
 
-/// The room with everything in it, filled with coloured fog; the glass ball holds another medium, which glows.
+/// The room with all its objects, filled with coloured fog; the glass ball contains another medium, which emits.
 inline std::string foggy_room() {
     std::string text = room;
     const std::string camera = "LookAt";

@@ -1,5 +1,5 @@
-// Renders by different integrators compared through replicates: independent seeds give the standard errors, so that
-// nothing is assumed of how samples of one render hang together (light paths reach many pixels, chains are correlated).
+// Compares renders by different integrators through replicates: independent seeds give the standard errors, so that no
+// independence of the samples of one render is assumed (light paths reach many pixels, chains are correlated).
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace render_test {
 
-/// Means of every expression channel over blocks of pixels, by seed.
+/// Means of every expression channel over blocks of pixels, for each seed.
 struct Replicates {
     std::vector<std::vector<double>> of_seed;  // [seed][channel * blocks + block]
 
@@ -18,7 +18,7 @@ struct Replicates {
         for (const auto& each : of_seed) sum += each[i];
         return sum / static_cast<double>(of_seed.size());
     }
-    /// Variance of that mean.
+    /// The variance of the mean with index `i`.
     [[nodiscard]] double variance(std::size_t i) const {
         const double m = mean(i);
         double squares = 0;
@@ -26,13 +26,14 @@ struct Replicates {
         const double n = static_cast<double>(of_seed.size());
         return squares / (n * (n - 1));
     }
-    /// Over all blocks of all channels.
+    /// The sum of the variances over all blocks of all channels.
     [[nodiscard]] double sum_of_variances() const {
         double sum = 0;
         for (std::size_t i = 0; i < of_seed[0].size(); ++i) sum += variance(i);
         return sum;
     }
-    /// A channel's mean over the image, of blocks of one size, and its standard error: blocks of a seed hang together.
+    /// A channel's mean over the image, with blocks of equal size, and its standard error: blocks of one seed are
+    /// correlated.
     [[nodiscard]] Estimate channel(std::size_t index) const;
 };
 
@@ -49,7 +50,8 @@ inline Estimate Replicates::channel(std::size_t index) const {
     return {whole.mean(0), std::sqrt(whole.variance(0))};
 }
 
-/// `channels` expression channels from id 0 on, of one colour (green). The seeds are first_seed, first_seed + 1, ...
+/// Replicates of `channels` expression channels from id 0, in one colour (green). The seeds are first_seed, first_seed
+/// + 1, ...
 inline Replicates replicates(const transport::BuiltScene& scene, transport::RenderSettings settings, int channels,
                              int seeds, std::uint64_t first_seed, int color = 1) {
     Replicates result;
@@ -80,8 +82,8 @@ inline Replicates replicates(const transport::BuiltScene& scene, transport::Rend
     return result;
 }
 
-/// Blocks in which some seed found nothing at all, too rare for errors to be told from a dozen seeds, are counted with
-/// the brightest block of their channel.
+/// Merges blocks in which some seed found nothing, which are too rare for error estimates from a dozen seeds, with the
+/// brightest block of their channel.
 inline void pool_rare_blocks(Replicates& a, Replicates& b) {
     constexpr std::size_t blocks = blocks_across * blocks_across;
     for (std::size_t first = 0; first < a.of_seed[0].size(); first += blocks) {
@@ -103,7 +105,7 @@ inline void pool_rare_blocks(Replicates& a, Replicates& b) {
 }
 
 /// Welch's t for each channel and block of two equally long sets of replicates. With n = 12 seeds it has 11 to 22
-/// degrees of freedom: |t| beyond 7 once in 44,000 comparisons at the worst, and t^2 has a mean of at most 11 / 9.
+/// degrees of freedom: |t| exceeds 7 at most once in 44,000 comparisons, and t^2 has a mean of at most 11 / 9.
 inline void check_agreement(Replicates a, Replicates b, const std::vector<std::string>& names) {
     pool_rare_blocks(a, b);
     constexpr std::size_t blocks = blocks_across * blocks_across;
@@ -124,13 +126,13 @@ inline void check_agreement(Replicates a, Replicates b, const std::vector<std::s
     }
     REQUIRE(compared > 0);
     CAPTURE(compared);
-    // Blocks and channels share paths, so the mean square of t scatters more than that of independent ones; twice its
-    // variance of 2 and a half at the 11 degrees of freedom of one side alone.
+    // Blocks and channels share paths, so the mean square of t varies more than for independent ones. The limit uses
+    // twice its variance of 2 and a half at the 11 degrees of freedom of one side alone.
     CHECK(squares / compared < 11.0 / 9 + 4.5 * std::sqrt(2 * 2.5 / compared));
 }
 
-/// |t| that Student's t of `dof` degrees of freedom exceeds in any of `tests` tests once in a thousand (Sidak). Its
-/// tail beyond sqrt(dof) tan(x) is an integral of cos^(dof - 1) from x to pi / 2.
+/// The |t| that Student's t with `dof` degrees of freedom exceeds in any of `tests` tests once in a thousand (Sidak).
+/// Its tail beyond sqrt(dof) tan(x) is an integral of cos^(dof - 1) from x to pi / 2.
 inline double student_threshold(int dof, std::size_t tests) {
     const double each = -std::expm1(std::log1p(-0.001) / static_cast<double>(tests));
     const double right = std::acos(0.0);
@@ -149,14 +151,14 @@ inline double student_threshold(int dof, std::size_t tests) {
     return std::sqrt(static_cast<double>(dof)) * std::tan(low);
 }
 
-/// A channel and the mean it must have.
+/// A channel and its expected mean.
 struct ClosedForm {
     std::string expression;
     double value;
 };
 
-/// Channels from id 0 on against their closed forms, errors from the seeds, as some of `tests` tests in all.
-/// `largest_error`: relative, so that the check can fail. What is 0 is so to the bit.
+/// Compares channels from id 0 with their closed forms, with errors from the seeds, as some of `tests` tests in all.
+/// `largest_error` is relative and keeps the check strict. An expected 0 must be exact.
 inline void check_closed_forms(const Replicates& found, const std::vector<ClosedForm>& expected, std::size_t tests,
                                double largest_error) {
     const double threshold = student_threshold(static_cast<int>(found.of_seed.size()) - 1, tests);
@@ -169,7 +171,7 @@ inline void check_closed_forms(const Replicates& found, const std::vector<Closed
             CHECK(e.mean == 0);
             continue;
         }
-        // Products of up to a dozen floats, and directions of up to 2^-20 relative error.
+        // Products of up to a dozen floats, and directions with relative errors of up to 2^-20.
         CHECK(std::abs(e.mean - value) <= threshold * e.error + 1e-5 * value);
         CHECK(e.error <= largest_error * value);
     }
@@ -188,7 +190,7 @@ inline transport::SceneEntity metropolis(int chains, int bootstrap_samples) {
     return entity;
 }
 
-/// Without statistics, which light that lands anywhere has none of.
+/// An expression channel without statistics, which integrators that splat anywhere do not support.
 inline display::ChannelDefinition osl(const std::string& name, const std::string& expression) {
     display::ChannelDefinition channel = lpe_channel(name, expression);
     channel.dialect = raylex::lpe::Dialect::osl;
@@ -196,8 +198,8 @@ inline display::ChannelDefinition osl(const std::string& name, const std::string
     return channel;
 }
 
-/// settings.channels.list, one by one, against the path tracer, which takes settings.samples.per_pixel. Every one must
-/// find something.
+/// Compares each channel of settings.channels.list with the path tracer, which takes settings.samples.per_pixel. Every
+/// channel must find light.
 inline void compare_with_path(const transport::SceneDescription& scene, transport::RenderSettings settings,
                               const transport::SceneEntity& other, int seeds, std::uint64_t other_samples,
                               int color = 1) {
@@ -214,15 +216,14 @@ inline void compare_with_path(const transport::SceneDescription& scene, transpor
     settings.samples.per_pixel = other_samples;
     const Replicates tested = replicates(**built, settings, channels, seeds, 500, color);
     check_agreement(path, tested, expressions);
-    for (std::size_t c = 0; c < expressions.size();
-         ++c) {  // a channel that is black everywhere would agree with anything
+    for (std::size_t c = 0; c < expressions.size(); ++c) {  // a black channel would agree with anything
         const Estimate e = tested.channel(c);
         CAPTURE(expressions[c], e.mean, e.error);
         CHECK(std::abs(e.mean) > 10 * e.error);
     }
 }
 
-/// The same of expressions in the osl dialect.
+/// Compares expressions in the osl dialect with the path tracer.
 inline void compare_with_path(const std::string& text, transport::RenderSettings settings,
                               const transport::SceneEntity& other, int seeds, std::uint64_t other_samples,
                               const std::vector<std::string>& expressions, int color = 1) {
@@ -237,10 +238,10 @@ Film "rgb" "integer xresolution" 18 "integer yresolution" 18
 Sampler "independent" "integer pixelsamples" 64
 )";
 
-/// Shading normals, a lens, a cutout and every kind of light: a mirror ball's caustic of the sky; coarse meshes shaded
-/// smoothly, whose shading and geometric normals differ by up to 55 degrees; rough glass, whose scattering is not
-/// symmetric; a cutout between camera and floor; a wide lens focused on the floor; a filter with negative lobes that
-/// reaches over the image's border.
+/// Shading normals, a lens, a cutout and every kind of light. It contains a mirror ball's caustic of the sky; coarse
+/// meshes shaded smoothly, whose shading and geometric normals differ by up to 55 degrees; rough glass, whose
+/// scattering is not symmetric; a cutout between camera and floor; a wide lens focused on the floor; and a filter with
+/// negative lobes that reaches across the image's border.
 inline std::string many_lights() {
     const std::string octahedron = R"(
 Shape "trianglemesh" "integer indices" [4 0 2 4 2 1 4 1 3 4 3 0 5 2 0 5 1 2 5 3 1 5 0 3]

@@ -1,10 +1,11 @@
-// What share of raw Embree throughput does a render reach, on the very rays that it traces?
+// Which share of raw Embree throughput does a render reach on the rays that it traces?
 //
 //   bench_rays SCENE.pbrt [SAMPLES] [ROUNDS]
 //
-// One render logs every ray in the order of tracing. Then, in turn and on one thread: the render without a log (A), and
-// its rays alone through rtcIntersect1 and rtcOccluded1 (B), with the same flags and instruction set. Prints each
-// round's ratio B / A of CPU seconds, and medians of rays per CPU second of both and of the ratio.
+// One render logs every ray in the order of tracing. Each round then runs two things on one thread: the render without
+// a log (A), and its rays alone through rtcIntersect1 and rtcOccluded1 (B), with the same flags and instruction set.
+// The program prints each round's ratio B / A of CPU seconds, and the medians of the ratio and of both rates in rays
+// per CPU second.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -36,7 +37,7 @@ double trace_again(const EmbreeScene& geometry, const RayLog& log, std::uint64_t
     const std::uint64_t hits = geometry.trace_bare(log);
     const double seconds = cpu_seconds() - start;
     if (hits != expected_hits) {
-        std::fprintf(stderr, "bench_rays: %llu hits, and %llu before: these are not the same rays\n",
+        std::fprintf(stderr, "bench_rays: %llu hits instead of %llu; expected the same rays\n",
                      static_cast<unsigned long long>(hits), static_cast<unsigned long long>(expected_hits));
         std::exit(1);
     }

@@ -18,7 +18,7 @@ struct Corner {
     double x, y;
 };
 
-/// Around the origin, turned as in pbrt-v4 (RealisticCamera::Create): a point down.
+/// A pentagon around the origin with a corner pointing down, as in pbrt-v4 (RealisticCamera::Create).
 std::vector<Corner> pentagon() {
     std::vector<Corner> corners;
     for (int i = 0; i < 5; ++i) {
@@ -28,7 +28,7 @@ std::vector<Corner> pentagon() {
     return corners;
 }
 
-/// The same: a point to the left.
+/// A star around the origin with a tip pointing left, as in pbrt-v4.
 std::vector<Corner> star() {
     constexpr double degree = std::numbers::pi / 180;
     const double inner = elementary::sin_cos(72 * degree).cos / elementary::sin_cos(36 * degree).cos;
@@ -41,7 +41,7 @@ std::vector<Corner> star() {
     return corners;
 }
 
-/// By how often a line to the right crosses its sides.
+/// Counts how often a line from (x, y) to the right crosses the sides; (x, y) is inside if the count is odd.
 bool inside(const std::vector<Corner>& corners, double x, double y) {
     bool within = false;
     for (std::size_t i = 0, j = corners.size() - 1; i < corners.size(); j = i++) {
@@ -95,7 +95,7 @@ Result<Aperture> Aperture::named(const std::string& name, const SourceLocation& 
     }
     double sum = 0;
     for (const float value : aperture.pixels_) sum += static_cast<double>(value);
-    if (!(sum > 0)) return error_at(where, "the aperture '" + name + "' lets no light through");
+    if (!(sum > 0)) return error_at(where, "the aperture '" + name + "' transmits no light");
     const double scale = std::numbers::pi / 4 / (sum / static_cast<double>(aperture.pixels_.size()));
     for (float& value : aperture.pixels_) value = static_cast<float>(static_cast<double>(value) * scale);
     return aperture;

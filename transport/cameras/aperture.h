@@ -1,4 +1,4 @@
-// What the stop of a lens system lets through: a disk, one of pbrt-v4's shapes, or an image of the stop.
+// The stop of a lens system: a disk, one of pbrt-v4's shapes, or an image of the stop.
 #pragma once
 
 #include <optional>
@@ -14,12 +14,12 @@ class Aperture {
   public:
     /// An open disk.
     Aperture() = default;
-    /// "circular", "gaussian", "square", "pentagon" or "star", or the absolute path of an image. All but the disk are
-    /// scaled so that they let through as much as it does.
+    /// `name` is "circular", "gaussian", "square", "pentagon", "star" or the absolute path of an image. All shapes but
+    /// the disk are scaled so that they transmit as much light as the disk.
     static Result<Aperture> named(const std::string& name, const SourceLocation& where);
     [[nodiscard]] static bool is_built_in(const std::string& name);
 
-    /// At (x, y), the stop's radius being 1.
+    /// Transmittance in [0, 1] at (x, y), in units of the stop's radius.
     [[nodiscard]] double transmittance(double x, double y) const;
 
   private:

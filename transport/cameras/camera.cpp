@@ -77,9 +77,9 @@ void Camera::weigh(std::span<const CameraSample> samples, std::span<Ray> rays, s
     std::fill(weights.begin(), weights.end(), Real(1));
 }
 
-// The camera at rest sees what it does when everything is carried back to it by C = W^-1. A solid angle around the
-// direction w becomes |det C| / |C w|^3 of itself, and with the distances d and d |C w| areas that face the camera give
-// I = I_rest |det C| / |C w|.
+// C = W^-1 carries the scene back, so that the camera at rest sees what the moving one sees. C multiplies a solid angle
+// around the direction w by |det C| / |C w|^3. With the distances d and d |C w|, areas that face the camera give I =
+// I_rest |det C| / |C w|.
 Real Camera::carried_importance(const Placement& carry, const Vec3& first_point, const Vec3& first_position,
                                 Real importance) const {
     const DVec3 way = DVec3(first_point) - DVec3(first_position);

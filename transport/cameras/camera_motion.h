@@ -1,5 +1,5 @@
-// How a camera moves, whatever kind it is: a camera stands where it does when the shutter opens, and this carries what
-// it sees from there to where it is at a time, and back.
+// Motion of a camera of any kind. A camera stands where it is when the shutter opens; this class carries rays from
+// there to the camera's place at a time, and points back.
 #pragma once
 
 #include "transport/geometry/render_space.h"
@@ -10,10 +10,11 @@ namespace raylex::transport {
 
 class CameraMotion {
   public:
-    /// From the camera to the world in `motion`; to `space` here.
+    /// `motion` is the transform from the camera to the world; results are in `space`.
     CameraMotion(const AnimatedTransform& motion, const ShutterSpan& shutter, const RenderSpace& space);
 
-    /// From where the camera stands when the shutter opens to where it is at `time`; the inverse beside it.
+    /// The placement that carries points from the camera's place at shutter opening to its place at `time`, with the
+    /// inverse.
     [[nodiscard]] Placement at(Real time) const;
 
   private:

@@ -13,15 +13,15 @@ Registry<CameraFactory>& camera_registry() {
         r.add({"perspective",
                "a pinhole, or a thin lens with depth of field",
                {{"fov", T::real, "90", "degrees that the shorter axis of the film spans"},
-                {"lensradius", T::real, "0", "of the thin lens, in camera space; 0 is a pinhole"},
-                {"focaldistance", T::real, "1000000", "of the plane in focus, in camera space"},
+                {"lensradius", T::real, "0", "radius of the thin lens, in camera space; 0 is a pinhole"},
+                {"focaldistance", T::real, "1000000", "distance of the plane in focus, in camera space"},
                 {"frameaspectratio", T::real, "", "width over height; default: the image's"},
                 {"screenwindow", T::real, "", "x min, x max, y min, y max of the film, in halves of its shorter axis"}},
                PerspectiveCamera::build});
         r.add({"orthographic",
                "parallel rays, or a telecentric lens with depth of field",
-               {{"lensradius", T::real, "0", "of the thin lenses, in camera space; 0 is none"},
-                {"focaldistance", T::real, "1000000", "of the plane in focus, in camera space"},
+               {{"lensradius", T::real, "0", "radius of the thin lenses, in camera space; 0 is none"},
+                {"focaldistance", T::real, "1000000", "distance of the plane in focus, in camera space"},
                 {"frameaspectratio", T::real, "", "width over height; default: the image's"},
                 {"screenwindow", T::real, "", "x min, x max, y min, y max of the film, in camera space"}},
                OrthographicCamera::build});
@@ -30,10 +30,10 @@ Registry<CameraFactory>& camera_registry() {
                {{"mapping", T::string, "equalarea", "equalarea (octahedral) or equirectangular"}},
                SphericalCamera::build});
         r.add({"realistic",
-               "a film of a size behind the elements of a lens; not for methods that begin at the lights",
+               "a film behind the elements of a lens; not for integrators that trace paths from lights",
                {{"lensfile", T::string, "", "rows of radius, thickness, index and diameter, in millimetres"},
-                {"aperturediameter", T::real, "1", "of the stop, in millimetres"},
-                {"focusdistance", T::real, "10", "from the film to what is sharp, in metres"},
+                {"aperturediameter", T::real, "1", "diameter of the stop, in millimetres"},
+                {"focusdistance", T::real, "10", "distance from the film to the plane in focus, in metres"},
                 {"aperture", T::string, "circular",
                  "shape of the stop: circular, gaussian, square, pentagon, star, or an image"}},
                RealisticCamera::build});

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double millimetre = 1e-3;
 constexpr std::size_t most_elements = 1000;
-// Beyond these, rays are lost to rounding, or to overflow: radii of 1e10 mm are written for flat surfaces, and no glass
+// Beyond these limits rays are lost to rounding or overflow. Files give flat surfaces radii of 1e10 mm, and no glass
 // has an index near 100.
 constexpr double longest = 1e12, largest_index = 100;
 
@@ -42,7 +42,8 @@ Error bad_row(const std::string& what, const std::string& path, int number, cons
                  {}};
 }
 
-/// Of light from `eta_i` into `eta_t`, along unit `d` against unit `n` (dot(d, n) < 0). False: totally reflected.
+/// Refracts unit `d`, which comes against unit `n` (dot(d, n) < 0), from index `eta_i` into `eta_t`. Returns false for
+/// total internal reflection.
 bool refract(const DVec3& d, const DVec3& n, double eta_i, double eta_t, DVec3& refracted) {
     const double ratio = eta_i / eta_t, cosine = -dot(d, n);
     const double sin2 = ratio * ratio * std::max(0.0, 1 - cosine * cosine);
@@ -51,10 +52,10 @@ bool refract(const DVec3& d, const DVec3& n, double eta_i, double eta_t, DVec3& 
     return true;
 }
 
-/// Height and angle behind, of those before: paraxial.
+/// Paraxial ray matrix: height and angle behind elements as a function of those before them.
 struct Abcd {
     double a = 1, b = 0, c = 0, d = 1;
-    /// This after `first`.
+    /// The matrix of `first` followed by this.
     [[nodiscard]] Abcd after(const Abcd& first) const {
         return {a * first.a + b * first.c, a * first.b + b * first.d, c * first.a + d * first.c,
                 c * first.b + d * first.d};
@@ -101,8 +102,8 @@ Result<LensSystem> LensSystem::read(const std::string& path, double stop_diamete
     return lens;
 }
 
-// Film at distance t behind the last element, object at S - t before the first, S being what the elements' own length
-// leaves of `distance`. With the elements' matrix (A B; C D) from film to front a point of the film is imaged where
+// The film is at distance t behind the last element, the object at S - t before the first; S is `distance` less the
+// length of the elements. With the elements' matrix (A B; C D) from film to front, a point of the film is imaged where
 //     (A + (S - t) C) t + B + (S - t) D = 0.
 Status LensSystem::focus(double distance, const SourceLocation& where) {
     Abcd system;
@@ -114,7 +115,7 @@ Status LensSystem::focus(double distance, const SourceLocation& where) {
             length += e.thickness;
         }
         const double before = i > 0 ? elements_[i - 1].eta : 1;
-        // Towards the front a positive radius has its centre behind.
+        // Towards the front, the centre of a positive radius lies behind.
         const double power = e.curvature != 0 ? (before - e.eta) / (e.curvature * before) : 0;
         system = Abcd{1, 0, power, e.eta / before}.after(system);
     }
@@ -152,7 +153,7 @@ double LensSystem::trace(LensRay& ray) const {
                          inside = e.curvature * e.curvature - (dot(to_center, to_center) - along * along);
             if (inside < 0) return 0;
             const double half = std::sqrt(inside);
-            // Of the sphere's two sides the one that the element is: the farther one of a convex front.
+            // The element is one of the sphere's two sides: the farther one for a convex front.
             t = e.curvature > 0 ? along + half : along - half;
         }
         if (t < 0) return 0;

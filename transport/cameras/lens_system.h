@@ -12,9 +12,9 @@
 namespace raylex::transport {
 
 struct LensElement {
-    double curvature = 0;  ///< radius, positive where the centre is on the film's side; 0: the stop, or a plane
-    double thickness = 0;  ///< to the next element towards the film, of the last to the film
-    double eta = 1;        ///< index behind it, towards the film; 0 in files counts as 1
+    double curvature = 0;  ///< radius, positive if the centre is on the film's side; 0: the stop, or a plane
+    double thickness = 0;  ///< to the next element towards the film; for the last element: to the film
+    double eta = 1;        ///< index of refraction behind it, towards the film; 0 in files counts as 1
     double radius = 0;     ///< of the opening
 };
 
@@ -24,15 +24,15 @@ struct LensRay {
 
 class LensSystem {
   public:
-    /// From the front to the film. `stop_diameter` (metres) replaces what the file gives the stop, unless that is
-    /// smaller; 0: the file's.
+    /// Reads a lens file with elements from the front to the film. `stop_diameter` (metres) replaces the diameter of
+    /// the stop in the file, unless the file's is smaller; 0: the file's.
     static Result<LensSystem> read(const std::string& path, double stop_diameter, Aperture aperture,
                                    const SourceLocation& named_at, std::vector<Error>& warnings);
 
-    /// Moves the lens so that what lies on the axis `distance` before the film is sharp, by paraxial rays.
+    /// Moves the lens so that points on the axis at `distance` before the film are in focus, by paraxial rays.
     Status focus(double distance, const SourceLocation& where);
-    /// Through all elements from the film, direction.z > 0: `ray` becomes what leaves at the front. What is left of it:
-    /// 0 where an opening stops it or it is totally reflected.
+    /// Traces `ray` from the film through all elements (direction.z > 0); `ray` becomes the ray that leaves at the
+    /// front. Returns the transmittance: 0 where an opening stops the ray or it is totally reflected.
     [[nodiscard]] double trace(LensRay& ray) const;
 
     [[nodiscard]] double rear_z() const { return elements_.back().thickness; }

@@ -57,9 +57,9 @@ void OrthographicCamera::generate(std::span<const CameraSample> samples, std::sp
     }
 }
 
-// From a point o of the lens (0 for none) around the raster position q, the ray leads through q + o + z (-o / f, 1). A
-// step dq of the raster moves it by dq in every plane z; an area dA that faces the ray in the world takes, per step of
-// 1 in z, the volume dA |D| = |det M| dq, D = M (-o / f, 1) with M the linear part of camera to world. So
+// From a point o of the lens (0 without a lens) around the raster position q, the ray runs through q + o + z (-o / f,
+// 1). A step dq of the raster moves it by dq in every plane z. M is the linear part of camera to world, and D = M (-o /
+// f, 1). An area dA that faces the ray in the world sweeps, per step of 1 in z, the volume dA |D| = |det M| dq. So
 //     d(raster) / dA = |D| / (|det M| pixel_area).
 bool OrthographicCamera::connect_to(const Vec3& point, const Vec2& lens, CameraConnection& connection) const {
     const DVec3 seen = placement_.to_object.point(DVec3(point));

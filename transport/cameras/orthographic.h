@@ -1,8 +1,8 @@
 // The orthographic camera: parallel rays along +z, from the plane z = 0 of camera space.
 //
-// With a lens every point of the film has one of its own around it, and all of them focus on the plane at
-// "focaldistance": a telecentric lens, whose image of that plane is the pinhole's. (pbrt-v4 moves all rays to the one
-// lens around the origin, which makes a perspective image of it.)
+// With a lens, every point of the film has a lens of its own around it, and all of them focus on the plane at
+// "focaldistance": a telecentric lens, which images that plane as the pinhole does. (pbrt-v4 moves all rays to the one
+// lens around the origin, which makes the image perspective.)
 #pragma once
 
 #include "transport/cameras/camera.h"
@@ -12,7 +12,7 @@ namespace raylex::transport {
 
 class OrthographicCamera final : public Camera {
   public:
-    /// The factory of the registry.
+    /// Builds the camera for the registry.
     static Result<std::unique_ptr<Camera>> build(const SceneEntity& entity, const CameraPlacement& placement);
 
     using Camera::generate;
@@ -27,7 +27,7 @@ class OrthographicCamera final : public Camera {
     double corner_x_ = 0, corner_y_ = 0, step_x_ = 0, step_y_ = 0;  // camera space: raster (0, 0), and a pixel's step
     double lens_radius_ = 0, focal_distance_ = 1e6;
     Real pixel_width_ = 0;  // in the world
-    double density_ = 0;    // pixels for each volume of the world that a step of 1 in z sweeps
+    double density_ = 0;    // pixels per volume of the world that a step of 1 in z sweeps
 };
 
 }  // namespace raylex::transport

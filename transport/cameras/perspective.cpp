@@ -12,12 +12,12 @@
 namespace raylex::transport {
 namespace {
 
-/// The power of two at or below a positive number: dividing by it changes no digit.
+/// The largest power of two that is at most `value` > 0: dividing by it is exact.
 double power_below(double value) {
     return std::isfinite(value) && value > 0 ? std::ldexp(1.0, std::ilogb(value)) : 1;
 }
 
-/// What turns directions, in another unit of length: their squares are floats, however the camera is scaled.
+/// The transform of directions, in another unit of length: their squares are floats for every scale of the camera.
 Transform for_directions(const Transform& camera_to_world) {
     Matrix4 m = camera_to_world.matrix();
     double largest = 0;
@@ -94,7 +94,7 @@ Ray PerspectiveCamera::ray(Real x, Real y, const Vec2& lens) const {
         ray.direction = normalize(for_directions_.vector(through));
         return ray;
     }
-    // Every point of the lens sees the plane z = focal distance in the same place.
+    // All points of the lens see the plane z = focal distance in the same place.
     const Vec2 d = sample_disk(lens);
     const Vec3 on_lens{d.x * lens_radius_, d.y * lens_radius_, 0};
     ray.origin = camera_to_world_.point(on_lens);

@@ -8,7 +8,7 @@ namespace raylex::transport {
 
 class PerspectiveCamera final : public Camera {
   public:
-    /// The factory of the registry.
+    /// Builds the camera for the registry.
     static Result<std::unique_ptr<Camera>> build(const SceneEntity& entity, const CameraPlacement& placement);
 
     using Camera::generate;
@@ -27,7 +27,7 @@ class PerspectiveCamera final : public Camera {
     Real lens_radius_ = 0, focal_distance_ = 1e6f, pixel_angle_ = 0;
     Matrix34 to_camera_;
     Real focal_in_unit_ = 1, lens_in_unit_ = 0;  // in units of a power of two near the focal distance
-    double raster_density_ = 0;  // pixels for each area on the plane at distance 1, in volume units of the world
+    double raster_density_ = 0;  // pixels per area on the plane at distance 1, in volume units of the world
 };
 
 }  // namespace raylex::transport

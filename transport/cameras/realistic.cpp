@@ -29,7 +29,7 @@ Result<std::unique_ptr<Camera>> RealisticCamera::build(const SceneEntity& entity
     const double diagonal = placement.film_diagonal * 1e-3,
                  aspect = static_cast<double>(placement.height) / static_cast<double>(placement.width);
     const double film_x = diagonal / std::sqrt(1 + aspect * aspect);
-    // As seen from the last element: about the angle of a pixel.
+    // The angle of a pixel, approximately, as seen from the last element.
     const double pixel = film_x / placement.width / lens->rear_z();
     std::unique_ptr<RealisticCamera> camera(
         new RealisticCamera(placement, {static_cast<Real>(pixel), static_cast<Real>(pixel)}, std::move(*lens)));
@@ -49,8 +49,9 @@ RealisticCamera::RealisticCamera(const CameraPlacement& placement, const Vec2& p
       width_(placement.width),
       height_(placement.height) {}
 
-/// What of the last element's plane leads out, from each ring of the film: a grid of rays from its inner and outer edge
-/// and its middle; the box around what passes, and a cell more.
+/// Finds, for each ring of the film, the part of the last element's plane from which rays leave at the front: traces a
+/// grid of rays from the inner edge, the outer edge and the middle of the ring, and takes the box around those that
+/// pass, enlarged by a cell.
 void RealisticCamera::find_pupils() {
     constexpr int cells = 64;
     const double reach = 1.5 * lens_.rear_radius(), cell = 2 * reach / cells;
@@ -68,7 +69,7 @@ void RealisticCamera::find_pupils() {
                              std::max(pupil.y1, py)};
                 }
         }
-        if (pupil.x0 > pupil.x1) pupil = {-reach, reach, -reach, reach};  // nothing was found: look everywhere
+        if (pupil.x0 > pupil.x1) pupil = {-reach, reach, -reach, reach};  // no ray passed: use the whole plane
         else pupil = {pupil.x0 - cell, pupil.x1 + cell, pupil.y0 - cell, pupil.y1 + cell};
         pupils_[static_cast<std::size_t>(ring)] = pupil;
     }
@@ -104,7 +105,7 @@ void RealisticCamera::weigh(std::span<const CameraSample> samples, std::span<Ray
     for (std::size_t i = 0; i < samples.size(); ++i) rays[i] = ray(samples[i], weights[i]);
 }
 
-// Which raster position sees a point through a point of the lens has no closed form: integrators that would ask refuse
+// The raster position that sees a point through a point of the lens has no closed form. Integrators that need it refuse
 // the camera (Camera::weighs_rays).
 bool RealisticCamera::connect_to(const Vec3&, const Vec2&, CameraConnection&) const {
     return false;

@@ -1,6 +1,6 @@
-// The realistic camera: rays from a film of a size through the elements of a lens, by pbrt-v4's conventions. Camera
-// space is in metres. What a ray counts is cos^4 times the area that its pupil point was drawn from over the squared
-// distance of the last element: the film's irradiance, per what a camera without a lens calls radiance.
+// The realistic camera: rays from a film through the elements of a lens, by pbrt-v4's conventions. Camera space is in
+// metres. The weight of a ray is cos^4 times the area from which its pupil point was drawn, over the squared distance
+// of the last element. It converts the radiance that a camera without a lens measures to irradiance on the film.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ namespace raylex::transport {
 
 class RealisticCamera final : public Camera {
   public:
-    /// The factory of the registry.
+    /// Builds the camera for the registry.
     static Result<std::unique_ptr<Camera>> build(const SceneEntity& entity, const CameraPlacement& placement);
 
     using Camera::generate;
@@ -27,7 +27,7 @@ class RealisticCamera final : public Camera {
     Ray ray(const CameraSample& sample, Real& weight) const;
     void find_pupils();
 
-    /// On the last element's plane, for film points at (r, 0).
+    /// A box on the last element's plane, for film points at (r, 0).
     struct Pupil {
         double x0 = 0, x1 = 0, y0 = 0, y1 = 0;
         [[nodiscard]] double area() const { return (x1 - x0) * (y1 - y0); }
@@ -39,7 +39,7 @@ class RealisticCamera final : public Camera {
     double film_x_ = 0, film_y_ = 0, half_diagonal_ = 0;  // metres
     double width_ = 0, height_ = 0;
     Real spread_ = 0;
-    std::array<Pupil, pupil_count> pupils_{};  // by distance from the film's middle
+    std::array<Pupil, pupil_count> pupils_{};  // by distance from the middle of the film
 };
 
 }  // namespace raylex::transport

@@ -1,4 +1,4 @@
-// What the film spans, for cameras that project onto a plane.
+// The window that the film spans, for cameras that project onto a plane.
 #pragma once
 
 #include <array>
@@ -7,17 +7,17 @@
 
 namespace raylex::transport {
 
-/// x min, x max, y min, y max: "screenwindow", else by "frameaspectratio" or the image's, the shorter axis from -1
-/// to 1.
+/// Returns x min, x max, y min, y max: "screenwindow" if given, else the window of "frameaspectratio" or of the image's
+/// aspect ratio, with the shorter axis from -1 to 1.
 Result<std::array<double, 4>> read_screen_window(const SceneEntity& entity, const CameraPlacement& placement);
 
-/// "lensradius" and "focaldistance".
+/// The parameters "lensradius" and "focaldistance".
 struct ThinLens {
     double radius = 0, focal_distance = 1e6;
 };
 Result<ThinLens> read_thin_lens(const SceneEntity& entity);
 
-/// From camera space to [-1, 1]^2 over a window of it: x and y scaled and moved.
+/// Scales and moves x and y so that a window of camera space becomes [-1, 1]^2.
 struct WindowScale {
     double sx, sy, ox, oy;
     explicit WindowScale(const std::array<double, 4>& window, double unit = 1)

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double half_turn = std::numbers::pi;
 
-/// A place beside the unit square on it, where the sphere goes on.
+/// Wraps a point beside the unit square to the point of the square where the sphere continues.
 Vec2 wrapped_square(double x, double y) {
     if (x < 0 || x > 1) {
         x = x < 0 ? -x : 2 - x;
@@ -36,7 +36,7 @@ Result<std::unique_ptr<Camera>> SphericalCamera::build(const SceneEntity& entity
 }
 
 SphericalCamera::SphericalCamera(const CameraPlacement& placement, bool equal_area)
-    // No matrix takes all directions to a screen: the header has none.
+    // No matrix takes all directions to a screen, so the image header contains none.
     : Camera(placement.camera_to_world, Matrix4{},
              {static_cast<Real>(2 * half_turn / placement.width), static_cast<Real>(half_turn / placement.height)},
              false),
@@ -84,8 +84,8 @@ bool SphericalCamera::connect_to(const Vec3& point, const Vec2&, CameraConnectio
     return true;
 }
 
-/// Pixels per steradian over the distance squared. Through a transform that stretches, the solid angle around a unit
-/// direction d of camera space is |M d|^3 / |det M| of the world's.
+/// Pixels per steradian over the squared distance. A transform that stretches multiplies the solid angle around a unit
+/// direction d of camera space by |det M| / |M d|^3 in the world.
 Real SphericalCamera::importance_of(const Vec3& point, const Vec3&) const {
     const DVec3 way = DVec3(point) - origin_, local = placement_.to_object.vector(way);
     const double distance = length(way), unit = length(local);

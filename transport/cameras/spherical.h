@@ -1,8 +1,8 @@
 // The spherical camera: all directions around a point, y up, by pbrt-v4's mappings: "equalarea" (octahedral, every
 // pixel the same solid angle; Clarberg 2008) or "equirectangular".
 //
-// Pixel filters of camera samples reach over the image's borders to what is next to it on the sphere; light paths land
-// at one place, so that with filters wider than a pixel they miss what would reach over.
+// Pixel filters of camera samples reach across the image's borders to the neighbours on the sphere. Light paths splat
+// at one place, so with filters wider than a pixel they lack the part that reaches across.
 #pragma once
 
 #include "transport/cameras/camera.h"
@@ -12,7 +12,7 @@ namespace raylex::transport {
 
 class SphericalCamera final : public Camera {
   public:
-    /// The factory of the registry.
+    /// Builds the camera for the registry.
     static Result<std::unique_ptr<Camera>> build(const SceneEntity& entity, const CameraPlacement& placement);
 
     using Camera::generate;

@@ -5,7 +5,7 @@
 namespace raylex::transport {
 namespace {
 
-// Two tables, since the white of a temperature jumps where blackbodies end and daylight begins.
+// Two tables, since the white jumps at the temperature where blackbodies end and daylight begins.
 constexpr std::array<double, 5> blackbody_kelvins{camera_sensor_coldest, 2720, 3000, 3400, 4000};
 constexpr std::array<double, 6> daylight_kelvins{4000, 5000, 6500, 9000, 14000, 25000};
 
@@ -15,8 +15,8 @@ struct CameraSensor {
     std::array<Matrix3, daylight_kelvins.size()> daylight;
 };
 
-// pbrt-v4 fits what a sensor records to the swatches under the film's white. From those under D65 to those under D60
-// (ACES): least squares over the swatches, which leaves 0.02 % of what the cameras record.
+// pbrt-v4 fits the recording of a sensor to the swatches under the film's white. This matrix takes the swatches under
+// D65 to those under D60 (ACES): least squares over the swatches, with a residual of 0.02 % of the cameras' recordings.
 constexpr Matrix3 swatches_under_d60{
     {{1.03951, -0.01514, -0.01803}, {0.02547, 0.98373, -0.00737}, {-0.00803, 0.01002, 0.92545}}};
 
@@ -226,7 +226,7 @@ constexpr CameraSensor sensors[] = {
        {{{1.23192, -0.19254, -0.02346}, {0.18384, 0.85028, -0.02788}, {0.03930, -0.04090, 1.01695}}},
        {{{1.28742, -0.24070, -0.02650}, {0.23874, 0.79878, -0.02824}, {0.02933, -0.03442, 1.02100}}}}}}};
 
-/// Linear in 1 / kelvin, in which colours of blackbodies and daylight are evenly spaced, about.
+/// Interpolates linearly in 1 / kelvin, in which colours of blackbodies and daylight are spaced almost evenly.
 template <std::size_t n>
 Matrix3 interpolate(const std::array<double, n>& kelvins, const std::array<Matrix3, n>& matrices, double kelvin) {
     kelvin = std::clamp(kelvin, kelvins.front(), kelvins.back());

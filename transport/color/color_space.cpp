@@ -135,7 +135,7 @@ std::optional<ColorSpace> color_space_of(const std::array<Chromaticity, 3>& rgb,
     for (std::size_t i = 0; i < space_count; ++i) {
         const auto space = static_cast<ColorSpace>(i);
         const auto own = primaries(space);
-        // As files name them: D65, and ACES's own white (SMPTE ST 2065-1).
+        // Files name the white by its chromaticity: D65, or the white of ACES (SMPTE ST 2065-1).
         const Chromaticity own_white =
             space == ColorSpace::aces2065_1 ? Chromaticity{0.32168, 0.33767} : Chromaticity{0.3127, 0.3290};
         if (near(rgb[0], own[0]) && near(rgb[1], own[1]) && near(rgb[2], own[2]) && near(white, own_white))

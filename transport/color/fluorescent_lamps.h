@@ -6,7 +6,7 @@
 namespace raylex::transport {
 
 inline constexpr int fluorescent_lamp_count = 12;
-/// `number` from 1 on. Relative power, the 5 nm table interpolated linearly.
+/// Relative power of lamp `number` (1 to 12): the 5 nm table, interpolated linearly.
 [[nodiscard]] VisibleSpectrum fluorescent_lamp(int number);
 
 }  // namespace raylex::transport

@@ -1,4 +1,4 @@
-// Spectra that scene files call by name, under pbrt-v4's names.
+// Spectra that scene files refer to by pbrt-v4's names.
 #include "display/services/elementary.h"
 #include "transport/color/fluorescent_lamps.h"
 #include "transport/color/spectral_data.h"

@@ -14,7 +14,7 @@ struct MatchingRow {
 };
 
 // CIE 1931 2-degree standard observer, 380 nm to 780 nm every 5 nm (CIE 15:2004, table T.4). The columns sum to
-// 21.3714, 21.3711 and 21.3715, the check that CIE 15 itself gives.
+// 21.3714, 21.3711 and 21.3715, as CIE 15 states.
 constexpr std::array<MatchingRow, 81> observer{{
     {0.001368, 0.000039, 0.006450}, {0.002236, 0.000064, 0.010550}, {0.004243, 0.000120, 0.020050},
     {0.007650, 0.000217, 0.036210}, {0.014310, 0.000396, 0.067850}, {0.023190, 0.000640, 0.110200},

@@ -1,4 +1,4 @@
-// Measured spectra as facts: colour matching functions, daylight components, optical constants of metals and glasses.
+// Measured spectra: colour matching functions, daylight components, optical constants of metals and glasses.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace raylex::transport {
 
-/// Wavelengths that colour is computed from: 380 nm to 780 nm, one sample per nm.
+/// The wavelengths over which colours are summed: 380 nm to 780 nm, one sample per nm.
 inline constexpr int visible_begin = 380, visible_end = 780;
 inline constexpr std::size_t visible_samples = visible_end - visible_begin + 1;
 using VisibleSpectrum = std::array<double, visible_samples>;
@@ -22,17 +22,17 @@ struct MatchingFunctions {
 };
 [[nodiscard]] const MatchingFunctions& matching_functions();
 
-/// Values of a piecewise linear spectrum at the visible samples. `wavelengths` increases strictly. Outside its range
-/// the spectrum is 0 as in pbrt, or keeps its end values with `extend`.
+/// Values of a piecewise linear spectrum at the visible samples. `wavelengths` (nm) increases strictly. Outside its
+/// range the spectrum is 0 as in pbrt; with `extend` it keeps its end values.
 [[nodiscard]] VisibleSpectrum resample(const std::vector<double>& wavelengths, const std::vector<double>& values,
                                        bool extend);
 
-/// Planck's law at `kelvin`, divided by its peak over all wavelengths.
+/// Planck's law at `kelvin`, divided by its maximum over all wavelengths.
 [[nodiscard]] VisibleSpectrum blackbody_spectrum(double kelvin);
 /// CIE daylight of a correlated colour temperature in 4000 ... 25000 K (CIE 15: S0 + M1 S1 + M2 S2).
 [[nodiscard]] VisibleSpectrum daylight_spectrum(double kelvin);
 
-/// The spectrum called `name`; false when there is none.
+/// Writes the spectrum called `name`; returns false if there is none.
 bool find_named_spectrum(std::string_view name, VisibleSpectrum& spectrum);
 [[nodiscard]] const std::vector<std::string>& named_spectra();
 

@@ -23,7 +23,7 @@ Rgb to_rgb(const Triple& v) {
     return {static_cast<Real>(v[0]), static_cast<Real>(v[1]), static_cast<Real>(v[2])};
 }
 
-/// Takes scene-space RGB to the rendering space, within what the role allows.
+/// Converts scene-space RGB to the rendering space and clamps it to the range of the role.
 Rgb to_rendering(Triple rgb, SpectrumRole role, const ColorContext& context) {
     if (role == SpectrumRole::unbounded) return to_rgb(rgb);
     if (role == SpectrumRole::illuminant) rgb = multiply(context.sensor, rgb);
@@ -67,8 +67,8 @@ Triple project_unbounded(const VisibleSpectrum& s, ColorSpace space) {
     return mean;
 }
 
-/// Of Y = 1, black for a spectrum without luminance. What is negative in the space is left at 0 and the rest as it is:
-/// the positive channels are those that pbrt-v4's film has.
+/// RGB with Y = 1; black for a spectrum without luminance. Negative channels are set to 0 and the others are unchanged:
+/// the positive channels equal those of pbrt-v4's film.
 Triple project_illuminant(const VisibleSpectrum& s, ColorSpace space) {
     const Triple xyz = integrate_xyz(s);
     if (!(xyz[1] > 0)) return {0, 0, 0};
@@ -82,7 +82,7 @@ bool is_flat(const VisibleSpectrum& s) {
 }
 
 Rgb project(const VisibleSpectrum& s, SpectrumRole role, const ColorContext& context) {
-    // A flat spectrum is exactly grey, not grey up to the rounding of four hundred products.
+    // A flat spectrum is exactly grey, without the rounding of four hundred products.
     if (role == SpectrumRole::illuminant)
         return to_rendering(project_illuminant(s, context.scene_space), role, context);
     if (is_flat(s)) return to_rendering({s[0], s[0], s[0]}, role, context);
@@ -91,7 +91,7 @@ Rgb project(const VisibleSpectrum& s, SpectrumRole role, const ColorContext& con
                         role, context);
 }
 
-/// `numbers` are wavelength, value, wavelength, value ...
+/// `numbers` contains wavelength, value, wavelength, value ...
 Result<SampledSpectrum> from_pairs(const std::vector<double>& numbers, const SourceLocation& where,
                                    const std::string& what) {
     if (numbers.empty() || numbers.size() % 2 != 0)
@@ -116,7 +116,7 @@ Result<SampledSpectrum> from_pairs(const std::vector<double>& numbers, const Sou
     return samples;
 }
 
-/// A file of wavelength-value pairs; '#' starts a comment.
+/// Reads a file of wavelength-value pairs; '#' starts a comment.
 Result<SampledSpectrum> read_spd(const std::string& path) {
     Result<std::string> content = read_input(path, NamedBy::file, "a spectrum file");
     if (!content) return content.error();
@@ -132,7 +132,7 @@ Result<SampledSpectrum> read_spd(const std::string& path) {
             double value = 0;
             const auto [stop, status] = std::from_chars(begin, end, value);
             if (status != std::errc() || stop != end)
-                return Error{"found '" + word + "'; expected a number: wavelength (nm) and value by turns",
+                return Error{"found '" + word + "'; expected a number: wavelengths (nm) and values alternate",
                              path,
                              number,
                              0,
@@ -184,7 +184,7 @@ Result<VisibleSpectrum> read_text(const Parameter& parameter, bool extend) {
     return resample(samples->wavelengths, samples->values, extend);
 }
 
-/// Of a blackbody or spectrum parameter. `extend`: as resample().
+/// Reads a blackbody or spectrum parameter. `extend`: see resample().
 Result<VisibleSpectrum> read_spectrum(const Parameter& parameter, bool extend) {
     if (parameter.type == ParameterType::blackbody) {
         if (parameter.numbers.size() != 1 || !(parameter.numbers[0] > 0) || !std::isfinite(parameter.numbers[0]))
@@ -232,7 +232,7 @@ Result<Rgb> resolve_spectrum(const Parameter& parameter, SpectrumRole role, cons
             break;
     }
     return error_at(parameter.location,
-                    "'" + parameter.name + "' is no colour; expected rgb, blackbody, spectrum or float");
+                    "'" + parameter.name + "' is not a colour; expected rgb, blackbody, spectrum or float");
 }
 
 Result<std::optional<VisibleSpectrum>> varying_spectrum(const Parameter& parameter) {

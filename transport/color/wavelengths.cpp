@@ -50,7 +50,7 @@ HeroWavelength WavelengthDistribution::draw(Real u) const {
     const auto above =
         std::upper_bound(probability_below_.begin() + 1, probability_below_.end() - 1, static_cast<double>(u));
     const auto i = static_cast<std::size_t>(above - probability_below_.begin()) - 1;
-    // The samples' nanometres are drawn evenly within.
+    // Within a sample, the wavelength is drawn uniformly.
     const double p = probability_below_[i + 1] - probability_below_[i];
     const double within = p > 0 ? (static_cast<double>(u) - probability_below_[i]) / p : 0.5;
     return {static_cast<Real>(visible_wavelength(i) - 0.5 + within), weights_[i]};

@@ -13,7 +13,7 @@
 namespace raylex::transport {
 namespace {
 
-/// Sums of the faces' normals around each vertex, by area.
+/// The sums of the face normals around each vertex, weighted by area.
 std::vector<DVec3> sums_of_faces(const std::vector<StoredVec3>& positions, const std::vector<std::uint32_t>& indices) {
     std::vector<DVec3> sums(positions.size());
     for (std::size_t i = 0; i + 3 <= indices.size(); i += 3) {
@@ -30,7 +30,7 @@ StoredVec3 unit_or(const DVec3& v, const StoredVec3& fallback) {
     return l > 0 && std::isfinite(l) ? to_float((v * (1 / l)).to_real()) : fallback;
 }
 
-/// Halves edges in rounds: all that are too long, each by one new vertex.
+/// Halves edges in rounds: each round halves all edges that are too long, each with one new vertex.
 class EdgeHalver {
   public:
     EdgeHalver(SceneShape& mesh, const Transform& placement) : mesh_(mesh), to_world_(placement.matrix()) {}
@@ -38,7 +38,7 @@ class EdgeHalver {
     Status halve_all() {
         if (least_triangles() > static_cast<double>(budget(Budget::tessellated_triangles))) return too_many();
         while (find_long()) {
-            // One more for each edge of each face.
+            // Each halved edge adds one triangle to each of its faces.
             if (mesh_.indices.size() / 3 + halves_ > budget(Budget::tessellated_triangles)) return too_many();
             const std::size_t before = mesh_.positions.size();
             for (const std::uint64_t edge : long_) add_middle(edge);
@@ -51,7 +51,8 @@ class EdgeHalver {
     }
 
   private:
-    /// By area: no triangle with edges of at most l has more than sqrt(3) / 4 l^2.
+    /// A lower bound on the number of triangles, by area: a triangle with edges of at most l has at most sqrt(3) / 4
+    /// l^2.
     [[nodiscard]] double least_triangles() const {
         double area = 0;
         for (std::size_t i = 0; i < mesh_.indices.size(); i += 3) {
@@ -67,7 +68,7 @@ class EdgeHalver {
         const auto end = std::to_chars(shown.data(), shown.data() + shown.size(), mesh_.edge_length);
         return over_budget(Budget::tessellated_triangles,
                            "edges of at most " + std::string(shown.data(), end.ptr) +
-                               " ('edgelength') make more triangles of the displaced mesh than can be kept",
+                               " ('edgelength') need more triangles of the displaced mesh than the budget allows",
                            mesh_.location.file, mesh_.location.line, mesh_.location.column);
     }
     static std::uint64_t key_of(std::uint32_t a, std::uint32_t b) {
@@ -81,7 +82,7 @@ class EdgeHalver {
         long_.clear();
         for (std::size_t i = 0; i < mesh_.indices.size(); i += 3)
             for (std::size_t k = 0; k < 3; ++k) {
-                // The same way around in both faces, so that rounding decides alike.
+                // Both faces list the edge in the same order, so that they round alike.
                 const std::uint32_t a = mesh_.indices[i + k], b = mesh_.indices[i + (k + 1) % 3];
                 if (length_of(std::min(a, b), std::max(a, b)) > double{mesh_.edge_length})
                     long_.push_back(key_of(a, b));
@@ -122,7 +123,8 @@ class EdgeHalver {
             for (std::size_t k = 0; k < 3; ++k) add(c[k], m[k], m[(k + 2) % 3]);
             return add(m[0], m[1], m[2]);
         }
-        // Turned so that edge 0 is the long one, of two the first, or the short one comes last.
+        // Rotates the triangle so that edge 0 is the long one, or the first of two, or so that the short edge comes
+        // last.
         std::size_t turn = 0;
         while (!(is_long[turn] && !is_long[(turn + 2) % 3])) ++turn;
         const auto at = [turn](const std::array<std::uint32_t, 3>& of, std::size_t k) { return of[(turn + k) % 3]; };
@@ -144,13 +146,13 @@ class EdgeHalver {
     SceneShape& mesh_;
     Matrix34 to_world_;
     std::vector<std::uint64_t> long_;
-    std::size_t halves_ = 0;  ///< of edges of this round, those of two faces counted twice
+    std::size_t halves_ = 0;  ///< edges halved in this round; those of two faces count twice
 };
 
 Status move_vertices(SceneShape& mesh, const Transform& placement, const TextureTable& textures) {
     const auto texture = textures.named_real(mesh.displacement_texture, mesh.location);
     if (!texture) return texture.error();
-    // Under ReverseOrientation normals were turned when the mesh was read; displacement follows those of the file.
+    // ReverseOrientation turns normals when the mesh is read; displacement follows the normals of the file.
     const double sign = mesh.flip_normal != mesh.object_to_world.swaps_handedness() ? -1 : 1;
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
         TexturePoint at;
@@ -180,7 +182,7 @@ Result<SceneShape> displaced_mesh(const SceneShape& shape, const Transform& plac
     if (Status s = move_vertices(mesh, placement, textures); !s) return s.error();
     const std::vector<DVec3> sums = sums_of_faces(mesh.positions, mesh.indices);
     for (std::size_t i = 0; i < sums.size(); ++i) {
-        // On the side of the normal that there was: files have faces that go around the other way.
+        // On the side of the previous normal: some files list the corners of a face the other way around.
         const bool turned = dot(sums[i], DVec3(mesh.normals[i])) < 0;
         mesh.normals[i] = unit_or(turned ? sums[i] * -1 : sums[i], mesh.normals[i]);
     }

@@ -1,4 +1,4 @@
-// Displaced meshes: cut until their edges are short, then moved along their normals.
+// Displaced meshes: triangles are split until their edges are short, then moved along their normals.
 #pragma once
 
 #include "lpe/result.h"
@@ -7,10 +7,10 @@
 
 namespace raylex::transport {
 
-/// The triangles of `shape` with every edge halved until `placement` makes it at most shape.edge_length long, each
-/// vertex moved by its displacement_texture along its normal (that of the file, or of the faces around it; in the
-/// shape's own space and unit, as in pbrt-v4), and the normals of what that gives. An edge is cut alike in both of its
-/// faces, so that a closed mesh stays closed but for vertices that the file has twice. Errors: a texture that is no
+/// Returns the triangles of `shape` with every edge halved until it is at most shape.edge_length long after
+/// `placement`. Each vertex is moved by its displacement_texture along its normal (that of the file, or of the faces
+/// around it), in the shape's own space and unit, as in pbrt-v4. Normals are those of the displaced mesh. Both faces of
+/// an edge cut it alike, so a closed mesh stays closed, except at vertices that the file contains twice. Errors: not a
 /// float texture, a value that is not finite, more triangles than the budget.
 Result<SceneShape> displaced_mesh(const SceneShape& shape, const Transform& placement, const TextureTable& textures);
 

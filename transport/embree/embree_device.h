@@ -1,4 +1,4 @@
-// What embree_scene.cpp, embree_trace.cpp and embree_user_shapes.cpp share of Embree; nobody else sees it.
+// Declarations that embree_scene.cpp, embree_trace.cpp and embree_user_shapes.cpp share, and no other file includes.
 #pragma once
 
 #include <atomic>
@@ -15,13 +15,13 @@ namespace raylex::transport {
 
 inline constexpr unsigned opaque_mask = 1, alpha_mask = 2, any_mask = opaque_mask | alpha_mask;
 
-/// What Embree's callback gets for a user geometry.
+/// The user data of Embree's callbacks for a user geometry.
 struct UserShape {
     const ShapeGeometry* shape = nullptr;
     unsigned mask = opaque_mask;
 };
 
-/// For quadrics and patches; its user data is set to a UserShape when it is attached.
+/// Makes a geometry for quadrics or patches. attach() sets its user data to a UserShape.
 RTCGeometry new_user_geometry(RTCDevice device, unsigned primitives);
 
 struct EmbreeErrorLog {

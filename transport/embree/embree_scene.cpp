@@ -15,15 +15,15 @@
 namespace raylex::transport {
 namespace {
 
-constexpr std::uint64_t most_surfaces = 0x7fffffff;  // what an id in an image can count
+constexpr std::uint64_t most_surfaces = 0x7fffffff;  // the largest object id in an image
 void report_error(void* user, RTCError, const char* text) {
     auto* log = static_cast<EmbreeErrorLog*>(user);
     const std::lock_guard lock(log->mutex);
     if (log->message.empty()) log->message = text ? text : "unknown error";
 }
 
-/// Embree's instruction sets that this machine has, widest first. Each asks for all of Embree's feature set of that
-/// name.
+/// Embree's instruction sets that this machine supports, widest first. Each entry requires all features of Embree's set
+/// of that name.
 std::vector<std::string> supported_instruction_sets() {
     __builtin_cpu_init();
     const bool sse42 = __builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt");
@@ -62,7 +62,7 @@ int EmbreeScene::label_index(const std::string& label) {
     return static_cast<int>(labels_.size()) - 1;
 }
 
-/// What the shape's material and alpha make of it.
+/// Sets the opacity, interface and media of a shape from its material and alpha.
 Status EmbreeScene::add_surface(const SceneShape& shape, const SceneDescription& scene, TextureTable& textures,
                                 ShapeGeometry& g) {
     const auto material = static_cast<std::size_t>(g.material);
@@ -87,7 +87,7 @@ Status EmbreeScene::add_surface(const SceneShape& shape, const SceneDescription&
     return success();
 }
 
-/// Rays pass the share of the material that is an interface, as they pass cutouts.
+/// Makes the share of the material that is an interface transparent to rays, like a cutout.
 Status EmbreeScene::mix_in_interface(const SceneShape& shape, TextureId share, TextureTable& textures,
                                      ShapeGeometry& g) {
     g.border = true;
@@ -95,18 +95,20 @@ Status EmbreeScene::mix_in_interface(const SceneShape& shape, TextureId share, T
         g.alpha = share;
         return success();
     }
-    // Which of both a ray has passed says whether it is in another medium now: a question for every shadow ray.
+    // Only the part that a ray passes, cutout or interface, decides whether it changes media; shadow rays cannot
+    // separate them.
     if (g.inside_medium != g.outside_medium)
         return error_at(shape.location,
                         "the shape has 'alpha', a mix with an interface and other media on its two sides; expected two "
-                        "of these at most");
+                        "of these three at most");
     auto both = textures.add_mix(textures.add_constant(Rgb(0)), g.alpha, share);
     if (!both) return error_at(shape.location, "alpha and a mix with an interface: " + both.error().message);
     g.alpha = *both;
     return success();
 }
 
-/// Places the vertices; `made` stays null for a mesh without faces and for patches, which are user geometry.
+/// Makes the geometry of a mesh with its vertices in the world; `made` stays null for a mesh without faces, and for
+/// patches, which are user geometry.
 Status EmbreeScene::add_mesh(const SceneShape& shape, const Transform& placement, const TextureTable& textures,
                              ShapeGeometry& g, RTCGeometryTy*& made) {
     const std::size_t corners = shape.kind == ShapeKind::triangle_mesh ? 3 : 4;
@@ -122,7 +124,7 @@ Status EmbreeScene::add_mesh(const SceneShape& shape, const Transform& placement
     if (mesh->dropped > 0)
         warnings_.push_back(error_at(shape.location, std::to_string(mesh->dropped) + " of the faces of " +
                                                          mesh_name(shape) +
-                                                         " have no area in single precision where they stand and are "
+                                                         " have no area in single precision at their place and are "
                                                          "left out"));
     g.normals = std::move(mesh->normals);
     g.uvs = shape.uvs;
@@ -151,16 +153,17 @@ Status EmbreeScene::add_mesh(const SceneShape& shape, const Transform& placement
     return success();
 }
 
-/// `made` stays null where no segment is left.
+/// Makes the geometry of curves; `made` stays null if no segment is left.
 Status EmbreeScene::add_curves(const SceneShape& shape, const Transform& placement, ShapeGeometry& g,
                                RTCGeometryTy*& made) {
     auto placed = place_curves(shape, placement);
     if (!placed) return placed.error();
     if (Status s = check_extent(shape, placed->extent); !s) return s;
     if (placed->widths_are_means)
-        warnings_.push_back(error_at(shape.location,
-                                     "the transform of curves does not keep circles; their widths go by the mean of "
-                                     "its scales"));
+        warnings_.push_back(
+            error_at(shape.location,
+                     "the transform of curves does not keep circles; their widths are scaled by the mean of "
+                     "its scales"));
     if (placed->dropped > 0)
         warnings_.push_back(error_at(shape.location, std::to_string(placed->dropped) +
                                                          " segments of curves have no length or no width and are left "
@@ -238,7 +241,7 @@ Status EmbreeScene::add_shape(const SceneShape& shape, const Transform& placemen
     return success();
 }
 
-/// Before instances are made.
+/// Checks placements before instances are made.
 Status EmbreeScene::check_placements(const SceneDescription& scene, const InstancePlacements& placements,
                                      double extent) {
     std::vector<std::optional<Bounds>> objects;
@@ -256,7 +259,7 @@ Status EmbreeScene::check_placements(const SceneDescription& scene, const Instan
     return success();
 }
 
-/// The widest instruction set that is there and Embree starts with, or the one that is asked for.
+/// Starts Embree with the requested instruction set, or with the widest one of this machine that works.
 Status EmbreeScene::start_device(const Options& options) {
     static const std::vector<std::string> known = {"sse2", "sse4.2", "avx", "avx2", "avx512"};
     if (!options.isa.empty() && std::find(known.begin(), known.end(), options.isa) == known.end())
@@ -264,7 +267,8 @@ Status EmbreeScene::start_device(const Options& options) {
                         "unknown instruction set '" + options.isa + "'; expected sse2, sse4.2, avx, avx2 or avx512",
                         near_miss(options.isa, known));
     device_ = std::make_unique<Device>();
-    // What Embree would choose by itself is asked for by name, so that the name on record gives the same bits later.
+    // The instruction set that Embree would choose is requested by name, so that the recorded name gives the same bits
+    // later.
     for (const std::string& isa : options.isa.empty() ? supported_instruction_sets() : std::vector{options.isa}) {
         std::string config = "set_affinity=0,isa=" + isa;
         if (options.threads > 0) config += ",threads=" + std::to_string(options.threads);
@@ -280,12 +284,12 @@ Status EmbreeScene::start_device(const Options& options) {
     return success();
 }
 
-/// All shapes, top level first; what objects are made of gets `objects`.
+/// Adds all shapes, top level first; `objects` receives the shapes of each object.
 Status EmbreeScene::add_shapes(const SceneDescription& scene, TextureTable& textures,
                                std::vector<PlacedObject>& objects) {
     std::size_t total = scene.shapes.size();
     for (const SceneObject& object : scene.objects) total += object.shapes.size();
-    shapes_.reserve(total);  // addresses are handed to Embree by attach()
+    shapes_.reserve(total);  // Embree keeps pointers to the elements: attach()
     top_level_shapes_ = scene.shapes.size();
     for (const SceneShape& shape : scene.shapes)
         if (Status s = add_shape(shape, space_.placed(shape.object_to_world), scene, textures, false); !s) return s;
@@ -298,7 +302,7 @@ Status EmbreeScene::add_shapes(const SceneDescription& scene, TextureTable& text
     return success();
 }
 
-/// Shapes [first, first + count), numbered from 0 in `target`.
+/// Attaches the shapes [first, first + count) to `target`, numbered from 0.
 void EmbreeScene::attach(RTCSceneTy* target, std::size_t first, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
         RTCGeometry geometry = device_->geometries[first + i];
@@ -314,7 +318,7 @@ void EmbreeScene::attach(RTCSceneTy* target, std::size_t first, std::size_t coun
     }
 }
 
-/// After those before it; `surfaces` counts the shapes of all.
+/// Adds an instance after the previous ones; `surfaces` is the number of surfaces so far.
 Status EmbreeScene::add_instance(const SceneDescription& scene, std::span<const PlacedObject> objects,
                                  const SceneInstance& instance, const Transform& placement, std::int32_t motion,
                                  std::uint64_t& surfaces) {
@@ -356,7 +360,7 @@ Status EmbreeScene::add_instance(const SceneDescription& scene, std::span<const 
     return success();
 }
 
-/// Of instances, indices into motions_, or -1; none at all where nothing moves.
+/// Returns, for each instance, its index in motions_ or -1; an empty vector if nothing moves.
 Result<std::vector<std::int32_t>> EmbreeScene::add_motions(const SceneDescription& scene,
                                                            std::span<const PlacedObject> objects) {
     std::vector<std::int32_t> motions;
@@ -380,7 +384,7 @@ Result<std::vector<std::int32_t>> EmbreeScene::add_motions(const SceneDescriptio
     return motions;
 }
 
-/// Where they stand is checked before any is made.
+/// Adds all instances after their placements have been checked.
 Status EmbreeScene::add_instances(const SceneDescription& scene, std::span<const PlacedObject> objects) {
     if (Status apart = check_coincident(scene); !apart) return apart;
     double extent = extent_without_shapes(scene, space_);

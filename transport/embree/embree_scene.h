@@ -1,5 +1,5 @@
-// The scene's shapes and the acceleration structure over them. The only door to Embree: its headers are included by
-// embree_scene.cpp and nowhere else, so that moving to another version touches one file.
+// The scene's shapes and the acceleration structure over them. This is the only interface to Embree: only
+// embree_scene.cpp and the sources beside it include its headers, so a new version of Embree affects this folder alone.
 //
 // Calls take batches, but rays are traced one by one (rtcIntersect1, rtcOccluded1, one flag): packet and stream calls
 // may break ties between equal distances differently, and then a pixel would depend on which rays happened to share its
@@ -33,7 +33,7 @@ struct RTCSceneTy;
 
 namespace raylex::transport {
 
-/// One Shape directive as rendering sees it. Meshes point into vertex buffers that Embree owns.
+/// A Shape directive in the form that rendering uses. Meshes point into vertex buffers that Embree owns.
 struct ShapeGeometry {
     ShapeKind kind = ShapeKind::triangle_mesh;
     const StoredVec3* positions = nullptr;
@@ -41,21 +41,21 @@ struct ShapeGeometry {
     std::uint32_t primitive_count = 0;
     std::vector<StoredVec3> normals;
     std::vector<StoredVec2> uvs;
-    std::vector<StoredVec3> patch_positions;  ///< bilinear meshes keep their own
+    std::vector<StoredVec3> patch_positions;  ///< of bilinear meshes, which Embree does not store
     std::vector<std::uint32_t> patch_indices;
     Quadric quadric;
     CurveBatch curves;
-    Matrix34 to_object;  ///< meshes: from where their vertices stand to the space they were written in
+    Matrix34 to_object;  ///< for meshes: from the space of the stored vertices to the space of the shape's parameters
     bool flip_normal = false;
     int material = 0;
     int area_light = -1;  ///< index into SceneDescription::area_lights; -1 also for instanced shapes
     int inside_medium = -1, outside_medium = -1;  ///< indices into MediumTable; -1 = none
     TextureId alpha = -1;                         ///< opacity; -1 = opaque everywhere
-    bool interface = false;                       ///< no surface at all: rays pass, and no area light shines there
-    bool border = false;                          ///< what passes it changes media: interfaces, also mixed ones
-    bool hidden = false;                          ///< alpha is 0 everywhere: no ray ever stops here
-    /// Where it is hit and how it is turned depends on where the ray comes from (flat curves and tubes), so that what a
-    /// subpath finds there one of the other direction does not.
+    bool interface = false;                       ///< not a surface: rays pass, and no area light shines there
+    bool border = false;                          ///< rays that pass change media: interfaces, also mixed ones
+    bool hidden = false;                          ///< alpha is 0 everywhere: no ray stops here
+    /// The place and normal of a hit depend on the ray's direction (flat curves and tubes), so subpaths of opposite
+    /// directions find different points.
     bool faces_rays = false;
     int label = 0;                          ///< index into object_labels()
     bool holdout = false;                   ///< see LabelRule
@@ -65,49 +65,51 @@ struct ShapeGeometry {
     struct Interval {
         double lower, upper;
     };
-    /// Whether Embree leaves it to us: quadrics and patches.
+    /// Whether the shape is a quadric or patch, which raylex intersects instead of Embree.
     [[nodiscard]] bool is_user() const { return kind != ShapeKind::triangle_mesh && kind != ShapeKind::curves; }
-    /// Of a patch or quadric, which are not Embree's own: the nearest hit within `range` of distances.
+    /// Finds the nearest hit of a patch or quadric within `range` of distances.
     bool intersect(unsigned primitive, const DVec3& origin, const DVec3& direction, const Interval& range, double& t,
                    double& u, double& v) const;
-    /// The largest coordinate.
+    /// The largest absolute coordinate.
     [[nodiscard]] double extent() const;
-    /// How far from the origin rays to this shape may begin. For a triangle Embree multiplies the distance of the ray
-    /// by two of its edges, in single precision.
+    /// The largest distance from the origin at which rays towards this shape may begin. Embree multiplies a triangle's
+    /// distance to the ray origin by two of its edges, in single precision.
     [[nodiscard]] double reach_of_rays() const;
-    /// The medium into which a ray leaves the surface, whose outside `normal` points to, out of `current`. A surface
-    /// with the same medium on both sides is no border: rays stay in whatever they came through (pbrt's rule).
+    /// The medium that a ray in `direction` enters at a surface whose `normal` points outside, from the medium
+    /// `current`. A surface with the same medium on both sides is not a border: rays stay in their medium (pbrt's
+    /// rule).
     [[nodiscard]] std::int32_t medium_towards(const Vec3& normal, const Vec3& direction, std::int32_t current) const {
         if (inside_medium == outside_medium) return current;
         return dot(normal, direction) > 0 ? outside_medium : inside_medium;
     }
 };
 
-/// Of a point on a triangle, patch or quadric, `at` being Hit's u and v: what SurfacePoint::u and v are there.
+/// SurfacePoint::u and v of a point on a triangle, patch or quadric; `at` contains u and v of the Hit.
 [[nodiscard]] Vec2 texture_coordinates(const ShapeGeometry& shape, std::uint32_t primitive, const Vec2& at);
 
 struct ShapeInstance {
     Placement placement;
-    std::uint32_t first_shape = 0;    ///< of the object it places
-    int label = -1;                   ///< overrides the shapes' own unless -1
-    std::optional<bool> holdout{};    ///< overrides the shapes' own
-    std::uint32_t first_surface = 0;  ///< surface number of the object's first shape, less 1
-    std::int32_t motion = -1;         ///< index into the scene's motions: `placement` is then that of time 0
+    std::uint32_t first_shape = 0;    ///< of the placed object
+    int label = -1;                   ///< overrides the label of the shapes unless -1
+    std::optional<bool> holdout{};    ///< overrides the holdout flag of the shapes
+    std::uint32_t first_surface = 0;  ///< surface number of the object's first shape, minus 1
+    /// index into the scene's motions, where `placement` is that of time 0; -1: no motion
+    std::int32_t motion = -1;
 };
 
-/// Where a surface point came from: what integrators need beside the SurfacePoint.
+/// The source of a surface point: data that integrators need in addition to the SurfacePoint.
 struct SurfaceSource {
-    OffsetBound offset{};        ///< how far a leaving ray starts off the surface; see ray.h
+    OffsetBound offset{};        ///< the distance off the surface at which a leaving ray starts; see ray.h
     std::int32_t label = 0;      ///< index into object_labels()
     std::int32_t object_id = 0;  ///< 1-based: top-level shapes first, then instances
 };
 
-/// What only geometric AOVs ask of a hit. World space, unless it says otherwise.
+/// Data of a hit that only geometric AOVs need, in world space unless noted.
 struct SurfaceDetails {
-    Vec3 dpdv;                  ///< beside SurfacePoint::dpdu: by the second texture coordinate
-    Vec3 object_position;       ///< in the space that the shape's parameters were written in
+    Vec3 dpdv;                  ///< the derivative by the second texture coordinate; SurfacePoint::dpdu is the first
+    Vec3 object_position;       ///< in the space of the shape's parameters
     Real curvature = 0;         ///< mean curvature; positive where the surface bulges towards SurfacePoint::wo
-    std::array<Vec3, 8> edges;  ///< of the triangle or patch: start and end by turns
+    std::array<Vec3, 8> edges;  ///< of the triangle or patch: start and end of each edge
     int edge_count = 0;         ///< 0 for quadrics and curves
 };
 
@@ -118,11 +120,11 @@ struct Bounds {
     [[nodiscard]] Real radius() const { return length(upper - lower) * 0.5f; }
 };
 
-/// Rays in the order they were traced, batch by batch.
+/// Rays in the order in which they were traced, batch by batch.
 struct RayLog {
     struct Batch {
         std::size_t count = 0;
-        bool shadow = false;  ///< of occluded()
+        bool shadow = false;  ///< traced by occluded()
     };
     std::vector<Ray> rays;
     std::vector<Batch> batches;
@@ -138,56 +140,56 @@ struct InstancePlacements;  // scene_limits.h
 class EmbreeScene {
   public:
     struct Options {
-        std::string isa;  ///< "sse2", "sse4.2", "avx", "avx2", "avx512"; "" = the widest of them that this machine has
-        int threads = 0;  ///< for building; 0 = all
-        RenderSpace space{};  ///< where everything is placed; this class's "world"
+        std::string isa;      ///< "sse2", "sse4.2", "avx", "avx2", "avx512"; "" = the widest that this machine supports
+        int threads = 0;      ///< that build the scene; 0 = all
+        RenderSpace space{};  ///< the space in which everything is placed, called "world" in this class
         ShutterSpan shutter{};
-        std::vector<TextureId> surface_shares{};  ///< [material] MaterialTable's; none: all are surfaces, or interfaces
+        /// [material] of MaterialTable; empty: every material is either a surface or an interface
+        std::vector<TextureId> surface_shares{};
     };
 
-    /// Vertices that are not finite or beyond largest_coordinate, indices out of range, transforms that are singular or
-    /// beyond what floats invert, and Embree's own errors are Errors at the shape or instance.
+    /// Builds the scene. Errors name the shape or instance: vertices that are not finite or beyond largest_coordinate,
+    /// indices out of range, transforms that are singular or cannot be inverted in float, and Embree's own errors.
     static Result<EmbreeScene> build(const SceneDescription& scene, TextureTable& textures, const Options& options);
     ~EmbreeScene();
     EmbreeScene(EmbreeScene&&) noexcept;
     EmbreeScene& operator=(EmbreeScene&&) noexcept;
 
-    /// Closest hits over (0, t_max): which primitive is Embree's choice, where on it is computed here, the same on all
-    /// processors. A ray that begins or points beyond largest_coordinate, or is not of numbers, hits
-    /// nothing, and what it asks is taken for blocked; untraced_rays() counts them.
+    /// Finds the closest hits over (0, t_max). Embree chooses the primitive; raylex computes the place on it, with the
+    /// same result on all processors. A ray with a coordinate or direction beyond largest_coordinate, or with NaN, hits
+    /// nothing; a shadow ray of that kind counts as blocked. untraced_rays() counts both.
     void intersect(std::span<const Ray> rays, std::span<Hit> hits) const;
-    /// 1 where an opaque shape lies on (0, t_max); shapes with alpha do not count.
+    /// Sets blocked[i] to 1 if an opaque shape lies on (0, t_max) of rays[i]; shapes with alpha do not count.
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const;
     [[nodiscard]] std::uint64_t untraced_rays() const;
-    /// Appends every later ray of intersect() and occluded() to `log`, for a benchmark to trace again; null ends it.
-    /// One thread only.
+    /// Appends every later ray of intersect() and occluded() to `log`, so that a benchmark can trace it again; null
+    /// stops the log. For one thread only.
     void record(RayLog* log) const { log_ = log; }
-    /// Traces a log's rays again by nothing but rtcIntersect1 and rtcOccluded1, with the flags and in the order that
-    /// they were traced, and returns how many of them hit. What is left out is finish_hits(): where on a primitive a
-    /// hit is.
+    /// Traces the rays of a log again with nothing but rtcIntersect1 and rtcOccluded1, with the same flags and in the
+    /// same order, and returns the number of hits. It omits finish_hits(), which computes the place of each hit.
     [[nodiscard]] std::uint64_t trace_bare(const RayLog& log) const;
-    /// The closest hit among the shapes with alpha, for the walk that shadow rays take through them.
+    /// Finds the closest hit among the shapes with alpha, for shadow rays that walk through them.
     void intersect_alpha(const Ray& ray, Hit& hit) const;
 
-    /// Turns valid hits into surface points (all but random_key) and their sources. `rays[i]` found `hits[i]`.
+    /// Converts valid hits to surface points (without random_key) and their sources. `rays[i]` found `hits[i]`.
     void surfaces(std::span<const Ray> rays, std::span<const Hit> hits, std::span<SurfacePoint> points,
                   std::span<SurfaceSource> sources) const;
 
-    /// Of a valid hit and the point that surfaces() made of it.
+    /// The tangents at a valid hit, whose point surfaces() computed.
     [[nodiscard]] SurfaceTangents tangents(const Hit& hit, const SurfacePoint& point) const;
-    /// Of a valid hit and the point that surfaces() made of it.
+    /// The details of a valid hit, whose point surfaces() computed.
     [[nodiscard]] SurfaceDetails details(const Hit& hit, const SurfacePoint& point) const;
 
-    /// Surfaces count from 1: top-level shapes, then the shapes of every instance in turn.
+    /// The number of the hit surface, from 1: top-level shapes, then the shapes of every instance.
     [[nodiscard]] std::int32_t surface_number(const Hit& hit) const {
         if (hit.instance == Hit::none) return static_cast<std::int32_t>(hit.shape) + 1;
         const ShapeInstance& instance = instances_[hit.instance];
         return static_cast<std::int32_t>(instance.first_surface + (hit.shape - instance.first_shape)) + 1;
     }
 
-    /// Whether any shape can be passed straight through (alpha or an interface).
+    /// Whether rays can pass through any shape (alpha or an interface).
     [[nodiscard]] bool has_alpha() const { return has_alpha_; }
-    /// Whether any object is a holdout, and whether this hit is on one.
+    /// Whether any object is a holdout; with a hit: whether that hit is on one.
     [[nodiscard]] bool has_holdouts() const { return has_holdouts_; }
     [[nodiscard]] bool is_holdout(const Hit& hit) const {
         const bool own = shapes_[hit.shape].holdout;
@@ -197,16 +199,16 @@ class EmbreeScene {
     [[nodiscard]] std::span<ShapeGeometry> shapes() { return shapes_; }
     [[nodiscard]] std::span<const ShapeInstance> instances() const { return instances_; }
     [[nodiscard]] std::size_t top_level_shapes() const { return top_level_shapes_; }
-    /// Labels in use; [0] is the empty label.
+    /// All labels in use; [0] is the empty label.
     [[nodiscard]] const std::vector<std::string>& object_labels() const { return labels_; }
     [[nodiscard]] const Bounds& bounds() const { return bounds_; }
-    /// Of all that light may meet: media too.
+    /// The bounds of everything that light can reach, including media.
     [[nodiscard]] const Bounds& lit_bounds() const { return lit_bounds_; }
     void extend_lit_bounds(const Bounds& box);
     [[nodiscard]] const std::string& isa() const { return isa_; }
     [[nodiscard]] const RenderSpace& space() const { return space_; }
     [[nodiscard]] const ShutterSpan& shutter() const { return shutter_; }
-    /// What building left out.
+    /// Warnings about parts that building omitted.
     [[nodiscard]] const std::vector<Error>& warnings() const { return warnings_; }
 
   private:
@@ -221,7 +223,7 @@ class EmbreeScene {
                     ShapeGeometry& geometry, RTCGeometryTy*& made);
     Status add_curves(const SceneShape& shape, const Transform& placement, ShapeGeometry& geometry,
                       RTCGeometryTy*& made);
-    /// An object of instances: its first shape, and the point around which its shapes are kept.
+    /// An object of instances: its first shape, and the pivot, from which the coordinates of its shapes are stored.
     struct PlacedObject {
         std::uint32_t first_shape = 0;
         DVec3 pivot;
@@ -235,7 +237,8 @@ class EmbreeScene {
     Status add_instances(const SceneDescription& scene, std::span<const PlacedObject> objects);
     Result<std::vector<std::int32_t>> add_motions(const SceneDescription& scene, std::span<const PlacedObject> objects);
     Status check_placements(const SceneDescription& scene, const InstancePlacements& placements, double extent);
-    /// Where the instance of a hit stands at its time; null at the top level. `room` is for what moves.
+    /// The placement of the instance of a hit at the hit's time; null at the top level. `room` stores the placement of
+    /// moving instances.
     [[nodiscard]] const Placement* placement_of(const Hit& hit, std::optional<Placement>& room) const {
         if (hit.instance == Hit::none) return nullptr;
         const ShapeInstance& instance = instances_[hit.instance];
@@ -252,29 +255,29 @@ class EmbreeScene {
     std::unique_ptr<Device> device_;
     std::vector<ShapeGeometry> shapes_;  // top level, then those of every object in turn
     std::vector<ShapeInstance> instances_;
-    std::vector<InstanceMotion> motions_;  // of some instances
+    std::vector<InstanceMotion> motions_;  // of the instances that move
     std::vector<std::string> labels_;
     std::size_t top_level_shapes_ = 0;
     Bounds bounds_;
     Bounds lit_bounds_;
-    bool is_lit_ = false;  // false: those are of nothing
+    bool is_lit_ = false;  // false: lit_bounds_ is empty
     Real ray_limit_ =
-        largest_coordinate;  // of a ray's numbers, so that they stay in range in every instance's own space
+        largest_coordinate;  // bound on a ray's coordinates that keeps them in range in every instance's own space
     std::string isa_;
     RenderSpace space_;
     ShutterSpan shutter_;
     std::vector<Error> warnings_;
-    mutable RayLog* log_ = nullptr;  // one test a batch; never part of a result
+    mutable RayLog* log_ = nullptr;  // tested once per batch; never part of a result
     std::vector<TextureId> surface_shares_;
     bool has_alpha_ = false, has_holdouts_ = false;
-    /// Whether shadow rays go to Embree as streams. Whether anything lies on a ray is a matter of that ray and a
-    /// triangle at a time, so the answers are those of single rays, whatever stands beside them (geometry_test.cpp).
-    /// Closest hits, where the first of equals wins, keep to single rays. On narrower machines streams are slower.
+    /// Whether shadow rays go to Embree as streams. Occlusion depends on one ray and one triangle at a time, so streams
+    /// give the results of single rays, whatever the other rays of the stream (geometry_test.cpp). Closest hits use
+    /// single rays, since the first of equal hits wins. On narrower machines streams are slower.
     bool streams_ = false;
 };
 
-/// Flushes denormals to zero on the calling thread (row 32 of the hard cases: a throughput that underflows would
-/// otherwise stick at a denormal and slow every multiplication).
+/// Makes the calling thread flush denormals to zero (row 32 of the hard cases: a throughput that underflows would
+/// otherwise stay denormal and slow every multiplication).
 void flush_denormals();
 
 }  // namespace raylex::transport

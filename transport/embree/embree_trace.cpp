@@ -13,8 +13,8 @@ void to_embree(const Ray& ray, unsigned mask, RTCRay& r) {
     r.org_x = to_float(ray.origin.x);
     r.org_y = to_float(ray.origin.y);
     r.org_z = to_float(ray.origin.z);
-    // Not 0: Embree takes a hit at its lower end, and the distance to the surface that a ray has left may underflow to
-    // 0.
+    // Not 0: Embree accepts a hit at the lower end, and the distance to the surface that a ray has left may underflow
+    // to 0.
     r.tnear = std::numeric_limits<float>::min();
     r.dir_x = to_float(ray.direction.x);
     r.dir_y = to_float(ray.direction.y);
@@ -26,7 +26,7 @@ void to_embree(const Ray& ray, unsigned mask, RTCRay& r) {
     r.flags = 0;
 }
 
-/// By Embree's numbers; finish_hits() makes ours of them.
+/// Copies Embree's numbers; finish_hits() replaces them by ours.
 void hit_of(const RTCRayHit& found, const Ray& ray, Hit& hit) {
     hit.t = found.ray.tfar;
     hit.u = found.hit.u;
@@ -40,7 +40,7 @@ void hit_of(const RTCRayHit& found, const Ray& ray, Hit& hit) {
 
 }  // namespace
 
-/// Embree ends the program where a number of a ray is beyond its range, in the world's space or an instance's.
+/// Embree ends the program if a coordinate of a ray is out of its range, in the world's space or an instance's.
 bool EmbreeScene::traceable(const Ray& ray) const {
     const auto fits = [&](const Vec3& v) {
         return (std::abs(v.x) <= ray_limit_) & (std::abs(v.y) <= ray_limit_) & (std::abs(v.z) <= ray_limit_);
@@ -55,8 +55,8 @@ std::uint64_t EmbreeScene::untraced_rays() const {
     return device_->untraced.load(std::memory_order_relaxed);
 }
 
-/// Has memory bring what finish_hits() is to read, while the next rays are traced: large meshes are in no cache. `hit`
-/// is called by Embree's numbers.
+/// Prefetches the memory that finish_hits() reads, while the next rays are traced: large meshes do not fit into caches.
+/// `hit` uses Embree's ids.
 void EmbreeScene::fetch_primitive(const Hit& hit) const {
     if (!hit.valid()) return;
     const std::size_t first = hit.instance == Hit::none ? 0 : instances_[hit.instance - top_level_shapes_].first_shape;
@@ -82,7 +82,7 @@ void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) cons
         hit_of(rayhit, rays[i], hit);
         fetch_primitive(hit);
     }
-    // A loop of its own, so that the processor has several hits in hand at a time.
+    // A separate loop, so that the processor overlaps several hits.
     finish_hits(rays, hits);
 }
 
@@ -112,7 +112,7 @@ void EmbreeScene::occluded(std::span<const Ray> rays, std::span<std::uint8_t> bl
         for (std::size_t i = 0; i < count; ++i) {
             to_embree(rays[first + i], opaque_mask, stream[i]);
             if (!traceable(rays[first + i])) [[unlikely]]
-                stream[i].tfar = -infinity;  // as Embree says that a ray is blocked; it leaves such rays alone
+                stream[i].tfar = -infinity;  // Embree's mark of a blocked ray; it skips such rays
         }
         if (streams_) {
             rtcOccluded1M(device_->scene, &context, stream.data(), static_cast<unsigned>(count), sizeof(RTCRay));

@@ -1,4 +1,4 @@
-// Quadrics and bilinear patches for Embree: it finds their boxes, the equations are solved here, in double.
+// Quadrics and bilinear patches for Embree: Embree finds their boxes, and raylex solves the equations in double.
 #include <algorithm>
 #include <limits>
 
@@ -45,7 +45,7 @@ bool intersect_user_shape(const ShapeGeometry& shape, unsigned primitive, const 
 void intersect_user(const RTCIntersectFunctionNArguments* args) {
     if (!args->valid[0]) return;
     const auto* user = static_cast<const UserShape*>(args->geometryUserPtr);
-    auto* rayhit = reinterpret_cast<RTCRayHit*>(args->rayhit);  // N is 1: closest hits are asked for one by one
+    auto* rayhit = reinterpret_cast<RTCRayHit*>(args->rayhit);  // N is 1: closest hits are traced one by one
     if (!(rayhit->ray.mask & user->mask)) return;
     double t, u, v;
     if (!intersect_user_shape(*user->shape, args->primID, rayhit->ray, t, u, v)) return;
@@ -57,7 +57,7 @@ void intersect_user(const RTCIntersectFunctionNArguments* args) {
     rayhit->hit.instID[0] = args->context->instID[0];
 }
 
-/// Streams of shadow rays come several at a time.
+/// Streams deliver several shadow rays at a time.
 void occlude_user(const RTCOccludedFunctionNArguments* args) {
     const auto* user = static_cast<const UserShape*>(args->geometryUserPtr);
     for (unsigned i = 0; i < args->N; ++i) {

@@ -1,4 +1,4 @@
-// Where rays meet what the intersector says that they hit.
+// The place of a hit on the primitive that Embree found.
 #include "transport/embree/embree_scene.h"
 
 #include <algorithm>
@@ -26,8 +26,8 @@ void set_place(const Ray& ray, Hit& hit, double t, double u, double v) {
     hit.cone = ray.cone.after(hit.t);
 }
 
-/// Of Embree's numbers ours, or themselves where ours do not settle. Its v is h for flat curves, and for ribbons goes
-/// from 1 down to 0; for tubes it says nothing.
+/// Replaces Embree's numbers by ours, unless the solver does not converge. Embree's v is h for flat curves, runs from 1
+/// down to 0 for ribbons, and is undefined for tubes.
 void finish_curve(const CurveSegment& segment, const DVec3& origin, const DVec3& direction, double t_max,
                   CurvePlace& place) {
     place.u = std::clamp(place.u, 0.0, 1.0);
@@ -40,8 +40,8 @@ void finish_curve(const CurveSegment& segment, const DVec3& origin, const DVec3&
     place.h = std::clamp(place.h, -1.0, 1.0);
 }
 
-/// How far from where it should be a point may come to lie by rounding, in the space of its shape's vertices: 4 units
-/// in the last place, where the shape stands and, of an instance, in the world.
+/// The distance by which rounding may move a point, in the space of the shape's vertices: 4 units in the last place, at
+/// the shape and, for an instance, in the world.
 double rounding_at(const Placement* placement, const DVec3& point) {
     double reach = std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z)});
     if (placement != nullptr) {
@@ -54,7 +54,7 @@ double rounding_at(const Placement* placement, const DVec3& point) {
 
 }  // namespace
 
-/// A hit called by our own numbers.
+/// Computes the place of a hit that uses our ids.
 void EmbreeScene::finish_hit(const Ray& ray, Hit& hit) const {
     DVec3 origin(ray.origin), direction(ray.direction);
     std::optional<Placement> room;
@@ -69,7 +69,7 @@ void EmbreeScene::finish_hit(const Ray& ray, Hit& hit) const {
         const DVec3 p0(shape.positions[index[0]]), p1(shape.positions[index[1]]), p2(shape.positions[index[2]]);
         const DVec3 e1 = p1 - p0, e2 = p2 - p0;
         TriangleHit found = meet_triangle(origin, direction, p0, p1, p2);
-        // What single precision does to the point, and to its weights.
+        // The rounding of the point and of its weights to single precision.
         keep_off_edges(found, p0, p1, p2,
                        rounding_at(placement, p0 + e1 * found.u + e2 * found.v) + 0x1p-23 * (length(e1) + length(e2)));
         set_place(ray, hit, found.t, found.u, found.v);
@@ -81,7 +81,7 @@ void EmbreeScene::finish_hit(const Ray& ray, Hit& hit) const {
         set_place(ray, hit, place.t, place.u, place.h);
         return;
     }
-    // At the top level in float this is what Embree's callback did, of the same numbers.
+    // At the top level in float, this repeats what Embree's callback computed from the same numbers.
     if (double t, u, v; (hit.instance != Hit::none || real_is_double) &&
                         shape.intersect(hit.primitive, origin, direction, {0, ray.t_max}, t, u, v)) {
         hit.t = static_cast<Real>(t);
@@ -91,7 +91,8 @@ void EmbreeScene::finish_hit(const Ray& ray, Hit& hit) const {
     hit.cone = ray.cone.after(hit.t);
 }
 
-/// Two hits on triangles that no instance places, for what is most of a render's hits: the same bits.
+/// Computes two hits on triangles outside instances, which are most of a render's hits, with the same bits as
+/// finish_hit().
 void EmbreeScene::finish_triangles(const std::array<const Ray*, 2>& rays, const std::array<Hit*, 2>& hits) const {
     const auto corners = [&](std::size_t number) {
         const auto one = [&](const Hit& hit) -> const StoredVec3& {
@@ -113,10 +114,10 @@ void EmbreeScene::finish_triangles(const std::array<const Ray*, 2>& rays, const 
     }
 }
 
-/// What Embree calls by its own numbers is called by ours, and where the ray meets it is computed anew, from the ray
-/// and the primitive alone. What is left of Embree in an image is which primitive was hit.
+/// Replaces Embree's ids by ours and computes the place of each hit anew, from the ray and the primitive alone. Images
+/// depend on Embree only through the primitive that was hit.
 void EmbreeScene::finish_hits(std::span<const Ray> rays, std::span<Hit> hits) const {
-    std::size_t waiting = hits.size();  // a triangle's, for the next
+    std::size_t waiting = hits.size();  // index of a hit on a triangle that waits for a second one
     for (std::size_t i = 0; i < hits.size(); ++i) {
         Hit& hit = hits[i];
         if (!hit.valid()) continue;

@@ -18,7 +18,7 @@ bool finite(const StoredVec3& v) {
 Error too_far(const SceneShape& shape, double distance) {
     return error_at(shape.location,
                     "the shape reaches to " + short_number(distance) + " from the origin; expected at most " +
-                        short_number(double{largest_coordinate}) + ", beyond which squares of lengths are no floats",
+                        short_number(double{largest_coordinate}) + ", beyond which squares of lengths overflow float",
                     "another unit of length brings it into range");
 }
 
@@ -26,14 +26,14 @@ double largest_of(const BasicVec3<double>& v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-/// Embree inverts an instance's matrix in single precision by its adjoint and determinant: both must be floats.
-/// Nothing, or what they are instead.
+/// Embree inverts the matrix of an instance in single precision by its adjoint and determinant: both must be in the
+/// range of float. Returns an empty string if they are, else a description of the value.
 std::string not_invertible_as_float(const Matrix34& matrix) {
-    Matrix34 rounded;  // as Embree gets it
+    Matrix34 rounded;  // as Embree receives it
     for (std::size_t r = 0; r < 3; ++r)
         for (std::size_t c = 0; c < 4; ++c) rounded.m[r][c] = static_cast<double>(static_cast<float>(matrix.m[r][c]));
     const auto& m = rounded.m;
-    double largest_minor = 0, products = 0;  // the six of the determinant, without their signs
+    double largest_minor = 0, products = 0;  // the six products of the determinant, without their signs
     for (std::size_t r = 0; r < 3; ++r)
         for (std::size_t c = 0; c < 3; ++c) {
             const std::size_t r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
@@ -44,11 +44,11 @@ std::string not_invertible_as_float(const Matrix34& matrix) {
     const double determinant = std::abs(rounded.determinant());
     if (!(largest_minor < 1e36 && determinant > 1e-30 && determinant < 1e30))
         return "its determinant is " + short_number(matrix.determinant()) + "; expected 1e-30 to 1e30";
-    // Five roundings of 2^-24 lie between these products and their sum in float: four times as much leaves three
-    // quarters of it, and the inverse no more than a third too large.
+    // Five roundings of 2^-24 separate these products from their sum in float. A sum four times as large keeps three
+    // quarters of it, and the inverse is at most a third too large.
     constexpr double least = 20.0 / (1 << 24);
     if (!(determinant > least * products))
-        return "its determinant is " + short_number(determinant) + ", the sum of products as large as " +
+        return "its determinant is " + short_number(determinant) + ", a sum of products as large as " +
                short_number(products) + "; expected at least " + short_number(least) + " of that";
     return {};
 }
@@ -83,7 +83,7 @@ double ShapeGeometry::reach_of_rays() const {
         for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}})
             edge = std::max(edge, largest_of(positions[from] - positions[to]));
     }
-    // The sums of 12 products of the edges and of 3 with the distance, which is of two points, stay below 3.4e38.
+    // The sums of 12 products of the edges and of 3 with the distance between two points stay below 3.4e38.
     constexpr double most_product = 4e36;
     return std::min(double{largest_coordinate}, most_product / (edge * edge));
 }
@@ -140,19 +140,20 @@ Status check_coincident(const SceneDescription& scene) {
     for (const SceneInstance& each : scene.instances) {
         const Transform& end = each.motion < 0 ? each.to_world : scene.moved_to[static_cast<std::size_t>(each.motion)];
         if (++known[{each.object, each.to_world.matrix(), end.matrix()}] > most)
-            return error_at(each.location, "more than " + std::to_string(most) +
-                                               " instances of one object stand at the same place; expected each once");
+            return error_at(each.location,
+                            "more than " + std::to_string(most) +
+                                " instances of one object stand at the same place; expected one instance at a place");
     }
     return success();
 }
 
 double extent_without_shapes(const SceneDescription& scene, const RenderSpace& space) {
     double extent = 0;
-    const auto take = [&](const BasicVec3<double>&
-                              place) {  // what lies beyond all reach is an error of its own, at the camera or light
-        if (const double distance = largest_of(place); distance <= double{largest_coordinate})
-            extent = std::max(extent, distance);
-    };
+    const auto take =
+        [&](const BasicVec3<double>& place) {  // objects beyond all reach are an error of the camera or light
+            if (const double distance = largest_of(place); distance <= double{largest_coordinate})
+                extent = std::max(extent, distance);
+        };
     take(space.placed(scene.camera_to_world).point({0, 0, 0}));
     for (const SceneLight& light : scene.lights) {
         const Parameter* from = light.type == "point" || light.type == "spot" ? light.parameters.find("from") : nullptr;
@@ -165,16 +166,16 @@ double extent_without_shapes(const SceneDescription& scene, const RenderSpace& s
 
 namespace {
 
-/// Light from infinity begins within three extents of the scene, and a shadow ray is as long as two.
+/// Light from infinity begins at three extents of the scene, and a shadow ray is two extents long.
 constexpr double extents_of_rays = 4;
 
-/// How far from the world's origin rays may begin, of which those of the instance's object may as far as `in_object`
-/// from its own. The scene's begin as far as `rays`.
+/// How far from the world's origin rays may begin, so that in the instance's object they begin at most `in_object` from
+/// its origin. Rays of the scene begin up to `rays` from the origin.
 Result<Real> limit_in_world(const SceneInstance& instance, const Transform& to_world, double rays, double in_object) {
     const Placement placement(to_world);
     if (const std::string what = not_invertible_as_float(placement.to_world); !what.empty())
-        return error_at(instance.location, "the instance's transform is beyond what single precision inverts: " + what,
-                        "a shape's own transform has no such bound: place the shapes without an instance");
+        return error_at(instance.location, "the instance's transform cannot be inverted in single precision: " + what,
+                        "transforms of shapes have no such bound: place the shapes without an instance");
     double stretch = 0, shift = 0;
     for (const auto& row : placement.to_object.m) {
         stretch = std::max(stretch, std::abs(row[0]) + std::abs(row[1]) + std::abs(row[2]));
@@ -188,8 +189,8 @@ Result<Real> limit_in_world(const SceneInstance& instance, const Transform& to_w
     return static_cast<Real>((in_object - shift) / stretch);
 }
 
-/// That rays begin where floats can hold them. What is farthest out is at fault, whichever shape they would be traced
-/// to.
+/// Checks that rays begin where floats can hold them. Errors name the object that is farthest out, whichever shape the
+/// rays are traced to.
 Status check_rays(const SceneDescription& scene, const PlacedShapes& placed, double rays,
                   const SceneInstance* farthest_instance) {
     if (rays <= double{largest_coordinate}) return success();
@@ -216,14 +217,14 @@ Status check_rays(const SceneDescription& scene, const PlacedShapes& placed, dou
 Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& placed, double extent) {
     const double most = double{largest_coordinate};
     Real limit = largest_coordinate;
-    const SceneInstance* farthest_instance = nullptr;  // where no shape, camera or light is as far
+    const SceneInstance* farthest_instance = nullptr;  // set if no shape, camera or light is as far
     const auto usable = [&](const SceneInstance& instance) {
         return instance.object >= 0 && static_cast<std::size_t>(instance.object) < scene.objects.size() &&
                instance.to_world.invertible();
     };
     for (std::size_t i = 0; i < scene.instances.size(); ++i) {
         const SceneInstance& instance = scene.instances[i];
-        if (!usable(instance)) continue;  // an error of its own
+        if (!usable(instance)) continue;  // another check reports it
         const std::optional<Bounds>& bounds = placed.object_bounds[static_cast<std::size_t>(instance.object)];
         if (!bounds) continue;
         for (std::size_t step = 0; step < placed.instances.steps(i); ++step) {

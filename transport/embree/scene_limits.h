@@ -1,6 +1,6 @@
-// What single precision can intersect: private to embree_scene.cpp. Embree ends the program, or finds what is not
-// there, where numbers leave its range; so a scene that would take rays there is an error that names the shape,
-// instance or camera.
+// The limits of intersection in single precision; private to this folder. Where numbers leave its range, Embree ends
+// the program or reports wrong hits. A scene that would trace such rays is an error that names the shape, instance or
+// camera.
 #pragma once
 
 #include <functional>
@@ -12,35 +12,35 @@
 
 namespace raylex::transport {
 
-/// Errors name what is not finite, out of range or of the wrong number.
+/// Checks a mesh. Errors name the number that is not finite or out of range, or the array of the wrong size.
 Status check_mesh(const SceneShape& shape, std::size_t corners_of_a_primitive);
 Status check_quadric(const SceneShape& shape);
-/// Whether a quadric lies within largest_coordinate.
+/// Checks that a quadric lies within largest_coordinate.
 Status check_extent(const SceneShape& shape, double extent);
 
-/// That a mesh lies within largest_coordinate, where it stands.
+/// Checks that a placed mesh lies within largest_coordinate.
 Status check_extent(const SceneShape& shape, const std::vector<StoredVec3>& positions);
 
-/// That no more than a thousand instances of an object stand at one place, or move alike: Embree cannot part them, and
-/// its time grows with their square.
+/// Checks that at most a thousand instances of an object stand at one place, or move alike: Embree cannot separate
+/// them, and its time grows with the square of their number.
 Status check_coincident(const SceneDescription& scene);
 
-/// How far from the origin rays of this scene begin, beside those that begin on shapes.
+/// How far from the origin rays of this scene begin, apart from rays that begin on shapes.
 double extent_without_shapes(const SceneDescription& scene, const RenderSpace& space);
 
-/// Where instances stand, one after the other in time; made anew, as they are many.
+/// The placements of instances, one per step of time. They are computed on demand, since there are many.
 struct InstancePlacements {
     const std::function<Transform(std::size_t instance, std::size_t step)>& at;
-    const std::function<std::size_t(std::size_t instance)>& steps;  ///< 1 for what stands still
+    const std::function<std::size_t(std::size_t instance)>& steps;  ///< 1 for an instance that does not move
 };
 
 struct PlacedShapes {
     std::span<const ShapeGeometry> shapes;                 ///< top level, then those of every object in turn
-    std::span<const std::optional<Bounds>> object_bounds;  ///< nothing: an empty object
+    std::span<const std::optional<Bounds>> object_bounds;  ///< nothing: the object is empty
     const InstancePlacements& instances;
 };
-/// That each instance lies in range, and that rays of the scene do in the instances' own spaces. What no number of a
-/// ray may exceed. `extent`: how far from the origin rays begin, instances apart.
+/// Checks that each instance lies in range, and that rays of the scene stay in range in the instances' own spaces.
+/// Returns the bound on all coordinates of rays. `extent` is how far from the origin rays begin, apart from instances.
 Result<Real> limit_of_rays(const SceneDescription& scene, const PlacedShapes& placed, double extent);
 
 }  // namespace raylex::transport

@@ -1,6 +1,6 @@
 // From hits to surface points: positions, normals and parameterisation by pbrt-v4's conventions ("Physically Based
-// Rendering", 4th edition, chapter 6), and the bound on where the intersector may think the surface is
-// (derived in triangle.cpp).
+// Rendering", 4th edition, chapter 6), and the bound on the distance between the point and the surface that the
+// intersector tests (derived in triangle.cpp).
 #include "display/services/elementary.h"
 #include "transport/embree/embree_scene.h"
 
@@ -11,7 +11,7 @@
 namespace raylex::transport {
 namespace {
 
-/// Shading normal from vertex normals, and the geometric normal turned to its side, as pbrt does.
+/// Interpolates the shading normal of vertex normals and turns the geometric normal to its side, as pbrt does.
 void apply_vertex_normal(const Vec3& interpolated, SurfacePoint& point) {
     const Real l2 = length_squared(interpolated);
     if (!(l2 > 0)) return;
@@ -49,7 +49,7 @@ void triangle_surface(const ShapeGeometry& shape, const Hit& hit, SurfacePoint& 
     point.shading_normal = point.geometric_normal;
     if (!shape.normals.empty()) {
         point.geometric_normal = point.shading_normal =
-            triangle.normal;  // pbrt ignores the flip where vertex normals decide
+            triangle.normal;  // pbrt ignores the flip if there are vertex normals
         apply_vertex_normal(Vec3(shape.normals[index[0]]) * b0 + Vec3(shape.normals[index[1]]) * b1 +
                                 Vec3(shape.normals[index[2]]) * b2,
                             point);
@@ -74,7 +74,7 @@ struct LocalRay {
 };
 
 void quadric_surface(const Quadric& q, const LocalRay& ray, const Hit& hit, SurfacePoint& point, OffsetBound& offset) {
-    // t is a float, so the point is put back on the surface, in double; what moves is only along the ray.
+    // t is a float, so the point is projected back onto the surface, in double; the error remains along the ray only.
     DVec3 p = q.placement.to_object.point(ray.origin + ray.direction * hit.t);
     if (q.kind == ShapeKind::sphere) {
         p = p * (q.radius / length(p));
@@ -144,14 +144,14 @@ void curve_surface(const CurveBatch& curves, const LocalRay& ray, const Hit& hit
     offset.here += curve_offset(curves.type, static_cast<Real>(r));
 }
 
-/// Takes a point from its object's space to the world. Embree brings rays there in float: that rounding, seen along the
-/// normal, joins the bound, and both scale with the transform. `growth` is InstanceMotion::rounding_growth() of what
-/// moves, else 1.
+/// Takes a point from its object's space to the world. Embree transforms rays to the object in float: that rounding
+/// along the normal is added to the bound, and both scale with the transform. `growth` is
+/// InstanceMotion::rounding_growth() for moving instances, else 1.
 void place(const Placement& placement, double growth, SurfacePoint& point, OffsetBound& offset) {
     const DVec3 local_normal(point.geometric_normal);
     const DVec3 world = placement.to_world.point(DVec3(point.position));
     const DVec3 normal = placement.to_object.normal_of_inverse(local_normal);
-    const double stretch = length(normal);  // of distances along the normal, inverted
+    const double stretch = length(normal);  // of distances along the normal, by the inverse
     double rounding = 0, turned = 0;
     const double axis[3] = {std::abs(local_normal.x), std::abs(local_normal.y), std::abs(local_normal.z)};
     for (int r = 0; r < 3; ++r) {
@@ -165,8 +165,8 @@ void place(const Placement& placement, double growth, SurfacePoint& point, Offse
     point.geometric_normal = (normal * (1 / stretch)).to_real();
     point.shading_normal = shading.to_real();
     point.dpdu = placement.to_world.vector(DVec3(point.dpdu)).to_real();
-    // 6: the inverse's own rounding to float, the product's three terms and the sum. A ray from afar has coordinates
-    // that are larger by the distance: 6 u `turned` a unit of it, of 16 u.
+    // 6: the rounding of the inverse to float, the product's three terms and the sum. Coordinates of a ray from afar
+    // are larger by the distance: 6 u `turned` per unit of it, within the 16 u.
     offset.here = static_cast<Real>((offset.here + gamma_bound(6) * growth * rounding) / stretch) +
                   gamma_bound(3) * dot(absolute(point.geometric_normal), absolute(point.position));
     offset.per_distance =
@@ -181,7 +181,7 @@ Vec2 texture_coordinates(const ShapeGeometry& shape, std::uint32_t primitive, co
     if (shape.kind == ShapeKind::bilinear_mesh)
         return patch_coordinates(shape, shape.patch_indices.data() + 4 * static_cast<std::size_t>(primitive), at.x,
                                  at.y);
-    return at;  // of quadrics they are the same
+    return at;  // quadrics: they are equal to u and v
 }
 
 void EmbreeScene::surfaces(std::span<const Ray> rays, std::span<const Hit> hits, std::span<SurfacePoint> points,

@@ -1,9 +1,8 @@
-// What geometric AOVs ask of a hit beyond what rendering needs: the second derivative, object space, curvature, edges.
-//
-// Mean curvature. Of a surface F(x) = 0 with gradient g and Hessian A:
+// Hit data that only geometric AOVs need: the second derivative, object space, curvature, edges.
+// || The mean curvature of a surface F(x) = 0 with gradient g and Hessian A is
 //     H = (|g|^2 tr A - g.A g) / (2 |g|^3)
-// (Goldman 2005, "Curvature formulas for implicit curves and surfaces", CAGD 22(7), with the sign that makes a sphere
-// seen from outside positive); of a parametric one from its fundamental forms, do Carmo 1976, section 3.3.
+// seen from outside positive). For a parametric surface it follows from the fundamental forms, do Carmo 1976, section
+// 3.3.
 #include "transport/embree/embree_scene.h"
 
 #include <cmath>
@@ -11,7 +10,8 @@
 namespace raylex::transport {
 namespace {
 
-/// Of a quadric in world space: its implicit equation is known in its own space, x_object = Q(I(x_world)).
+/// Mean curvature of a quadric in world space. The implicit equation is known in its own space: x_object =
+/// Q(I(x_world)).
 double quadric_curvature(const Quadric& q, const Matrix34& to_instance, const DVec3& p, const DVec3& view) {
     if (q.kind == ShapeKind::disk) return 0;
     const bool sphere = q.kind == ShapeKind::sphere;
@@ -77,7 +77,7 @@ struct DetailBuilder {
         const CurveFrame frame = curve_frame(segment, direction, hit.u, h, p);
         DVec3 dpdv = frame.across;
         if (shape.curves.type == CurveType::cylinder) {
-            dpdv = cross(frame.along, frame.offset);  // around the tube, towards h = 1 where that is in sight
+            dpdv = cross(frame.along, frame.offset);  // around the tube, towards h = 1 where that is visible
             if (dot(dpdv, frame.across) < 0) dpdv = dpdv * -1;
             details.curvature =
                 static_cast<Real>(0.5 / (r * length(place.to_world.vector(frame.across))) *
@@ -97,7 +97,7 @@ struct DetailBuilder {
             const Vec2 t0 = shape.uvs[index[0]], t1 = shape.uvs[index[1]], t2 = shape.uvs[index[2]];
             const Vec2 d1{t1.x - t0.x, t1.y - t0.y}, d2{t2.x - t0.x, t2.y - t0.y};
             const Real determinant = d1.x * d2.y - d1.y * d2.x;
-            // As for dpdu: coordinates that span nothing get some tangent of the plane.
+            // As for dpdu: degenerate coordinates get an arbitrary tangent of the plane.
             dpdv = std::abs(determinant) < Real(1e-9) ? cross(normalize(cross(e1, e2)), normalize(e1))
                                                       : (e2 * d1.x - e1 * d2.x) * (1.0 / determinant);
         }
@@ -105,7 +105,7 @@ struct DetailBuilder {
         if (!shape.normals.empty()) details.curvature = static_cast<Real>(normals_curvature(index, e1, e2));
     }
 
-    /// From how the interpolated normal turns: half the trace of the shape operator.
+    /// Mean curvature by the change of the interpolated normal: half the trace of the shape operator.
     [[nodiscard]] double normals_curvature(const std::array<std::uint32_t, 3>& index, const DVec3& e1,
                                            const DVec3& e2) const {
         const DVec3 n0 = world_normal(DVec3(shape.normals[index[0]])),

@@ -1,6 +1,6 @@
-// Tangents and the change of normals, for bump and normal maps: Farin 2002, "Curves and Surfaces for CAGD", chapter 8,
-// and pbrt-v4's conventions ("Physically Based Rendering", 4th edition, chapter 6) for what vertex normals do to
-// tangents: those of triangles are made orthogonal and equally long, those of patches turned.
+// Tangents and the derivatives of normals, for bump and normal maps: Farin 2002, "Curves and Surfaces for CAGD",
+// chapter 8. Vertex normals change tangents by pbrt-v4's conventions ("Physically Based Rendering", 4th edition,
+// chapter 6): tangents of triangles are made orthogonal and equally long, those of patches are rotated.
 #include "transport/embree/embree_scene.h"
 
 #include <cmath>
@@ -8,17 +8,17 @@
 namespace raylex::transport {
 namespace {
 
-/// In double, in the space where the shape stands.
+/// Tangents in double, in the space of the shape.
 struct LocalTangents {
     DVec3 dpdu, dpdv, dndu, dndv;
 };
 
-/// Derivative of a normal of length `l` along `n` that changes by `change`, after normalisation.
+/// The derivative of a normalised normal: a normal of length `l` along `n` changes by `change`.
 DVec3 turned(const DVec3& n, const DVec3& change, double l) {
     return l > 0 ? (change - n * dot(n, change)) * (1 / l) : DVec3();
 }
 
-/// The inverse of d(s,t)/d(a,b): from derivatives along a and b to those along the texture's s and t.
+/// The inverse of d(s,t)/d(a,b): converts derivatives along a and b to derivatives along the texture's s and t.
 struct ChainRule {
     double sa = 1, sb = 0, ta = 0, tb = 1;
 
@@ -67,7 +67,7 @@ LocalTangents triangle_tangents(const ShapeGeometry& shape, const Hit& hit) {
     return result;
 }
 
-/// The smallest turn that takes unit vector `from` to `to`, applied to v.
+/// Applies the smallest rotation that takes unit vector `from` to `to`, to v.
 DVec3 rotate(const DVec3& from, const DVec3& to, const DVec3& v) {
     const DVec3 axis = cross(from, to);
     const double c = dot(from, to);
@@ -113,7 +113,7 @@ LocalTangents patch_tangents(const ShapeGeometry& shape, const Hit& hit) {
     return result;
 }
 
-/// `to_instance`: null at the top level.
+/// Tangents of a quadric; `instance` is null at the top level.
 LocalTangents quadric_tangents(const Quadric& q, const Placement* instance, const Vec3& position) {
     const DVec3 world(position);
     const DVec3 p = q.placement.to_object.point(instance ? instance->to_object.point(world) : world);
@@ -134,7 +134,7 @@ LocalTangents quadric_tangents(const Quadric& q, const Placement* instance, cons
 
 SurfaceTangents EmbreeScene::tangents(const Hit& hit, const SurfacePoint& point) const {
     const ShapeGeometry& shape = shapes_[hit.shape];
-    // Heights are small beside a fibre's radius: how its normal turns below them is left out.
+    // Heights are small compared with a fibre's radius, so the change of its normal is ignored.
     if (shape.kind == ShapeKind::curves) return {point.dpdu, details(hit, point).dpdv, {}, {}};
     std::optional<Placement> room;
     const Placement* const instance = placement_of(hit, room);
@@ -143,7 +143,7 @@ SurfaceTangents EmbreeScene::tangents(const Hit& hit, const SurfacePoint& point)
     else if (shape.kind == ShapeKind::bilinear_mesh) local = patch_tangents(shape, hit);
     else local = quadric_tangents(shape.quadric, instance, point.position);
     if (instance != nullptr) {
-        // World normals are M^-T n over their length; n itself is M^T of the world's, up to length.
+        // World normals are M^-T n over their length. Up to length, n is M^T times the world normal.
         const DVec3 world(point.shading_normal);
         const Matrix34& m = instance->to_world;
         const DVec3 n = normalize(m.normal_of_inverse(world));

@@ -17,7 +17,7 @@ Error file_error(const std::string& path, std::string message) {
     return {std::move(message), path, 0, 0, {}, {}};
 }
 
-/// What gzip's last four bytes say of the unpacked size, modulo 2^32; more streams than one, or a lie, say nothing.
+/// The unpacked size, modulo 2^32, from gzip's last four bytes. It is wrong for several streams or a forged file.
 std::size_t claimed_size(const std::string& compressed) {
     std::uint32_t size = 0;
     for (std::size_t i = 0; i < 4; ++i)
@@ -25,7 +25,7 @@ std::size_t claimed_size(const std::string& compressed) {
     return size;
 }
 
-/// A gzip file of a few megabytes can unpack to gigabytes of one byte.
+/// Checks the unpacked size: a gzip file of a few megabytes can unpack to gigabytes of one byte.
 Status check_unpacked(std::uint64_t unpacked, std::uint64_t compressed, const std::string& path) {
     const std::string shown = "the file of " + std::to_string(compressed) + " bytes unpacks to more than ";
     if (unpacked > budget(Budget::file_bytes))
@@ -35,7 +35,7 @@ Status check_unpacked(std::uint64_t unpacked, std::uint64_t compressed, const st
     return over_budget(Budget::unpack_ratio, shown + std::to_string(ratio) + " times its size", path);
 }
 
-/// Inflates one gzip stream or several in a row (gzip allows concatenation).
+/// Inflates one gzip stream or several concatenated ones.
 Result<std::string> inflate_gzip(const std::string& path, const std::string& compressed) {
     z_stream stream{};
     constexpr int gzip_only = 16 + MAX_WBITS;
@@ -45,13 +45,13 @@ Result<std::string> inflate_gzip(const std::string& path, const std::string& com
     const std::size_t claimed = claimed_size(compressed);
     const bool plausible = check_unpacked(claimed, compressed.size(), path).ok();
     std::string content;
-    content.resize((plausible ? claimed : 1 << 20) + 1);  // one more: the end is seen without growing
+    content.resize((plausible ? claimed : 1 << 20) + 1);  // one byte more, so that the end is found without growing
     std::size_t used = 0, consumed = 0;
     while (true) {
         if (used == content.size()) content.resize(content.size() * 2);
         if (reading_stopped()) return reading_stopped_error(path);
         if (Status fits = check_unpacked(used, compressed.size(), path); !fits) return fits.error();
-        constexpr std::size_t most = std::size_t{1} << 22;  // at a time, so that an interrupt is heard
+        constexpr std::size_t most = std::size_t{1} << 22;  // per call, so that an interrupt stops the loop
         const std::size_t room = std::min(content.size() - used, most),
                           offered = std::min(compressed.size() - consumed, most);
         stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(compressed.data() + consumed));
@@ -89,7 +89,7 @@ Result<std::string> read_file(const std::string& path, NamedBy by, const std::st
 
 Result<std::string> SearchPath::find(const std::string& name, const SourceLocation& where) const {
     if (name.empty()) return error_at(where, "empty file name; expected the path of a file");
-    if (name.find('\0') != std::string::npos) return error_at(where, "file name holds a zero byte");
+    if (name.find('\0') != std::string::npos) return error_at(where, "file name contains a zero byte");
     std::error_code status;
     for (const fs::path& folder : {scene_folder, local_folder}) {
         const fs::path candidate = folder / name;

@@ -1,4 +1,4 @@
-// Whole files into memory, gzip-compressed or not, and where a scene's relative file names lead.
+// Reads whole files into memory, gzip-compressed or not, and finds a scene's relative file names.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +14,8 @@ namespace raylex::transport {
 Result<std::string> read_file(const std::string& path, NamedBy by = NamedBy::file,
                               const std::string& expected = "a file");
 
-/// Where scene files look: pbrt searches the folder of the top-level scene; the folder of the file that holds the name
-/// comes second, so that a subfolder can also be moved as a whole.
+/// The folders in which scene files are searched. pbrt searches the folder of the top-level scene. The folder of the
+/// file that contains the name comes second, so that a subfolder can also be moved as a whole.
 struct SearchPath {
     std::filesystem::path scene_folder, local_folder;
 

@@ -23,20 +23,20 @@ Error damaged(const std::string& path, const std::string& what) {
     return Error{"the NanoVDB file is damaged: " + what, path, 0, 0, {}, {}};
 }
 
-/// The library says what is wrong by exceptions, lack of memory included.
+/// Converts the library's exceptions, including lack of memory, to errors.
 template <class Call>
 auto guarded(const std::string& path, const Call& call) -> Result<decltype(call())> {
     try {
         return call();
     } catch (const std::bad_alloc&) {
-        return damaged(path, "it asks for more memory than there is");
+        return damaged(path, "it needs more memory than there is");
     } catch (const std::exception& failure) {
         return Error{std::string("not a readable NanoVDB file: ") + failure.what(), path, 0, 0, {}, {}};
     }
 }
 
-/// Of packed data each piece stands behind its size: the library takes memory for as much before it reads, and Blosc
-/// reads as far as a header of the piece says.
+/// Checks packed data, where a size precedes each piece: the library allocates that size before it reads, and Blosc
+/// reads as far as a header in the piece states.
 Status check_packed(std::ifstream& file, nanovdb::io::Codec codec, const nanovdb::io::MetaData& grid, std::uint64_t at,
                     const std::string& path) {
     const std::uint64_t end = at + grid.fileSize;
@@ -50,29 +50,29 @@ Status check_packed(std::ifstream& file, nanovdb::io::Codec codec, const nanovdb
         if (size > end - at) return damaged(path, "a piece of a packed grid is larger than the grid");
         at += size;
         if (codec != nanovdb::io::Codec::BLOSC) return success();
-        std::array<std::uint32_t, 4> header{};  // what it is, bytes unpacked, bytes of a block, bytes packed
+        std::array<std::uint32_t, 4> header{};  // kind, bytes unpacked, bytes of a block, bytes packed
         const std::uint64_t piece = std::min<std::uint64_t>(left, nanovdb::io::Internal::MAX_SIZE);
         if (size < sizeof header || !file.read(reinterpret_cast<char*>(&header), sizeof header) || header[1] != piece ||
             header[3] != size)
-            return damaged(path, "a piece of a packed grid has another size than its header says");
+            return damaged(path, "a piece of a packed grid has another size than its header states");
         left -= piece;
     } while (left > 0);
     return success();
 }
 
-/// The library takes it for granted that names end with a zero, and that what is listed is there; of another version's
-/// files it says so with memory that it does not give back.
+/// Checks the list of grids. The library assumes that names end with a zero and that listed grids exist; its error for
+/// files of other versions leaks memory.
 Status check_segments(const std::string& path, std::uint64_t size) {
     std::ifstream file(path, std::ios::binary);
-    std::uint64_t at = 0;  // at most `size`: so much has been read
+    std::uint64_t at = 0;  // at most `size`: the bytes that have been read
     const auto take = [&](auto& record) {
         at += sizeof(record);
         return static_cast<bool>(file.read(reinterpret_cast<char*>(&record), sizeof(record)));
     };
     nanovdb::io::Header segment;
-    while (take(segment) && segment.magic == NANOVDB_MAGIC_NUMBER) {  // the library names another beginning
+    while (take(segment) && segment.magic == NANOVDB_MAGIC_NUMBER) {  // the library reports any other beginning
         if (const std::uint32_t found = segment.version.getMajor(); found != NANOVDB_MAJOR_VERSION_NUMBER)
-            return Error{"the file is of NanoVDB " + std::to_string(found) + "; expected version " +
+            return Error{"the file has NanoVDB version " + std::to_string(found) + "; expected version " +
                              std::to_string(NANOVDB_MAJOR_VERSION_NUMBER),
                          path,
                          0,
@@ -83,7 +83,7 @@ Status check_segments(const std::string& path, std::uint64_t size) {
         std::vector<nanovdb::io::MetaData> grids;
         for (int i = 0; i < segment.gridCount; ++i) {
             nanovdb::io::MetaData& grid = grids.emplace_back();
-            if (!take(grid)) return damaged(path, "it ends in its list of grids");
+            if (!take(grid)) return damaged(path, "it ends within its list of grids");
             if (grid.nameSize == 0 || grid.nameSize > size - at)
                 return damaged(path, "a grid's name is longer than the file");
             at += grid.nameSize;
@@ -94,7 +94,7 @@ Status check_segments(const std::string& path, std::uint64_t size) {
             bytes += grid.fileSize;
         }
         for (const nanovdb::io::MetaData& grid : grids) {
-            if (segment.codec != nanovdb::io::Codec::NONE)  // what the grids themselves say is not asked
+            if (segment.codec != nanovdb::io::Codec::NONE)  // the grids' own codecs are ignored
                 if (Status s = check_packed(file, segment.codec, grid, at, path); !s) return s;
             at += grid.fileSize;
         }
@@ -115,8 +115,8 @@ Result<std::vector<MetaData>> read_meta_data(const std::string& path) {
     if (!grids) return grids;
     if (grids->empty()) return Error{"not a readable NanoVDB file: it has no grid", path, 0, 0, {}, {}};
     for (const MetaData& grid : *grids) {
-        if (grid.gridSize == 0)  // which ends the library
-            return damaged(path, "grid '" + grid.gridName + "' is too small to be one");
+        if (grid.gridSize == 0)  // the library ends the program for such a grid
+            return damaged(path, "grid '" + grid.gridName + "' is smaller than a grid");
         const bool packed = grid.codec != nanovdb::io::Codec::NONE;
         const std::uint64_t most =
             packed ? std::max(size * budget(Budget::unpack_ratio), budget(Budget::unpack_floor)) : size;
@@ -130,7 +130,7 @@ Result<std::vector<MetaData>> read_meta_data(const std::string& path) {
     return grids;
 }
 
-/// What a grid's tree holds: checked to lie within the buffer, node by node, before anything looks a value up.
+/// Reads a grid's tree: checks node by node that it lies within the buffer, before any value is looked up.
 template <class Build>
 class TreeReader {
   public:
@@ -151,7 +151,7 @@ class TreeReader {
         return address >= begin && address % NANOVDB_DATA_ALIGNMENT == 0 && address - begin <= size_ &&
                bytes <= size_ - (address - begin);
     }
-    /// At an offset that the file says: no pointer is made of it before it is known to lead to within.
+    /// Checks an offset from the file before a pointer is made of it.
     [[nodiscard]] bool holds(const void* from, std::int64_t offset, std::uint64_t bytes) const {
         const auto size = static_cast<std::int64_t>(size_);
         const std::int64_t start = static_cast<const std::uint8_t*>(from) - begin_;
@@ -163,17 +163,19 @@ class TreeReader {
     Status visit(const Upper& node, const nanovdb::Coord& origin);
     Status visit(const Lower& node, const nanovdb::Coord& origin);
     Status visit(const Leaf& leaf, const nanovdb::Coord& origin);
-    /// No nodes share memory, so that all of them fit into the grid: work is bounded by the file's size.
+    /// Counts bytes of nodes. No nodes share memory, so together they fit into the grid: work is bounded by the file's
+    /// size.
     Status count(std::uint64_t bytes) {
         visited_ += bytes;
         return visited_ <= size_ ? success() : damaged(path_, "its nodes overlap");
     }
-    /// A cube of voxels that have one value.
+    /// Takes a cube of voxels that have one value.
     Status take_tile(float value, const nanovdb::Coord& origin, int edge) {
         const float taken = checked(value, origin);
         return taken == background_ ? success() : mark(origin, edge, taken);
     }
-    /// Of the cells that a cube touches, those within it have `value`; NaN: they vary, as those on its border do.
+    /// Sets the cells within a cube to `value`, and the cells on its border to NaN, since they vary. NaN as `value`
+    /// marks all as varying.
     Status mark(const nanovdb::Coord& origin, int edge, float value);
     float checked(float value, const nanovdb::Coord& at) {
         return result_.bad.checked(value, may_be_negative_, at[0], at[1], at[2]);
@@ -216,7 +218,7 @@ Result<NanoVdbGrid> TreeReader<Build>::read() {
     const std::array<int, 3>& first = result_.origin;
     const auto fill = [&](int cell_x, int cell_y, int cell_z, float* to) {
         auto accessor = grid->getAccessor();
-        BadValues passed_over;  // counted leaf by leaf
+        BadValues passed_over;  // counted per leaf
         VoxelGrid::for_each_point(cells_.side, cell_x, cell_y, cell_z, [&](int x, int y, int z) {
             const auto value = static_cast<float>(accessor.getValue({first[0] + x, first[1] + y, first[2] + z}));
             *to++ = passed_over.checked(value, may_be_negative_, x, y, z);
@@ -236,9 +238,9 @@ Status TreeReader<Build>::read_box(const Root& root) {
     for (int a = 0; a < 3; ++a) {
         const int least = box.min()[a], most = box.max()[a];
         const auto i = static_cast<std::size_t>(a);
-        if (least > most) return Error{"the grid has no active voxel", path_, 0, 0, {}, {}};
+        if (least > most) return Error{"the grid has no active voxels", path_, 0, 0, {}, {}};
         if (least < -farthest || most > farthest) return damaged(path_, "its box of voxels has no bounds");
-        // Zeros stand around the box, and leaves begin at multiples of 8: so do cells.
+        // Zeros surround the box, and leaves begin at multiples of 8, so cells do too.
         result_.origin[i] = (least - 1) & ~7;
         steps[i] = most + 1 - result_.origin[i];
         lower[i] = least;
@@ -262,13 +264,13 @@ Status TreeReader<Build>::mark(const nanovdb::Coord& origin, int edge, float val
     const int shift = cells_.side == 4 ? 2 : 3;
     std::uint64_t touched = 1;
     for (std::size_t a = 0; a < 3; ++a) {
-        // A point on a border belongs to the cell before, too. Shifts round down.
+        // A point on a border also belongs to the previous cell. Shifts round down.
         from[a] = std::int64_t{origin[static_cast<int>(a)]} - result_.origin[a];
         first[a] = static_cast<int>(std::clamp<std::int64_t>((from[a] - 1) >> shift, 0, cells_.size[a]));
         last[a] = static_cast<int>(std::clamp<std::int64_t>((from[a] + edge - 1) >> shift, -1, cells_.size[a] - 1));
         touched *= static_cast<std::uint64_t>(std::max(last[a] - first[a] + 1, 0));
     }
-    // Cubes begin at multiples of their edge, of 8 at least: two along each axis meet in a cell.
+    // Cubes begin at multiples of their edge, at least 8: at most two along each axis meet in a cell.
     marked_ += touched;
     if (marked_ > 8 * std::uint64_t{cells_.count()}) return damaged(path_, "its tiles overlap");
     const auto within = [&](std::size_t a, int cell) {
@@ -362,7 +364,7 @@ Result<NanoVdbGrid> read_tree(const Handle& handle, const std::string& path, boo
         default:
             break;
     }
-    // The library has names of the types it knows, and looks for others beyond the end of its table.
+    // The library has names of known types only, and reads beyond its table for other types.
     const char* type = handle.gridType() < nanovdb::GridType::End ? nanovdb::toStr(handle.gridType()) : nullptr;
     return Error{std::string("the grid is of type ") + (type != nullptr ? type : "unknown") +
                      "; expected numbers: float, double, Fp4, Fp8, Fp16 or FpN",
@@ -393,10 +395,10 @@ Result<std::optional<NanoVdbGrid>> read_nanovdb_grid(const std::string& path, co
     if (!handle) return handle.error();
     const std::uint64_t size = handle->size();
     if (size < sizeof(nanovdb::GridData) + sizeof(nanovdb::NanoTree<float>))
-        return damaged(path, "grid '" + name + "' is too small to be one");
+        return damaged(path, "grid '" + name + "' is smaller than a grid");
     const auto& data = *reinterpret_cast<const nanovdb::GridData*>(handle->data());
     if (data.mMagic != NANOVDB_MAGIC_NUMBER || data.mGridSize > size)
-        return damaged(path, "grid '" + name + "' ends early or does not begin as one");
+        return damaged(path, "grid '" + name + "' ends early or has no grid header");
     Result<NanoVdbGrid> read = read_tree(*handle, path, may_be_negative);
     if (!read) return read.error();
     return std::optional(*std::move(read));

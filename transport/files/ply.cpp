@@ -20,7 +20,7 @@ using ply::Header;
 using ply::Property;
 using ply::Scalar;
 
-/// Reads scalars from ASCII text; remembers the line for messages.
+/// Reads scalars from ASCII text, and keeps the line number for messages.
 class AsciiSource {
   public:
     AsciiSource(std::string_view content, const Header& header)
@@ -35,7 +35,7 @@ class AsciiSource {
         if (status == std::errc::result_out_of_range) value = HUGE_VAL;
         if (stop == begin) return false;
         const char* after = stop;
-        if (stop != end && *stop == '#') {  // "1.#QNAN", "-1.#IND", "1.#INF": as the C library of Windows wrote them
+        if (stop != end && *stop == '#') {  // "1.#QNAN", "-1.#IND", "1.#INF": spellings of the C library of Windows
             value = std::numeric_limits<double>::quiet_NaN();
             while (after != end && !is_blank(*after)) ++after;
         }
@@ -43,7 +43,7 @@ class AsciiSource {
         at_ = static_cast<std::size_t>(after - content_.data());
         return true;
     }
-    /// Whether `count` rows of at least `numbers` numbers can still follow: each takes a digit and a blank.
+    /// Whether `count` rows of at least `numbers` numbers can still follow: each number needs a digit and a blank.
     [[nodiscard]] bool can_hold(std::uint64_t count, std::size_t numbers, std::size_t) const {
         return count * numbers <= (content_.size() - at_) / 2 + 1;
     }
@@ -69,7 +69,7 @@ class AsciiSource {
     int line_;
 };
 
-/// Reads scalars from binary data; Swap when the file's byte order is not the machine's.
+/// Reads scalars from binary data; Swap: the file's byte order is not the machine's.
 template <bool Swap>
 class BinarySource {
   public:
@@ -129,7 +129,7 @@ class BinarySource {
     std::size_t at_;
 };
 
-/// Which of x y z nx ny nz u v a vertex property is; -1: skipped.
+/// The index of a vertex property among x y z nx ny nz u v; -1: skipped.
 int vertex_slot(std::string_view name) {
     constexpr std::string_view names[] = {"x", "y", "z", "nx", "ny", "nz"};
     for (int i = 0; i < 6; ++i)
@@ -153,7 +153,7 @@ class MeshReader {
         const Element* vertices = header_.find("vertex");
         vertex_count_ = vertices->count;
         for (const Element& element : header_.elements) {
-            // Refuses a count that the file cannot hold before memory is asked for.
+            // Rejects a count that does not fit into the file before memory is allocated.
             if (!source_.can_hold(element.count, element.properties.size(), element.smallest_row()))
                 return failure("PLY file is truncated: element '" + element.name + "' claims " +
                                std::to_string(element.count) + " rows, found " + source_.found());
@@ -200,7 +200,7 @@ class MeshReader {
 
     Status read_rows(const Element& element) {
         const bool faces = element.name == "face";
-        // An element of no properties takes no bytes: its count alone must not keep us busy.
+        // An element without properties takes no bytes, so its count alone must not cause work.
         if (element.properties.empty()) return success();
         if (faces) mesh_.triangles.reserve(static_cast<std::size_t>(element.count) * 3);
         for (std::size_t row = 0; row < element.count; ++row)
@@ -213,7 +213,7 @@ class MeshReader {
         return success();
     }
 
-    /// One scalar, or a list whose values are skipped.
+    /// Reads one scalar, or a list whose values are skipped.
     Status read_property(const Element& element, const Property& property, std::size_t row, double& value) {
         if (!source_.read(property.is_list ? property.count_type : property.type, value))
             return truncated(element, property, row);
@@ -244,7 +244,7 @@ class MeshReader {
             corners[i] = static_cast<std::uint32_t>(index);
         }
         if (count == 3) mesh_.triangles.insert(mesh_.triangles.end(), {corners[0], corners[1], corners[2]});
-        // The file goes around the face; a patch lists its rows.
+        // The file lists corners around the face; a patch lists its rows.
         if (count == 4) mesh_.quads.insert(mesh_.quads.end(), {corners[0], corners[1], corners[3], corners[2]});
         return success();
     }
@@ -257,7 +257,7 @@ class MeshReader {
     }
 
     Error truncated(const Element& element, const Property& property, std::size_t row) {
-        return failure("PLY data ends early or is no number: found " + source_.found() + "; expected '" +
+        return failure("PLY data ends early or is not a number: found " + source_.found() + "; expected '" +
                        property.name + "' of " + element.name + " " + std::to_string(row) + " of " +
                        std::to_string(element.count));
     }

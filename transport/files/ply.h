@@ -10,14 +10,16 @@
 
 namespace raylex::transport {
 
-/// Indices are in range. As in pbrt-v4, quadrilaterals are bilinear patches, and there are no other polygons.
+/// A polygon mesh with indices in range. As in pbrt-v4, quadrilaterals are bilinear patches, and there are no other
+/// polygons.
 struct PlyMesh {
     std::vector<StoredVec3> positions, normals;  ///< normals: one per position, or none; some may not be finite
     std::vector<StoredVec2> uvs;                 ///< one per position, or none
     std::vector<std::uint32_t> triangles;        ///< 3 per triangle
     std::vector<std::uint32_t> quads;            ///< 4 per quadrilateral, p00 p10 p01 p11
-    std::size_t broken_uvs = 0;                  ///< vertices whose texture coordinates were not finite, and are 0
-    std::size_t odd_faces = 0;                   ///< faces of neither 3 nor 4 vertices, left out
+    /// vertices whose texture coordinates were not finite and were set to 0
+    std::size_t broken_uvs = 0;
+    std::size_t odd_faces = 0;  ///< faces with neither 3 nor 4 vertices, which are omitted
 };
 
 /// Reads the vertex element (x y z, nx ny nz, and texture coordinates as u v, s t, texture_u texture_v or texture_s
@@ -26,7 +28,7 @@ struct PlyMesh {
 /// the decompressed data) of a binary one: a header that does not parse, data that ends early, an index out of range, a
 /// position that is not finite.
 Result<PlyMesh> read_ply(const std::string& path);
-/// The same for the content of a file; `path` is for messages.
+/// Parses the content of a PLY file as read_ply() does; `path` is for messages.
 Result<PlyMesh> parse_ply(const std::string& content, const std::string& path);
 
 }  // namespace raylex::transport

@@ -47,7 +47,7 @@ class HeaderParser {
     HeaderParser(std::string_view content, const std::string& path) : content_(content), path_(path) {}
 
     Result<Header> parse() {
-        if (!next_line() || line_ != "ply") return failure("is no PLY file; expected the first line 'ply'");
+        if (!next_line() || line_ != "ply") return failure("not a PLY file; expected the first line 'ply'");
         bool has_format = false;
         while (next_line()) {
             words_ = split(line_);
@@ -75,7 +75,7 @@ class HeaderParser {
     }
 
   private:
-    /// Lines end in "\n", "\r\n" or, as old Macintosh files do in their header, "\r".
+    /// Reads a line. Lines end in "\n", "\r\n" or, in the header of old Macintosh files, "\r".
     bool next_line() {
         if (at_ >= content_.size()) return false;
         const std::size_t stop = content_.find_first_of("\r\n", at_);

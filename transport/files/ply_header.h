@@ -19,7 +19,7 @@ struct Property {
     std::string name;
     Scalar type = Scalar::float32;
     bool is_list = false;
-    Scalar count_type = Scalar::uint8;  ///< of a list
+    Scalar count_type = Scalar::uint8;  ///< of a list's length
 };
 
 struct Element {
@@ -27,14 +27,14 @@ struct Element {
     std::uint64_t count = 0;
     std::vector<Property> properties;
 
-    /// Bytes of one row in a binary file at least: lists count as empty.
+    /// The minimum number of bytes of one row in a binary file: lists count as empty.
     [[nodiscard]] std::size_t smallest_row() const;
 };
 
 struct Header {
     Format format = Format::ascii;
     std::vector<Element> elements;
-    std::size_t data_begin = 0;  ///< byte offset behind the end_header line
+    std::size_t data_begin = 0;  ///< byte offset after the end_header line
     int lines = 0;               ///< lines of the header
 
     [[nodiscard]] const Element* find(std::string_view name) const;

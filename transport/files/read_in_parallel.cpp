@@ -8,7 +8,7 @@
 
 namespace raylex::transport {
 
-// More threads than processors make TBB complain. Files differ too much in size to be dealt out beforehand.
+// TBB warns about more threads than processors. Files differ too much in size for a fixed assignment to threads.
 void read_in_parallel(std::size_t count, int threads, const std::function<void(std::size_t)>& read) {
     const int all = tbb::this_task_arena::max_concurrency();
     tbb::task_arena arena(threads > 0 ? std::min(threads, all) : all);

@@ -10,14 +10,14 @@ namespace raylex::transport {
 
 namespace {
 
-constexpr std::string_view magic{"tensor_file", 12};  // with its zero
+constexpr std::string_view magic{"tensor_file", 12};  // with its zero byte
 constexpr std::size_t most_fields = 1024, most_dimensions = 8;
 
 class TensorBytes {
   public:
     explicit TensorBytes(const std::string& content) : content_(content) {}
 
-    /// The next `size` bytes as an unsigned number; 0 beyond the end, which failed() tells.
+    /// The next `size` bytes as an unsigned number; beyond the end it returns 0, and failed() becomes true.
     std::uint64_t number(std::size_t size) {
         if (!has(at_, size)) {
             failed_ = true;
@@ -51,7 +51,7 @@ class TensorBytes {
     bool failed_ = false;
 };
 
-enum class Stored : std::uint8_t { byte = 1, single = 10, full = 11 };  // of the format's types those that occur
+enum class Stored : std::uint8_t { byte = 1, single = 10, full = 11 };  // the types of the format that occur
 
 std::size_t size_of(Stored type) {
     return type == Stored::byte ? 1 : type == Stored::single ? 4 : type == Stored::full ? 8 : 0;
@@ -94,7 +94,7 @@ Result<std::map<std::string, Tensor>> read_tensor_file(const std::string& path) 
         for (std::uint64_t d = 0; d < dimensions; ++d) {
             const std::uint64_t extent = bytes.number(8);
             tensor.shape.push_back(extent);
-            // Values are bytes at least, so a count beyond the file's size is wrong whatever the type.
+            // A value takes at least a byte, so a count beyond the file's size is wrong for every type.
             if (extent > content->size() || count * extent > content->size())
                 return damaged("field '" + name + "' is larger than the file");
             count *= extent;
@@ -102,7 +102,7 @@ Result<std::map<std::string, Tensor>> read_tensor_file(const std::string& path) 
         if (bytes.failed()) return damaged("it ends within the shape of field '" + name + "'");
         if (size_of(type) == 0) continue;
         if (!bytes.has(begin, count * size_of(type))) return damaged("field '" + name + "' reaches beyond its end");
-        // Fields that share their bytes would take any memory from a small file.
+        // Without this check, a small file whose fields share bytes could need any amount of memory.
         total += count * size_of(type);
         if (total > content->size()) return damaged("its fields overlap: together they are larger than the file");
         tensor.values.resize(count);

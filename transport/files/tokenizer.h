@@ -1,4 +1,4 @@
-// Text of a pbrt scene into tokens: words, quoted strings and brackets; '#' starts a comment.
+// Splits the text of a pbrt scene into tokens: words, quoted strings and brackets; '#' starts a comment.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@ enum class TokenKind : std::uint8_t { word, string, open_bracket, close_bracket,
 
 struct Token {
     TokenKind kind = TokenKind::end;
-    std::string_view text;     ///< as written; of a string: what stands between the quotes, escapes not yet replaced
-    bool escaped = false;      ///< a string that holds a backslash
+    std::string_view text;     ///< as written; for a string: the text between the quotes, escapes not yet replaced
+    bool escaped = false;      ///< the token is a string that contains a backslash
     int line = 1, column = 1;  ///< of its first byte
 };
 
@@ -27,15 +27,15 @@ class Tokenizer {
     /// `text` and `file` must outlive the tokenizer.
     Tokenizer(std::string_view text, const std::string& file) : text_(text), file_(file) {}
 
-    /// The next token; TokenKind::end at the end of the text, again and again. Errors: a string that is not closed.
+    /// Returns the next token; at the end of the text, TokenKind::end each time. Error: a string that is not closed.
     Result<Token> next();
-    /// Appends the numbers that stand next to `numbers`, up to the first word that is none as std::from_chars reads
-    /// them or that `accept(value)` refuses: next() returns that. Lists of millions go this way, without a Token for
-    /// each.
+    /// Appends the numbers that follow to `numbers`, up to the first word that std::from_chars does not read as a
+    /// number or that `accept(value)` refuses; next() returns that word. This reads lists of millions of numbers
+    /// without a Token for each.
     template <class Accept>
     void take_numbers(std::vector<double>& numbers, const Accept& accept);
-    /// How many words stand before the next ']' or string: what a list of numbers is going to hold. No further, so that
-    /// what is looked at is read next, or is an error: a file is looked at twice at most.
+    /// The number of words before the next ']' or string: the expected length of a list of numbers. It stops there, so
+    /// that the scanned text is read next or is an error: a file is scanned at most twice.
     [[nodiscard]] std::size_t words_in_list() const;
     /// Makes next() return `token` once more.
     void push_back(const Token& token) { pushed_ = token, has_pushed_ = true; }
@@ -53,7 +53,7 @@ class Tokenizer {
     [[nodiscard]] static constexpr bool ends_word(char c) {
         return is_blank(c) || c == '"' || c == '[' || c == ']' || c == '#';
     }
-    /// Behind the comment that begins at `at`; old Macintosh files end lines by "\r".
+    /// The position after the comment that begins at `at`; old Macintosh files end lines by "\r".
     [[nodiscard]] std::size_t end_of_comment(std::size_t at) const {
         return std::min(text_.find_first_of("\r\n", at), text_.size());
     }
@@ -81,10 +81,10 @@ void Tokenizer::take_numbers(std::vector<double>& numbers, const Accept& accept)
     }
 }
 
-/// The string a token stands for. Escapes as in JSON: \b \f \n \r \t \\ \' \"; any other is an Error of `tokenizer`.
+/// The string of a token. Escapes are those of JSON: \b \f \n \r \t \\ \' \"; any other is an Error of `tokenizer`.
 Result<std::string> unescape(const Tokenizer& tokenizer, const Token& token);
 
-/// How a token is shown in a message: in quotes, at most 40 bytes, unprintable bytes as '?'.
+/// A token for a message: in quotes, at most 40 bytes, unprintable bytes as '?'.
 std::string describe(const Token& token);
 
 /// Line `line` (from 1) of `text` for an Error's excerpt, cut to a length that a terminal shows.

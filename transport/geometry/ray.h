@@ -1,10 +1,10 @@
-// Rays, hits, and how a new ray leaves a surface.
+// Rays, hits, and the origins of new rays on surfaces.
 //
-// No absolute epsilon anywhere. A hit comes with `offset`, a bound on how far the computed point may lie from the plane
-// the intersector tests, derived from the rounding of the operations that made both (see surface.cpp). A new ray starts
-// that far along the geometric normal, on the side it leaves to, so the surface it left is always behind it; scaling or
-// moving the scene scales the bound with the coordinates. The idea is pbrt-v4's OffsetRayOrigin; the bound is our own,
-// because Embree's Pluecker test rounds elsewhere.
+// There is no absolute epsilon. A hit comes with `offset`, a bound on the distance between the computed point and the
+// plane that the intersector tests, derived from the rounding of the operations that made both (see surface.cpp). A new
+// ray starts that far along the geometric normal, on the side that it leaves to, so the surface it left is always
+// behind it. Scaling or moving the scene scales the bound with the coordinates. The idea is pbrt-v4's OffsetRayOrigin;
+// the bound is our own, because Embree's Pluecker test rounds elsewhere.
 #pragma once
 
 #include <algorithm>
@@ -18,44 +18,45 @@
 namespace raylex::transport {
 
 inline constexpr Real infinity = std::numeric_limits<Real>::infinity();
-inline constexpr Real unit_roundoff = 0x1p-24f;  ///< of float, in double too: Embree rounds there
+inline constexpr Real unit_roundoff = 0x1p-24f;  ///< of float, even where Real is double: Embree rounds to float
 /// Bound on the relative error of n roundings (Higham 2002, lemma 3.1).
 constexpr Real gamma_bound(int n) {
     return (Real(n) * unit_roundoff) / (1 - Real(n) * unit_roundoff);
 }
 
-/// Farther from the origin than this nothing is placed and no ray begins: squares of lengths must be floats, and Embree
-/// takes no number above 1.8e18.
+/// The largest distance from the origin at which shapes stand and rays begin: squares of lengths must be floats, and
+/// Embree accepts no number above 1.8e18.
 inline constexpr Real largest_coordinate = Real(1e18);
 
-/// How far off a surface rays begin, and those end that come from elsewhere.
+/// The distance off a surface at which rays begin, and at which rays from elsewhere end.
 struct OffsetBound {
     Real here = 0;
-    Real per_distance = 0;  ///< beside, for each unit that a ray comes from afar
+    Real per_distance = 0;  ///< added per unit of length of a ray that comes from afar
 };
 
-/// OffsetBound::per_distance of a triangle, where `spread` is |a_i b_j| + |a_j b_i| of its edges, summed over the three
-/// components of their cross product N, over |N|: at least 1. Embree moves the vertices to the ray's far origin: with
-/// u = 2^-24 and d the distance, each coordinate is off by u d, the plane by 1.8 u d at the point, and by the tilt of
-/// its normal, edges being off by 2 u d, by 7 u d spread; the test itself adds gamma(4) d, and the direction's rounding
-/// moves the end by u d. Less than 16 u d spread together. Slivers seen from afar would need more than can be given:
-/// they get 2^-13, about what pbrt-v4 leaves out of every shadow ray (its ShadowEpsilon is 1e-4).
+/// OffsetBound::per_distance of a triangle. `spread` is |a_i b_j| + |a_j b_i| of its edges, summed over the three
+/// components of their cross product N, over |N|: at least 1. Embree moves the vertices to the ray's far origin. With u
+/// = 2^-24 and d the distance, each coordinate is off by u d, and the plane by 1.8 u d at the point. Edges are off by 2
+/// u d, so the tilt of the normal adds 7 u d spread. The test itself adds gamma(4) d, and the direction's rounding
+/// moves the end by u d. The sum is below 16 u d spread. Slivers seen from afar would need more than is possible: they
+/// get 2^-13, about the part that pbrt-v4 cuts off every shadow ray (its ShadowEpsilon is 1e-4).
 constexpr Real offset_per_distance(Real spread) {
     return std::clamp(Real(0x1p-20) * spread, Real(0x1p-20), Real(0x1p-13));
 }
 
-/// Of a point, unit normal `n`, on a shape of which hits are solved for in double, and whose coordinates reach to
-/// `extent`: a rounding to float each for the point and for the origin made from it, and what the solution is off by.
+/// The offset bound of a point with unit normal `n`, on a shape whose hits are solved in double and whose coordinates
+/// reach to `extent`: one rounding to float each for the point and for the origin made from it, and the error of the
+/// solution.
 inline OffsetBound offset_of_rounded(const Vec3& n, const Vec3& p, double extent) {
     return {gamma_bound(3) * dot(absolute(n), absolute(p)) + static_cast<Real>(1e-13 * extent), offset_per_distance(1)};
 }
 
-/// How wide the beam is that a ray stands for (Amanatides 1984, "Ray Tracing with Cones"; for what filters look-ups
-/// where rays meet surfaces). Scattering leaves it as it is where no image is filtered; else paths/footprints.h has
-/// what curvature and roughness make of it.
+/// The width of the beam that a ray stands for (Amanatides 1984, "Ray Tracing with Cones"), which filters texture
+/// look-ups where rays hit surfaces. Scattering leaves it unchanged if no image is filtered; else paths/footprints.h
+/// applies curvature and roughness.
 struct RayCone {
     Real width = 0;   ///< at the ray's origin, or at the hit
-    Real spread = 0;  ///< angle, radians: what a unit of distance adds to the width
+    Real spread = 0;  ///< angle, radians: the growth of the width per unit of distance
 
     [[nodiscard]] RayCone after(Real distance) const { return {width + spread * distance, spread}; }
 };
@@ -64,8 +65,8 @@ struct Ray {
     Vec3 origin;
     Real t_max = infinity;
     Vec3 direction;  ///< unit for scattering rays; origin to light for shadow rays, with t_max below 1
-    Real time = 0;   ///< of the shutter's opening, 0 to 1
-    RayCone cone{};  ///< of rays that light or importance is followed along; nobody asks shadow rays
+    Real time = 0;   ///< relative to the shutter, 0 to 1
+    RayCone cone{};  ///< of rays that carry radiance or importance; unused for shadow rays
 };
 
 struct Hit {
@@ -76,8 +77,8 @@ struct Hit {
     std::uint32_t shape = none;     ///< index into EmbreeScene::shapes()
     std::uint32_t primitive = 0;    ///< triangle or patch of a mesh
     std::uint32_t instance = none;  ///< index into EmbreeScene::instances()
-    Real time = 0;                  ///< the ray's
-    RayCone cone{};                 ///< the ray's, where it hit
+    Real time = 0;                  ///< of the ray
+    RayCone cone{};                 ///< of the ray, at the hit
 
     [[nodiscard]] bool valid() const { return shape != none; }
 };
@@ -92,24 +93,25 @@ inline float next_down(float v) {
     return -next_up(-v);
 }
 
-/// Origin of a ray that leaves `p` in `direction`: `offset` along the unit normal `n`, on the direction's side. Each
-/// coordinate that moves goes on by 2^-23 of itself, at least an ulp, so that rounding cannot take the step back. Which
-/// way it moves is as good as random from ray to ray: hence no branches.
+/// The origin of a ray that leaves `p` in `direction`: `offset` along the unit normal `n`, on the direction's side.
+/// Each coordinate that moves is moved further by 2^-23 of itself, at least an ulp, so that rounding cannot undo the
+/// step. The sign of the move is practically random from ray to ray, so the code has no branches.
 [[gnu::always_inline]] inline Vec3 offset_ray_origin(const Vec3& p, const Vec3& n, Real offset, const Vec3& direction) {
     const Vec3 shift = n * std::copysign(offset, dot(n, direction));
     const auto step = [](Real coordinate, Real by) {
         const Real moved = coordinate + by;
-        // What does not move at all goes no further either: whatever moves does so by more than 2^-126.
+        // A coordinate that does not move at all is not moved further: any move exceeds 2^-126.
         const Real further = std::min(std::abs(moved) * 0x1p-23f, std::abs(by) * 0x1p126f);
         return moved + std::copysign(further, by);
     };
     return {step(p.x, shift.x), step(p.y, shift.y), step(p.z, shift.z)};
 }
 
-/// Origin of a ray that goes straight on through the surface it hit at a distance of `t`, at `p`. Where rounding puts
-/// that point well before the hit or even behind the ray's origin (the nearest point of a triangle that it grazes, a
-/// point put back on a flattened quadric), it would be sent back, perhaps for ever: it goes on from the hit along
-/// itself then, by the bound and two ulps of the largest coordinate, so that each pass gets it further.
+/// The origin of a pass-through ray, which continues through the surface that it hit at the distance `t`, at `p`.
+/// Rounding can put that point well before the hit or even behind the ray's origin (the nearest point of a grazed
+/// triangle, a point projected onto a flattened quadric). The ray would go backwards then, perhaps for ever. In that
+/// case it continues from the hit along itself, by the bound and two ulps of the largest coordinate, so that each pass
+/// makes progress.
 inline Vec3 straight_ray_origin(const Ray& ray, Real t, const Vec3& p, const Vec3& n, Real offset) {
     const Vec3 beyond = offset_ray_origin(p, n, offset, ray.direction);
     const Real progress = dot(beyond - ray.origin, ray.direction), due = t * length_squared(ray.direction);
@@ -120,12 +122,12 @@ inline Vec3 straight_ray_origin(const Ray& ray, Real t, const Vec3& p, const Vec
     return hit + normalize(ray.direction) * step;
 }
 
-/// Segments end this much short of where they lead, relative to their length: a surface that a light without area or
-/// the camera stands on, or whose plane holds it, would be met there by rounding alone.
+/// Segments end this share of their length short of their end. Otherwise rounding alone would hit the surface on which
+/// a light without area or the camera stands, or whose plane contains it.
 inline constexpr Real end_of_segment = 1 - Real(0x1p-20);
 
-/// From `from`, where a ray may begin, to the point `to` of a surface with unit normal `n` (0: there is none), but for
-/// what its offset and end_of_segment take off: 1e-4 of the way, as is common, would lose a wall right before the
+/// The segment from `from`, where a ray may begin, to the point `to` of a surface with unit normal `n` (0: none),
+/// shortened by its offset and by end_of_segment. The common 1e-4 of the length would miss a wall right before the
 /// point.
 inline Ray segment_to(const Vec3& from, const Vec3& to, const Vec3& n, const OffsetBound& offset) {
     const Vec3 way = to - from;

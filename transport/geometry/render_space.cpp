@@ -12,14 +12,14 @@ bool finite(const DVec3& p) {
     return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-/// The power of two from `extent` on upwards, over 2^16.
+/// The smallest power of two that is at least `extent`, divided by 2^16.
 double grid_of(double extent) {
     int exponent = 0;
     std::frexp(extent, &exponent);
     return std::ldexp(1.0, exponent - 16);
 }
 
-/// `p` in [lower, upper], on the grid where the interval lets it.
+/// The point of [lower, upper] nearest to `p`, on the grid if the interval contains a grid point.
 double nearest_in(double lower, double upper, double p, double grid) {
     const double inside = std::clamp(p, lower, upper);
     const double rounded = grid > 0 ? std::nearbyint(inside / grid) * grid : inside;
@@ -87,7 +87,8 @@ RenderSpace RenderSpace::of(const SceneDescription& scene) {
     const DVec3 camera(scene.camera_to_world.point_in_double({0, 0, 0}));
     if (!in_range({camera, camera})) return space;
     DBounds bounds;
-    const auto take = [&](const DBounds& box, const Transform& to_world) {  // what is out of range is an error later
+    // coordinates out of range become an error later
+    const auto take = [&](const DBounds& box, const Transform& to_world) {
         if (!to_world.invertible()) return;
         DBounds placed;
         placed.add(box, to_world);
@@ -113,7 +114,7 @@ Transform RenderSpace::placed(const Transform& to_world, const DVec3& pivot) con
     if (!affine(m) || !affine(inverse))
         return Transform::translate(-origin.x, -origin.y, -origin.z) * to_world *
                Transform::translate(pivot.x, pivot.y, pivot.z);
-    // Not the product of the inverses: their far translations would cancel.
+    // Not the product of the inverses, whose large translations would cancel.
     Matrix4 moved = m, back = inverse;
     const double by[3] = {origin.x, origin.y, origin.z};
     for (std::size_t r = 0; r < 3; ++r)

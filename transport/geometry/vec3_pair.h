@@ -1,4 +1,4 @@
-// Two vectors of doubles side by side, each as if it were alone: what hits ask in double is asked of two at a time.
+// Two vectors of doubles side by side, with the arithmetic of single ones, so that two hits are computed at a time.
 #pragma once
 
 #include <emmintrin.h>

@@ -1,4 +1,4 @@
-// How each effect is left out: the scene is changed so that it does not call for it.
+// Leaves effects out: changes the scene so that it no longer uses them.
 #include "transport/import/apply_effects.h"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ void leave_out_media(SceneDescription& scene) {
     erase_shapes(scene, [&](const SceneShape& shape) { return is_interface(scene, shape) && shape.area_light < 0; });
 }
 
-/// Of a grid of colours, their mean.
+/// Replaces a grid of colours by their mean.
 void take_mean(Parameter& grid) {
     std::vector<double> mean(3, 0.0);
     const std::size_t count = grid.numbers.size() / 3;
@@ -61,8 +61,8 @@ void leave_out_lens(SceneDescription& scene) {
     std::erase_if(scene.camera.parameters.parameters, [](const Parameter& each) { return each.name == "lensradius"; });
 }
 
-/// Textures that scale an image by a constant become that image with the factor as its own, as look-ups have it, so
-/// that its mean is taken behind the factor.
+/// Turns textures that scale an image by a constant into that image with the factor as its own, which look-ups apply,
+/// so that the image's mean includes the factor.
 void fold_scales(SceneDescription& scene) {
     std::vector<SceneTexture>& textures = scene.textures;
     for (std::size_t i = 0; i < textures.size(); ++i) {
@@ -116,7 +116,7 @@ void leave_out_cutouts(SceneDescription& scene) {
         shape.alpha = 1;
         shape.alpha_texture.clear();
     });
-    // Mixes with an interface have their other part everywhere; mixes use materials before them.
+    // In a mix with an interface, the other part is everywhere; mixes use materials defined before them.
     std::set<std::string> interfaces;
     for (SceneEntity& material : scene.materials) {
         if (is_interface(material)) interfaces.insert(material.name);
@@ -131,7 +131,7 @@ void leave_out_cutouts(SceneDescription& scene) {
     }
 }
 
-/// Of what a mix holds, a sheet that passes everything is left; all else goes.
+/// Removes transmission. A sheet that passes all light remains as a part of a mix; other materials are replaced.
 void leave_out_transmission(SceneDescription& scene) {
     std::set<std::string> mixed;
     for (const SceneEntity& material : scene.materials)
@@ -160,7 +160,7 @@ void leave_out_transmission(SceneDescription& scene) {
 }
 
 void leave_out_coats(SceneDescription& scene) {
-    // What a coat's parameters are called -> what the base's are by itself.
+    // Names of a coat's parameters -> names of the same parameters of the base alone.
     static const std::map<std::string, std::string> of_diffuse{
         {"reflectance", "reflectance"}, {"displacement", "displacement"}, {"normalmap", "normalmap"}};
     static const std::map<std::string, std::string> of_metal{{"reflectance", "reflectance"},
@@ -225,7 +225,8 @@ Status leave_out(SceneDescription& scene, Effect effect) {
             break;
         case Effect::shading_normals:
             for_each_shape(scene, [](SceneShape& shape) {
-                if (shape.kind != ShapeKind::curves) shape.normals.clear();  // those of ribbons turn the ribbon itself
+                // normals of ribbons define their orientation
+                if (shape.kind != ShapeKind::curves) shape.normals.clear();
             });
             break;
         case Effect::bump:

@@ -6,9 +6,9 @@
 
 namespace raylex::transport {
 
-/// Removes from `scene` every effect that is forced off and that the scene calls for, and records the effects that are
-/// forced on. Reads the image of a texture where the mean of the image stands for the texture. Errors: such an image
-/// cannot be read.
+/// Removes from `scene` every effect that is forced off and that the scene uses, and records the effects that are
+/// forced on. Reads the image of a texture if the mean of the image replaces the texture. Errors: such an image cannot
+/// be read.
 Status apply_effects(SceneDescription& scene, const EffectChoices& choices);
 
 }  // namespace raylex::transport

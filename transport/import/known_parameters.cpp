@@ -19,18 +19,18 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// What pbrt-v4 reads and raylex does not.
+/// A parameter that pbrt-v4 reads and raylex ignores.
 struct Ignored {
     std::string name;
-    Names honoured;  ///< values with which nothing is lost
+    Names honoured;  ///< values for which ignoring it changes nothing
     std::string why;
 };
 
-/// What a type takes beside the parameters that its registry entry declares.
+/// The parameters of a type beyond those that its registry entry declares.
 struct Row {
     EntityKind kind;
     std::string type;
-    Names taken;  ///< read, refused with an error of their own, or without any effect on an image
+    Names taken;  ///< read, refused with a separate error, or without any effect on an image
     std::vector<Ignored> ignored;
 };
 
@@ -42,12 +42,12 @@ std::vector<Ignored> all_ignored(const Names& names, const std::string& why) {
 
 const std::string in_rgb = "light is transported in RGB", scrambled = "points are always Owen-scrambled";
 
-// The rows are after the file format of pbrt-v4 (pbrt.org/fileformat-v4) and what its source looks up.
+// The rows follow the file format of pbrt-v4 (pbrt.org/fileformat-v4) and the look-ups in its source.
 std::vector<Row> camera_rows() {
     using enum EntityKind;
     const Names every_film{"xresolution", "yresolution", "cropwindow",   "pixelbounds",  "filename",         "diagonal",
                            "sensor",      "iso",         "exposuretime", "whitebalance", "maxcomponentvalue"};
-    const std::vector<Ignored> values{{"savefp16", {"false"}, "[exr] of a job says how values are stored"}};
+    const std::vector<Ignored> values{{"savefp16", {"false"}, "[exr] of a job sets how values are stored"}};
     std::vector<Ignored> spectrum = values;
     for (const char* name : {"nbuckets", "lambdamin", "lambdamax"}) spectrum.push_back({name, {}, in_rgb});
     Names geometry = every_film;
@@ -63,7 +63,7 @@ std::vector<Row> camera_rows() {
 std::vector<Row> method_rows() {
     using enum EntityKind;
     const std::string by_tree = "lights are chosen by a tree where there are many, else by their power",
-                      as_path = "'path' takes the integrator's place";
+                      as_path = "'path' is used instead of this integrator";
     const std::vector<Ignored> owen{{"randomization", {"owen", "fastowen"}, scrambled}};
     const Ignored light_choice{"lightsampler", {"bvh", "power", "uniform"}, by_tree},
         regularize{"regularize", {"false"}, "specular lobes are never blurred"};
@@ -103,10 +103,10 @@ std::vector<Row> content_rows() {
     using enum EntityKind;
     return {
 
-        {material, "diffuse", {}, {{"sigma", {"0"}, "the surface is Lambert's"}}},
+        {material, "diffuse", {}, {{"sigma", {"0"}, "the surface is Lambertian"}}},
         {shape, "bilinearmesh", {"faceIndices", "emissionfilename"}, {}},
         {shape, "trianglemesh", {"faceIndices"}, {{"S", {}, "anisotropic materials follow the texture coordinates"}}},
-        {shape, "curve", {}, {{"splitdepth", {"3"}, "Embree cuts curves as it needs"}}},
+        {shape, "curve", {}, {{"splitdepth", {"3"}, "Embree splits curves adaptively"}}},
     };
 }
 
@@ -199,7 +199,7 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, Paramet
     const Row* row = find_row(kind, type);
     const std::vector<ParameterDescription>* entry = declared_parameters(kind, type);
     if (row == nullptr && entry == nullptr) return success();
-    std::vector<std::string_view> read, known;  // this is asked for every shape of a scene
+    std::vector<std::string_view> read, known;  // runs for every shape of a scene
     if (entry != nullptr)
         for (const ParameterDescription& each : *entry) read.push_back(each.name);
     if (row != nullptr) read.insert(read.end(), row->taken.begin(), row->taken.end());
@@ -219,7 +219,7 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, Paramet
     };
     const bool no_surface = kind == EntityKind::material && type == "interface";
     const auto unknown = [&](const Parameter& each) { return !holds(known, each.name); };
-    // All at once: Attribute may have set thousands, for every shape.
+    // In one pass, since Attribute may have set thousands for every shape.
     if (!no_surface) {
         const auto others = set.parameters.begin() + static_cast<std::ptrdiff_t>(own);
         set.parameters.erase(std::remove_if(others, set.parameters.end(), unknown), set.parameters.end());
@@ -227,7 +227,7 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, Paramet
     for (const Parameter& parameter : set.parameters) {
         if (unknown(parameter)) {
             if (!no_surface) return unknown_parameter(kind_name(kind), type, parameter, {known.begin(), known.end()});
-            // pbrt makes no material of it, so it never looks at what it was given.
+            // pbrt makes no material here, so it never checks these parameters.
             parameter.used = true;
             warn(std::string("parameter '") + parameter.name + "' of " + kind_name(kind) + " '" + type +
                      "' is ignored: there is no surface",
@@ -237,7 +237,7 @@ Status ParameterChecker::check(EntityKind kind, const std::string& type, Paramet
         if (row == nullptr) continue;
         const auto ignored = std::find_if(row->ignored.begin(), row->ignored.end(),
                                           [&](const Ignored& each) { return each.name == parameter.name; });
-        // A plugin may honour under a type's name what the type itself does not.
+        // A plugin may honour a parameter of a type of the same name that the built-in type ignores.
         if (ignored == row->ignored.end() || (ignored->honoured.empty() && holds(read, parameter.name))) continue;
         parameter.used = true;
         if (holds(ignored->honoured, value_text(parameter))) continue;

@@ -1,5 +1,5 @@
-// Which parameters each type takes in a scene file. pbrt-v4 ends when it finds one that nobody reads, and so does
-// raylex; one that pbrt reads and raylex does not is a warning.
+// The parameters that each type accepts in a scene file. Like pbrt-v4, raylex stops with an error at an unknown
+// parameter. A parameter that pbrt reads and raylex does not is a warning.
 #pragma once
 
 #include <set>
@@ -25,20 +25,20 @@ enum class EntityKind : std::uint8_t {
     texture
 };
 
-/// "`kind` 'TYPE' has no parameter 'NAME'; expected one of: ...", with the near miss, at the parameter's place.
+/// The error "`kind` 'TYPE' has no parameter 'NAME'; expected one of: ...", with the closest match, at the parameter.
 Error unknown_parameter(const std::string& kind, const std::string& type, const Parameter& parameter,
                         const std::vector<std::string>& known);
 
-/// What a plugin or an in-tree type says that it takes; null when it is not registered.
+/// The parameters that the registry entry of a plugin or built-in type declares; null if the type is not registered.
 const std::vector<ParameterDescription>* declared_parameters(EntityKind kind, const std::string& type);
 
-/// Judges the parameters of one scene. What a type takes is what its registry entry declares and what the table in
-/// known_parameters.cpp adds; a type that neither knows is left to whoever refuses it by name.
+/// Checks the parameters of one scene. A type accepts the parameters of its registry entry and those of the table in
+/// known_parameters.cpp. Types that are in neither are left to the code that rejects unknown types.
 class ParameterChecker {
   public:
-    /// The first `own` parameters of `set` stand at the directive itself and must be known; the others come from
-    /// Attribute and, as in pbrt, may mean nothing to this type: those are taken out. A parameter that pbrt-v4 reads
-    /// and raylex does not adds a warning, the first time for its kind and type, and counts as used.
+    /// Checks a set. Its first `own` parameters belong to the directive itself and must be known. The others come from
+    /// Attribute and, as in pbrt, may be unknown to this type; those are removed. A parameter that pbrt-v4 reads and
+    /// raylex does not adds a warning, once for its kind and type, and counts as used.
     Status check(EntityKind kind, const std::string& type, ParameterSet& set, std::size_t own,
                  std::vector<Error>& warnings);
 

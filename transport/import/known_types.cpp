@@ -9,7 +9,7 @@ namespace raylex::transport {
 
 namespace {
 
-/// Of what has no registry, and of what every type of its kind takes.
+/// The types of parameters that have no registry entry, and of those that all types of a kind share.
 std::optional<ParameterType> type_without_registry(EntityKind kind, const std::string& type, std::string_view name) {
     using T = ParameterType;
     const auto among = [&](std::initializer_list<std::string_view> names) {
@@ -69,7 +69,7 @@ void use_known_types(EntityKind kind, const std::string& type, bool float_textur
         const std::optional<T> known = known_type(kind, type, parameter.name);
         if (!known || *known == parameter.type) continue;
         const bool texture = kind == EntityKind::texture;
-        // pbrt's mix and scale textures have these as numbers whatever they mix and scale.
+        // pbrt's mix and scale textures read these as numbers, whatever they mix and scale.
         const bool factor = texture && (parameter.name == "amount" || parameter.name == "scale");
         const bool color = texture ? !float_texture && !factor && (*known == T::texture || *known == T::spectrum)
                                    : *known == T::rgb || *known == T::spectrum;

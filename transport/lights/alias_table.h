@@ -12,7 +12,7 @@ namespace raylex::transport {
 class AliasTable {
   public:
     AliasTable() = default;
-    /// Weights >= 0. When all are 0 the table is empty: nothing can be chosen.
+    /// Weights >= 0. If all are 0 the table is empty, and nothing can be chosen.
     explicit AliasTable(const std::vector<double>& weights) {
         double total = 0;
         for (const double w : weights) total += w;
@@ -37,7 +37,7 @@ class AliasTable {
                 small.push_back(l);
             }
         }
-        // Rounding leaves bins that should be full; a leftover of weight 0 must still never be chosen.
+        // Rounding leaves bins that should be full; an item of weight 0 must still never be chosen.
         const std::uint32_t heaviest = heaviest_of(weights);
         for (const std::uint32_t i : large) bins_[i] = {1.0f, i, bins_[i].probability};
         for (const std::uint32_t i : small)
@@ -45,14 +45,15 @@ class AliasTable {
     }
 
     [[nodiscard]] bool empty() const { return bins_.empty(); }
-    /// u in [0, 1).
+    /// Chooses an item with u in [0, 1).
     [[nodiscard]] std::uint32_t choose(Real u) const {
         const Real scaled = u * static_cast<Real>(bins_.size());
         std::size_t i = static_cast<std::size_t>(scaled);
         if (i >= bins_.size()) i = bins_.size() - 1;
         return scaled - static_cast<Real>(i) < bins_[i].threshold ? static_cast<std::uint32_t>(i) : bins_[i].alias;
     }
-    /// The same, and `u` becomes uniform in [0, 1) again. It loses log2(size) of its 24 bits: for small tables.
+    /// Chooses an item like choose(), and makes `u` uniform in [0, 1) again. `u` loses log2(size) of its 24 bits, so
+    /// this is for small tables.
     [[nodiscard]] std::uint32_t choose_and_remap(Real& u) const {
         const Real scaled = u * static_cast<Real>(bins_.size());
         std::size_t i = static_cast<std::size_t>(scaled);

@@ -8,7 +8,7 @@
 namespace raylex::transport {
 namespace {
 
-/// Hit's u and v, and the world's area for each area of the unit square.
+/// A point of the primitive (u and v of a Hit), and the world area per area of the unit square.
 struct Place {
     Vec2 at;
     double area = 0;
@@ -23,7 +23,7 @@ Place place_of(const Light& light, const ShapeGeometry& shape, const Vec2& numbe
     return {s.uv, density > 0 ? 1 / static_cast<double>(density) : 0};
 }
 
-/// How many pixels of the image lie along the primitive's edges, of its larger side.
+/// The number of image pixels along the primitive's edges, for the longer side.
 double pixels_along(const Light& light, const ShapeGeometry& shape, const RgbImage& image) {
     Vec2 lower{infinity, infinity}, upper{-infinity, -infinity};
     constexpr int steps = 4;
@@ -44,7 +44,7 @@ PrimitiveImage image_on_primitive(const Light& light, const ShapeGeometry& shape
     const double most = std::sqrt(0x1p20 / std::max(1.0, static_cast<double>(shape.primitive_count)));
     const double wanted = pixels_along(light, shape, shown.image);
     const int cells = static_cast<int>(std::clamp(std::ceil(wanted), 1.0, std::clamp(std::floor(most), 1.0, 256.0)));
-    // Each pixel that a cell covers is looked at about once.
+    // Each pixel that a cell covers is read about once.
     const int looks = static_cast<int>(std::clamp(std::ceil(wanted / cells), 2.0, 16.0));
     std::vector<double> weights(static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells));
     double total = 0, area = 0, luminance_sum = 0;

@@ -1,6 +1,6 @@
-// Points on area lights, uniform over a triangle or a quadric and by the parameters of a patch: what light samples and
-// light paths start from. Each fills in target, target_normal, target_offset and uv, and returns the density per world
-// area.
+// Points on area lights, uniform over a triangle or quadric, or in the parameters of a patch. Light samples and light
+// paths start from them. Each function fills in target, target_normal, target_offset and uv, and returns the density
+// per world area.
 #pragma once
 
 #include <cmath>
@@ -20,7 +20,7 @@ inline Real sample_triangle_point(const Light& light, const Vec2& u, LightSample
     return 1 / light.area;
 }
 
-/// 0 where the patch has no area.
+/// Draws a point of a patch; returns 0 if the patch has no area.
 inline Real sample_patch_point(const Light& light, const ShapeGeometry& shape, const Vec2& u, LightSample& s) {
     const BilinearPatch patch = shape.patch(light.primitive);
     const DVec3 n = cross(patch.dpdu(u.y), patch.dpdv(u.x));
@@ -47,7 +47,7 @@ inline Real sample_quadric_point(const Quadric& quadric, const Vec2& u, LightSam
     return static_cast<Real>(1 / (quadric.object_area() * point.area_scale));
 }
 
-/// The numbers in [0, 1]^2 that sample_*_point() takes to `at`, Hit's u and v.
+/// The random numbers in [0, 1]^2 for which sample_*_point() returns `at` (u and v of a Hit).
 inline Vec2 numbers_of_point(const Light& light, const ShapeGeometry& shape, const Vec2& at) {
     if (light.kind == LightKind::patch) return at;
     if (light.kind == LightKind::triangle) {
@@ -59,7 +59,7 @@ inline Vec2 numbers_of_point(const Light& light, const ShapeGeometry& shape, con
     return {static_cast<Real>(a), static_cast<Real>(b)};
 }
 
-/// Per world area, where sample_*_point() puts points.
+/// The density per world area with which sample_*_point() draws a point.
 inline double density_of_point(const Light& light, const ShapeGeometry& shape, const Vec2& at) {
     if (light.kind == LightKind::triangle) return 1 / light.area;
     if (light.kind == LightKind::patch) {

@@ -1,5 +1,5 @@
-// Lights that show images: pbrt-v4's infinite, goniometric and projection lights, and area lights with "filename".
-// Factors are those of its file format: "power" and "illuminance" replace what the image itself would give.
+// Lights that emit images: pbrt-v4's infinite, goniometric and projection lights, and area lights with "filename".
+// Factors follow its file format: "power" and "illuminance" replace the value of the image itself.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -15,7 +15,7 @@
 namespace raylex::transport {
 namespace {
 
-/// Relative file names are looked up beside the scene file that names them.
+/// Resolves relative file names in the folder of the scene file that contains them.
 std::string resolve_path(const std::string& name, const std::string& beside) {
     const std::filesystem::path path(name);
     if (path.is_absolute()) return name;
@@ -37,17 +37,17 @@ Status require_square(const RgbImage& image, const SceneEntity& source, const st
                                          "; an equal-area octahedral image must be square");
 }
 
-/// What "power" (or "illuminance") `wanted` makes of an image that gives `given`.
+/// The factor on an image of power (or illuminance) `given` that makes it `wanted`.
 Result<Real> factor_for(const SceneEntity& source, const char* name, double scale, double wanted, double given) {
     if (!(wanted > 0)) return static_cast<Real>(scale);
     if (!(given > 0))
         return error_at(source.location, std::string("'") + name + "' of this " + source.type +
-                                             " light asks for light, but its image is black");
+                                             " light has a positive value, but its image is black");
     return static_cast<Real>(scale * wanted / given);
 }
 
-/// On a surface that faces +z of an equal-area image, each pixel covering the same solid angle: 4 pi / pixels, of which
-/// pbrt-v4 counts half.
+/// The illuminance on a surface that faces +z of an equal-area image, where each pixel covers the solid angle 4 pi /
+/// pixels. pbrt-v4 uses half of that.
 double illuminance_of(const RgbImage& image) {
     double sum = 0;
     for (int y = 0; y < image.height; ++y)
@@ -76,14 +76,15 @@ struct Sky {
     Real factor = 1;
 };
 
-/// The image of an infinite light with its factor; without a file a portal looks out on its L. Here pbrt-v4 does not
-/// divide by the luminance of L, and takes "illuminance" for that of an image with all of its light straight up.
+/// Reads the image of an infinite light, with its factor; without a file, a portal has an image of constant L. As
+/// pbrt-v4, it does not divide by the luminance of L here, and takes "illuminance" as that of an image with all of its
+/// light at the zenith.
 Result<Sky> read_sky(const SceneLight& source, const std::string& file, double illuminance, LightContext& context) {
     Sky sky;
     if (file.empty()) {
         auto radiance = scaled_emission(source, "L", context);
         if (!radiance) return radiance.error();
-        constexpr int resolution = 64;  // so that what is drawn by pixel is nearly uniform
+        constexpr int resolution = 64;  // so that directions drawn by pixel are nearly uniform
         sky.image = {resolution, resolution, std::vector<Rgb>(std::size_t{resolution} * resolution, *radiance)};
         if (illuminance > 0) {
             sky.factor = static_cast<Real>(illuminance / (2 * std::numbers::pi));

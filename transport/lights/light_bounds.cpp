@@ -13,7 +13,7 @@ namespace {
 Real sine_of(Real cosine) {
     return std::sqrt(std::max(Real(0), 1 - cosine * cosine));
 }
-/// cos(max(0, a - b)) and sin of it.
+/// The cosine and sine of max(0, a - b).
 Real cos_of_difference(Real sin_a, Real cos_a, Real sin_b, Real cos_b) {
     return cos_a > cos_b ? 1 : cos_a * cos_b + sin_a * sin_b;
 }
@@ -46,7 +46,7 @@ DirectionCone join(const DirectionCone& a, const DirectionCone& b) {
     return {normalize(a.axis * turn.cos + sideways * turn.sin), half.cos};
 }
 
-/// Of a stretched spot's cone only the axis is known in the world.
+/// Whether the light is a cone with known angles: a stretched spot has only a known axis in the world.
 bool is_cone(const Light& light) {
     return (light.kind == LightKind::spot && light.image < 0) || light.kind == LightKind::projection;
 }
@@ -61,7 +61,7 @@ void set_box(LightBounds& bounds, std::initializer_list<Vec3> points) {
 
 void set_patch(LightBounds& bounds, const BilinearPatch& patch) {
     set_box(bounds, {patch.p00.to_real(), patch.p10.to_real(), patch.p01.to_real(), patch.p11.to_real()});
-    // The cross product is bilinear in (u, v): its corners bound it, where they lie within half a sphere.
+    // The cross product is bilinear in (u, v), so its corners bound it if they lie within half a sphere.
     Vec3 sum;
     std::array<Vec3, 4> corners;
     for (int i = 0; i < 4; ++i) {
@@ -77,7 +77,7 @@ void set_patch(LightBounds& bounds, const BilinearPatch& patch) {
     for (const Vec3& corner : corners)
         if (length_squared(corner) > 0) least = std::min(least, dot(cone.axis, corner));
     cone.cos_theta_o = least > 0 ? least - Real(1e-5) : -1;
-    cone.two_sided = true;  // which side emits is not asked here
+    cone.two_sided = true;  // the emitting side is not stored here
 }
 
 }  // namespace
@@ -137,7 +137,7 @@ LightMoments moments_of(const Light& light, const LightBounds& bounds) {
                           length_squared(second - moments.mean)) /
                          12;
     } else if (is_cone(light)) {
-        // What a cosine would spread over half a sphere is within the cone.
+        // The light that a cosine would spread over half a sphere is within the cone.
         moments.strength /= std::max(light.versine_full + light.versine_zero, std::numeric_limits<Real>::min());
     } else if (bounds.cone.cos_theta_o == -1) {
         return moments;
@@ -159,10 +159,11 @@ LightMoments join(const LightMoments& a, const LightMoments& b) {
     return both;
 }
 
-/// The mean of |n . w| is taken to be the root of that of its square, 1 / distance^2 to be that at a quarter of the
-/// lights' spread beyond the middle, and ways from all of them as spread evenly around that from there.
+/// Approximates the mean of |n . w| by the root of the mean of its square. 1 / distance^2 is taken at a quarter of the
+/// lights' spread beyond the middle, and the directions from the lights as spread evenly around the direction from
+/// there.
 double LightMoments::importance(const LightReceiver& receiver) const {
-    constexpr Real least_cosine = Real(0.01);  // nothing is starved by what the mean does not know of
+    constexpr Real least_cosine = Real(0.01);  // keeps a minimum, since the mean may underestimate
     const Vec3 way = receiver.position - mean;
     const Real around = spread / 3, inverse = 1 / (length_squared(way) + spread / 4 + std::numeric_limits<Real>::min());
     const auto& [xx, yy, zz, xy, xz, yz] = squares;
@@ -179,7 +180,7 @@ double LightMoments::importance(const LightReceiver& receiver) const {
 
 bool EmissionCone::reaches(const Vec3& way, Real radius2) const {
     const Real d2 = length_squared(way);
-    if (!(d2 > radius2)) return true;  // within the ball light may come from anywhere
+    if (!(d2 > radius2)) return true;  // within the ball, light may come from anywhere
     const Real sin2_b = radius2 / d2, sin_b = std::sqrt(sin2_b), cos_b = std::sqrt(1 - sin2_b);
     Real cos_w = dot(axis, way) / std::sqrt(d2);
     if (two_sided) cos_w = std::abs(cos_w);
@@ -204,7 +205,7 @@ Real LightBounds::cost(const Vec3& whole, int split_axis) const {
     const Vec3 d = upper - lower;
     const Real area = 2 * (d.x * d.y + d.y * d.z + d.z * d.x), longest = std::max({whole.x, whole.y, whole.z});
     const Real along = split_axis == 0 ? whole.x : split_axis == 1 ? whole.y : whole.z;
-    // Lights of no extent in a row are still apart: half of the length stands for the area that they do not have.
+    // Lights without extent in a row have a distance but no area: use half of the length instead.
     const Real spread = area + Real(1e-3) * length_squared(d);
     return power * solid * (longest / along) * spread;
 }

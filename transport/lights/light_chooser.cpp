@@ -18,7 +18,7 @@ LightChooser::LightChooser(std::span<const Light> lights, LightChoice choice, st
     std::vector<double> weights(lights.size(), 0.0);
     for (std::size_t i = 0; i < lights.size(); ++i) {
         if (!lights_up(i) || (leaves_skies && lights[i].kind == LightKind::uniform_environment)) continue;
-        // A tenth of the choices ignores power: a weak light close by is never starved.
+        // A tenth of the choices ignores power, so that a weak light close by is chosen often enough.
         weights[i] = even ? 1 : 0.9 * lights[i].power / total + 0.1 / lit;
     }
     table_ = AliasTable(weights);
@@ -45,7 +45,7 @@ LightChooser LightChooser::by_receiver(std::span<const Light> lights, const Embr
 }
 
 LightTree::Chosen LightChooser::choose_by_receiver(const LightReceiver& receiver, Real u_choice, const Vec2& u) const {
-    // A light of 10^5 takes 17 of a float's 24 bits: further ones are hashed from the numbers that place the sample.
+    // A light among 10^5 takes 17 of a float's 24 bits: further bits are hashed from the numbers that place the sample.
     std::uint32_t more = std::bit_cast<std::uint32_t>(to_float(u.x)) * 0x9e3779b9u ^
                          std::bit_cast<std::uint32_t>(to_float(u.y)) * 0x85ebca6bu;
     more = (more ^ (more >> 15)) * 0x2c1b3c6du;

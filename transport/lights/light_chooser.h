@@ -1,4 +1,4 @@
-// Which light a sample goes to.
+// Chooses the light of a sample.
 #pragma once
 
 #include <bit>
@@ -12,33 +12,34 @@
 
 namespace raylex::transport {
 
-/// Which lights are chosen from. Uniform environments have nothing to aim at: a scattering ray finds them at least as
-/// well as a light sample would, so `mis` leaves them to scattering (pbrt-v4 does too); `light_sampling` cannot. Both
-/// go by power, the other two give every light that sends anything the same probability.
+/// The lights that can be chosen. Scattering rays find uniform environments at least as well as light samples, so `mis`
+/// leaves them to scattering (as pbrt-v4 does); `light_sampling` cannot. Both choose by power; the other two give every
+/// light that emits the same probability.
 enum class LightChoice : std::uint8_t { mis, light_sampling, mis_uniform, light_sampling_uniform };
 inline constexpr std::size_t light_choices = 4;
 
 class LightChooser {
   public:
-    /// Chooses none.
+    /// A chooser without lights.
     LightChooser() = default;
-    /// Among the lights that `wanted` [light] marks; empty: all.
+    /// A chooser among the lights that `wanted` [light] marks; empty: all.
     LightChooser(std::span<const Light> lights, LightChoice choice, std::span<const std::uint8_t> wanted = {});
-    /// The same, but where more than `most_by_power` of them stand somewhere, these are chosen by what each can send to
-    /// the receiver. The n that stand nowhere (distant, infinite) then share n / (n + 1) of the choices, as in pbrt-v4.
+    /// A chooser that uses what each light sends to the receiver, if more than `most_by_power` of them have a position.
+    /// The n lights without a position (distant, infinite) then share n / (n + 1) of the choices, as in pbrt-v4.
     static LightChooser by_receiver(std::span<const Light> lights, const EmbreeScene& geometry, LightChoice choice,
                                     std::span<const std::uint8_t> wanted = {});
     static constexpr std::size_t most_by_power = 32;
 
     [[nodiscard]] bool empty() const { return table_.empty() && tree_.empty(); }
-    /// Whether skies are sampled by what stands out of them, for scattering finds the rest: of by_receiver() with
-    /// `mis`.
+    /// Whether skies are sampled by the excess over their mean, since scattering finds the rest: true for by_receiver()
+    /// with `mis`.
     [[nodiscard]] bool compensates() const { return compensates_; }
-    /// Above this many lights the choice takes a number of its own; below, it shares another and costs few of its bits.
+    /// With more lights than this, the choice takes a random number of its own; with fewer, it shares one and uses few
+    /// of its bits.
     static constexpr std::size_t shared_choice_limit = 64;
     [[nodiscard]] bool needs_number() const { return !tree_.empty() || table_.size() > shared_choice_limit; }
-    /// Numbers in [0, 1); u_choice is read only if needs_number(), and `u` stay uniform. LightTree::none where nothing
-    /// can arrive.
+    /// Chooses a light with numbers in [0, 1). u_choice is read only if needs_number(); `u` stays uniform. Returns
+    /// LightTree::none if no light can arrive.
     [[nodiscard]] LightTree::Chosen choose(const LightReceiver& receiver, Real u_choice, Vec2& u) const {
         if (!tree_.empty()) return choose_by_receiver(receiver, u_choice, u);
         const std::uint32_t light = needs_number() ? table_.choose(u_choice) : table_.choose_and_remap(u.x);
@@ -52,7 +53,7 @@ class LightChooser {
   private:
     [[nodiscard]] LightTree::Chosen choose_by_receiver(const LightReceiver& receiver, Real u_choice,
                                                        const Vec2& u) const;
-    AliasTable table_;  // of all; beside a tree, of the lights that stand nowhere
+    AliasTable table_;  // of all lights; beside a tree: of the lights without a position
     LightTree tree_;
     Real table_share_ = 1;
     bool compensates_ = false;

@@ -1,4 +1,4 @@
-// How light leaves the lights: for paths that begin there.
+// Emission from lights, for paths that begin there.
 #include <cmath>
 
 #include "transport/lights/area_points.h"
@@ -7,8 +7,8 @@
 namespace raylex::transport {
 namespace {
 
-/// Of the disk that covers the scene: a little more than the sphere about its bounds, so that rounding cuts nothing
-/// off.
+/// The radius of the disk that covers the scene: slightly more than the sphere about its bounds, so that rounding cuts
+/// nothing off.
 Real covering_radius(const EmbreeScene& geometry) {
     return std::max(geometry.lit_bounds().radius(), Real(1e-30)) * (1 + Real(1e-5));
 }
@@ -60,8 +60,8 @@ bool LightTable::emit_from_point(const Light& light, const Vec2& u, EmissionSamp
     return falloff > 0;
 }
 
-/// Out of a direction drawn from the whole image, through a point of the portal. It begins beyond all of the scene:
-/// what stands outside the portal is in its way, as it is in a camera path's.
+/// Emits along a direction drawn from the whole image, through a point of the portal. The ray begins outside of the
+/// whole scene: objects outside the portal occlude it, as they do for camera paths.
 bool LightTable::emit_through_portal(const Light& light, const EmbreeScene& geometry, const Vec2& u_position,
                                      const Vec2& u_direction, EmissionSample& s) const {
     const PortalImage& portal = portal_of(light);

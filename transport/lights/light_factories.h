@@ -1,5 +1,4 @@
-// What the registry's factories share: image_lights.cpp makes the lights that show images, light_registry.cpp the
-// others.
+// Helpers of the registry's factories: image_lights.cpp makes the lights with images, light_registry.cpp the others.
 #pragma once
 
 #include <string>
@@ -8,20 +7,20 @@
 
 namespace raylex::transport {
 
-/// "scale", not negative.
+/// The parameter "scale", which must not be negative.
 Result<double> light_scale(const SceneEntity& light);
 /// The colour parameter `name` times "scale".
 Result<Rgb> scaled_emission(const SceneEntity& light, std::string_view name, const LightContext& context);
 
-/// What the values of an image mean: colours are taken to the scene's space, as the light that they are (no white is
-/// adapted); plain ones, which are averaged, stay as they are stored.
+/// The meaning of an image's values. `colours` are converted to the scene's space as light (without white adaptation);
+/// `plain` ones, which are averaged, stay as they are stored.
 enum class ImageValues : std::uint8_t { colours, plain };
-/// The image of the light's "filename", which must be given: linear. Values that are negative or not finite are taken
-/// as 0, with a warning; in the scene's space there may be negative ones, of colours that it cannot show.
+/// Reads the image of the light's "filename", which must be given, as linear values. Negative values and those that are
+/// not finite become 0, with a warning. In the scene's space, colours outside its gamut may have negative values.
 Result<RgbImage> read_light_image(const SceneEntity& light, const std::string& file, LightContext& context,
                                   ImageValues values = ImageValues::colours);
 
-/// Turns such an image into light as it is recorded, in the rendering space (recorded_light()).
+/// Converts such an image to light as the film records it, in the rendering space (recorded_light()).
 void record_image(RgbImage& image, const LightContext& context);
 
 Result<Light> make_infinite(const SceneLight& source, LightContext& context);

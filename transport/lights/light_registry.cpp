@@ -1,4 +1,4 @@
-// What pbrt-v4's LightSource and AreaLightSource directives mean. Parameters and defaults are pbrt's.
+// Makes lights from pbrt-v4's LightSource and AreaLightSource directives, with pbrt's parameters and defaults.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,7 @@ std::string quoted(std::string_view name) {
     return std::string("'").append(name).append("'");
 }
 
-/// Points stay in double until they stand where light transport computes.
+/// Points stay in double until they are in the space of light transport.
 using Point = BasicVec3<double>;
 
 Result<Point> point_or(const ParameterSet& set, std::string_view name, const Point& fallback) {
@@ -74,13 +74,13 @@ Result<Light> make_spot(const SceneLight& source, LightContext& context) {
         light.versine_full = light.versine_zero * (1 - 2 * unit_roundoff);  // a hard edge
     light.position = placed(source.to_world, *from);
     light.direction = direction_in_world(source.to_world, *from, *to);
-    // Matrices as exporters print them have six digits: a cone is as round as they are.
+    // Exporters print matrices with six digits, so a cone is only that round.
     if (double scale; !keeps_angles(Matrix34(source.to_world.matrix()), scale, 1e-5)) {
         light.image = static_cast<std::int32_t>(context.images.spots.size());
         context.images.spots.emplace_back(normalize(DVec3(*to) - DVec3(*from)), light.versine_full, light.versine_zero,
                                           Placement(source.to_world));
     }
-    // pbrt's k_e for "power": full inside the falloff, half of it on average within.
+    // pbrt's k_e for "power": full inside the falloff, half of it on average within the falloff.
     const Real solid_angle = pi * (light.versine_full + light.versine_zero);
     light.emission = *power > 0 ? *intensity * (static_cast<Real>(*power) / solid_angle) : *intensity;
     light.power = solid_angle * luminance(light.emission);
@@ -110,20 +110,20 @@ Registry<LightFactory> make_lights() {
     using T = ParameterType;
     Registry<LightFactory> registry("light source");
     registry.add({"point",
-                  "a point that shines equally in all directions",
+                  "a point light that emits equally in all directions",
                   {{"I", T::rgb, "1 1 1", "radiant intensity"},
                    scale_parameter,
-                   {"power", T::real, "", "total power instead of I's"},
+                   {"power", T::real, "", "total power; replaces that of I"},
                    {"from", T::point3, "0 0 0", "position"}},
                   make_point});
     registry.add({"spot",
-                  "a point that shines into a cone",
+                  "a point light that emits into a cone",
                   {{"I", T::rgb, "1 1 1", "radiant intensity on the axis"},
                    scale_parameter,
-                   {"power", T::real, "", "total power instead of I's"},
+                   {"power", T::real, "", "total power; replaces that of I"},
                    {"from", T::point3, "0 0 0", "position"},
                    {"to", T::point3, "0 0 1", "a point on the axis"},
-                   {"coneangle", T::real, "30", "degrees from the axis where light ends"},
+                   {"coneangle", T::real, "30", "degrees from the axis at which light ends"},
                    {"conedeltaangle", T::real, "5", "degrees over which it falls off inside that"}},
                   make_spot});
     registry.add({"distant",
@@ -139,22 +139,22 @@ Registry<LightFactory> make_lights() {
                   {{"L", T::rgb, "1 1 1", "radiance"},
                    scale_parameter,
                    {"filename", T::string, "", "image instead of L"},
-                   {"illuminance", T::real, "", "of a surface that faces the light's own +z"},
+                   {"illuminance", T::real, "", "illuminance of a surface that faces the light's own +z"},
                    {"portal", T::point3, "",
                     "corners of a rectangle in the world, through which alone light comes; facing out by (p3 - p0) x "
                     "(p1 - p0)"}},
                   make_infinite});
     registry.add({"goniometric",
-                  "a point that shines by an image of directions, square and equal-area octahedral",
+                  "a point light with an image over directions, square and equal-area octahedral",
                   {{"I", T::rgb, "1 1 1", "radiant intensity where the image is 1"},
                    scale_parameter,
-                   {"power", T::real, "", "total power instead of I's"},
+                   {"power", T::real, "", "total power; replaces that of I"},
                    {"filename", T::string, "", "the image; colours count as their mean"}},
                   make_goniometric});
     registry.add({"projection",
-                  "a point that throws an image along +z",
+                  "a point light that projects an image along +z",
                   {scale_parameter,
-                   {"power", T::real, "", "total power instead of the image's"},
+                   {"power", T::real, "", "total power; replaces that of the image"},
                    {"fov", T::real, "90", "degrees that the image's shorter side spans"},
                    {"filename", T::string, "", "the image: radiant intensity"}},
                   make_projection});
@@ -193,8 +193,8 @@ Registry<AreaLightFactory>& area_light_registry() {
                {{"L", ParameterType::rgb, "1 1 1", "radiance"},
                 scale_parameter,
                 {"filename", ParameterType::string, "", "image of radiance, by texture coordinates, instead of L"},
-                {"power", ParameterType::real, "", "of each primitive, instead of what the radiance gives"},
-                {"twosided", ParameterType::boolean, "false", "both sides shine"}},
+                {"power", ParameterType::real, "", "power of each primitive; replaces that of the radiance"},
+                {"twosided", ParameterType::boolean, "false", "both sides emit"}},
                make_diffuse_area});
         return r;
     }();

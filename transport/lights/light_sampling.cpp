@@ -1,6 +1,6 @@
-// Sampling and densities, kind by kind. Spheres seen from outside are sampled by the cone they fill; its 1 - cos is
-// kept as s^2 / (1 + sqrt(1 - s^2)), exact for a sphere of 1e-8 of its distance (row 21 of the hard cases). Other area
-// lights are sampled uniformly by area, which is stable for small and far ones.
+// Sampling and densities by kind of light. Spheres seen from outside are sampled by the cone that they fill. Its 1 -
+// cos is computed as s^2 / (1 + sqrt(1 - s^2)), which is exact for a sphere of 1e-8 of its distance (row 21 of the hard
+// cases). Other area lights are sampled uniformly by area, which is stable for small and far ones.
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,7 @@
 namespace raylex::transport {
 namespace {
 
-/// Takes a point of an area light, drawn with `area_density` (per world area), to a direction from `from`.
+/// Converts a point of an area light, drawn with `area_density` (per world area), to a direction from `from`.
 bool finish_area_sample(const Light& light, const Vec3& from, Real area_density, LightSample& s) {
     const Vec3 d = s.target - from;
     const Real d2 = length_squared(d);
@@ -53,13 +53,13 @@ Cone cone_of(const Light& light, const Quadric& quadric, const Vec3& from) {
     cone.radius = std::sqrt(static_cast<double>(light.area) / (4 * 3.14159265358979323846));
     const double s = cone.radius / cone.distance;
     cone.sin2 = s * s;
-    // Nearer than this the cone is a half space and float points may fall on either side of the surface.
+    // Closer than this, the cone is a half space, and rounded points may fall on either side of the surface.
     cone.outside = cone.distance > cone.radius * (1 + 1e-6);
     if (cone.outside) cone.one_minus_cos = cone.sin2 / (1 + std::sqrt(1 - cone.sin2));
     return cone;
 }
 
-/// `cut_out`: the shape has alpha, so somebody will ask for s.uv.
+/// `cut_out`: the shape has alpha, so s.uv is needed.
 bool sample_sphere(const Light& light, const Quadric& quadric, bool cut_out, const Vec3& from, const Vec2& u,
                    LightSample& s) {
     const Cone cone = cone_of(light, quadric, from);
@@ -67,7 +67,7 @@ bool sample_sphere(const Light& light, const Quadric& quadric, bool cut_out, con
     if (quadric.reversed && !light.two_sided) return false;
     const double h = u.x * cone.one_minus_cos;  // 1 - cos(theta)
     const double sin2 = h * (2 - h), cos_theta = 1 - h;
-    // The near point lies where the ray meets the sphere: alpha is its angle at the centre (pbrt-v4, section 6.2.4).
+    // The near point is where the ray meets the sphere: alpha is its angle at the centre (pbrt-v4, section 6.2.4).
     const double ratio = std::min(sin2 / cone.sin2, 1.0);
     const double cos_alpha = sin2 / std::sqrt(cone.sin2) + cos_theta * std::sqrt(1 - ratio);
     const double sin_alpha = std::sqrt(std::max(0.0, 1 - cos_alpha * cos_alpha));
@@ -140,7 +140,7 @@ bool LightTable::sample_infinite(const LightChooser& chooser, const Light& light
     return true;
 }
 
-/// Lights at a point and area lights that show an image.
+/// Samples lights at a point and area lights that have an image.
 bool LightTable::sample_image_light(const Light& light, const EmbreeScene& geometry, const Vec3& from, const Vec2& u,
                                     LightSample& s) const {
     if (light.is_at_point()) {
@@ -203,7 +203,7 @@ Real LightTable::density(const LightChooser& chooser, const EmbreeScene& geometr
     const ShapeGeometry& shape = geometry.shapes()[light.shape];
     if (light.kind == LightKind::sphere) {
         const Cone cone = cone_of(light, shape.quadric, from);
-        // The cone's samples lie on the near side; the far side is seen only through holes in it.
+        // The cone's samples lie on the near side; the far side is visible only through holes in it.
         const DVec3 out = DVec3(at.position) - shape.quadric.placement.to_world.point({0, 0, 0});
         if (cone.outside && shape.alpha >= 0 && dot(out, DVec3(from) - DVec3(at.position)) < 0) return 0;
         if (cone.outside) return chosen * static_cast<Real>(1 / (2 * 3.14159265358979323846 * cone.one_minus_cos));
@@ -235,7 +235,7 @@ Real LightTable::density(const LightChooser& chooser, const EmbreeScene& geometr
 Real LightTable::environment_density(const LightChooser& chooser, std::uint32_t index, const Vec3& from,
                                      const Vec3& direction) const {
     const Light& light = lights_[index];
-    const Real chosen = chooser.probability(Vec3(), index);  // wherever it is seen from
+    const Real chosen = chooser.probability(Vec3(), index);  // from every receiver
     if (!(chosen > 0)) return 0;
     if (light.kind == LightKind::uniform_environment) return chosen * uniform_sphere_pdf();
     return chosen * (light.kind == LightKind::portal_environment

@@ -36,14 +36,14 @@ Light make_triangle(const ShapeGeometry& shape, std::uint32_t primitive) {
         normal = -normal;
     }
     light.direction = normal;
-    // A point of it is a sum of floats: five roundings of what is summed.
+    // A point on it is a sum of floats: five roundings of the summands.
     light.offset = triangle.offset;
     light.offset.here += gamma_bound(8) * dot(absolute(light.direction),
                                               absolute(light.position) + absolute(light.edge1) + absolute(light.edge2));
     return light;
 }
 
-/// With an image, spheres too are sampled by their area.
+/// Makes the light of a quadric. With an image, spheres too are sampled by area.
 Light make_quadric(const ShapeGeometry& shape, bool has_image) {
     Light light;
     const Quadric& q = shape.quadric;
@@ -58,14 +58,14 @@ Light make_quadric(const ShapeGeometry& shape, bool has_image) {
     return light;
 }
 
-/// Each parameter fits, their product does not: nothing of the image would be a number.
+/// The error for an emission whose factors are in range but whose product is not.
 Error beyond_float(const SceneEntity& light) {
     return error_at(light.location, "the emission of this " + light.type +
                                         " light, its colour times 'scale', is beyond the range of float; expected less "
                                         "than 3.4e38");
 }
 
-/// World area of a light's primitive, for its power.
+/// The world area of a light's primitive, for its power.
 double world_area(const ShapeGeometry& shape, const Light& light) {
     if (light.kind != LightKind::quadric) return light.area;
     double sum = 0;  // the stretch varies over the surface: 8 x 8 points uniform by object-space area
@@ -109,10 +109,10 @@ Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& g
         const std::int32_t group = group_index(scene.area_lights[static_cast<std::size_t>(shape.area_light)].group);
         shape.first_light = static_cast<std::uint32_t>(lights_.size());
         if (emission.power > 0 && shape.primitive_count > 1)
-            warnings.push_back(
-                error_at(scene.area_lights[static_cast<std::size_t>(shape.area_light)].location,
-                         "'power' is that of each of the mesh's " + std::to_string(shape.primitive_count) +
-                             " primitives, as pbrt-v4 takes it; the mesh gives that many times as much"));
+            warnings.push_back(error_at(scene.area_lights[static_cast<std::size_t>(shape.area_light)].location,
+                                        "'power' is that of each of the mesh's " +
+                                            std::to_string(shape.primitive_count) +
+                                            " primitives, as in pbrt-v4; the mesh emits that many times as much"));
         for (std::uint32_t i = 0; i < shape.primitive_count; ++i) {
             Light light;
             if (shape.kind == ShapeKind::triangle_mesh) {
@@ -134,7 +134,7 @@ Status LightTable::add_area_lights(const SceneDescription& scene, EmbreeScene& g
     return success();
 }
 
-/// What the primitive sends, and the weight of its selection.
+/// Sets the emission of the primitive, and the weight of its selection.
 void LightTable::set_emission(const AreaEmission& emission, const ShapeGeometry& shape, Light& light) {
     light.emission = emission.radiance;
     light.two_sided = emission.two_sided;
@@ -153,7 +153,7 @@ void LightTable::set_emission(const AreaEmission& emission, const ShapeGeometry&
         light.emission = given > 0 ? light.emission * static_cast<Real>(emission.power / given) : Rgb();
     }
     light.power = double{luminance(light.emission)} * pi * area * sides * mean;
-    // Looks at an image that found none of its light.
+    // Repeats the look-up for an image whose samples found none of its light.
     if (!(mean > 0) && images_.emissions[static_cast<std::size_t>(emission.image)].mean > 0)
         light.power = light.emission.max();
 }
@@ -172,7 +172,7 @@ void LightTable::finish(const EmbreeScene& geometry) {
         }
         if (!(light.power >= 0)) light.power = light.emission.max();  // a colour of negative luminance
         if (light.is_area() && !(light.area > 0)) light.power = 0;
-        light.power = std::min(light.power, 1e300);  // what there is to choose by must be a number, and so their sum
+        light.power = std::min(light.power, 1e300);  // weights and their sum must be finite
         any_to_hit_ = any_to_hit_ || (light.power > 0 && !light.is_delta());
     }
     for (std::size_t i = 0; i < light_choices; ++i) choosers_[i] = LightChooser(lights_, static_cast<LightChoice>(i));
@@ -190,19 +190,20 @@ Result<LightTable> LightTable::build(const SceneDescription& scene, EmbreeScene&
         source.to_world = geometry.space().placed(given.to_world);
         if (const Matrix4& matrix = given.to_world.matrix();
             (source.type == "infinite" || source.type == "distant") && matrix[3] != std::array<double, 4>{0, 0, 0, 1}) {
-            // Directions know no place. pbrt-v4 takes different parts of such a matrix and of its inverse.
+            // Directions have no position. pbrt-v4 uses different parts of such a matrix and of its inverse.
             source.to_world = Matrix34(matrix).transform();
             if (!source.to_world.invertible())
                 return error_at(source.location, "the linear part of the " + source.type +
-                                                     " light's matrix cannot be inverted; expected one that can");
+                                                     " light's matrix cannot be inverted; expected an invertible one");
             warnings.push_back(error_at(source.location,
                                         "the last row of the " + source.type +
-                                            " light's matrix is not 0 0 0 1; only what it does to directions counts",
+                                            " light's matrix is not 0 0 0 1; only its effect on directions is used",
                                         "Transform and ConcatTransform take matrices column by column"));
         }
         auto light = (*entry)->factory(source, context);
         if (!light) return light.error();
-        for (std::size_t i = 0; i < given.parameters.parameters.size(); ++i)  // a look-up marks the copy's
+        // look-ups marked the copy's parameters as used
+        for (std::size_t i = 0; i < given.parameters.parameters.size(); ++i)
             given.parameters.parameters[i].used |= source.parameters.parameters[i].used;
         if (light->is_at_point()) {
             const Vec3& at = light->position;

@@ -20,7 +20,7 @@ LightTree::LightTree(std::span<const Light> lights, const EmbreeScene& geometry,
     std::vector<Item> items;
     items.reserve(wanted.size());
     for (const std::uint32_t light : wanted) {
-        // Weak beside another by more than floats tell apart, it is still not to be starved.
+        // A light much weaker than the strongest, below the precision of float, still needs a positive power.
         const Real power = std::max(static_cast<Real>(lights[light].power / strongest), Real(1e-12));
         const LightBounds bounds = bounds_of(lights[light], geometry, power);
         items.push_back({light, bounds, moments_of(lights[light], bounds), (bounds.lower + bounds.upper) * Real(0.5)});
@@ -45,7 +45,7 @@ void LightTree::build(std::uint32_t at, std::span<Item> items, std::uint64_t tra
         within_[nodes_[at].light] = 1;
     } else {
         for (const Item& item : items) whole = join(whole, item.bounds);
-        // Halves, where there is nothing to choose by or a tree of lopsided splits would grow too deep.
+        // Halves the list if the lights are indistinguishable, or if a tree of lopsided splits would become too deep.
         const std::size_t middle = depth < most_depth / 2 ? split(items, whole) : items.size() / 2;
         const auto children = static_cast<std::uint32_t>(nodes_.size());
         nodes_.resize(nodes_.size() + 2);
@@ -59,7 +59,7 @@ void LightTree::build(std::uint32_t at, std::span<Item> items, std::uint64_t tra
     cones_[at] = {whole.cone, whole.radius_squared(nodes_[at].moments.mean)};
 }
 
-/// Into buckets along each axis; the border with the least cost. How many come before it.
+/// Sorts into buckets along each axis and finds the border of least cost; returns the number of items before it.
 std::size_t LightTree::split(std::span<Item> items, const LightBounds& whole) {
     constexpr int buckets = 12;
     Vec3 lower = items.front().center, upper = lower;

@@ -14,7 +14,7 @@ Vec3 StretchedSpot::to_light(const Vec3& direction) const {
     return normalize(placement_.to_object.vector(DVec3(direction))).to_real();
 }
 
-/// The solid angle in the light's space by that in the world; see solid_angle_ratio().
+/// The solid angle in the light's space over that in the world; see solid_angle_ratio().
 Real StretchedSpot::per_steradian(const Vec3& local) const {
     return uniform_cone_pdf(versine_zero_) * static_cast<Real>(solid_angle_ratio(placement_.to_world, DVec3(local)));
 }

@@ -9,13 +9,13 @@ namespace raylex::transport {
 
 class StretchedSpot {
   public:
-    /// `axis`: unit, in the light's space; the versines are those of Light, there.
+    /// `axis` is a unit vector in the light's space; the versines are those of Light in that space.
     StretchedSpot(const DVec3& axis, Real versine_full, Real versine_zero, const Placement& placement);
 
-    /// What goes into a direction in the world, as a share of the intensity on the axis.
+    /// The share of the axis intensity that is emitted in `direction`, a unit vector in the world.
     [[nodiscard]] Real falloff(const Vec3& direction) const;
-    /// A direction in the world in which there is light, and its density per steradian; uniform in the light's own
-    /// cone. False where the cone has no width or the direction nothing of its light.
+    /// Draws a direction in the world in which light is emitted, uniform in the light's own cone, and its density per
+    /// steradian. Returns false if the cone has no width or no light is emitted in the direction.
     bool sample(const Vec2& u, Vec3& direction, Real& falloff, Real& pdf) const;
     [[nodiscard]] Real pdf(const Vec3& direction) const;
 

@@ -9,8 +9,8 @@
 namespace raylex::transport {
 namespace {
 
-/// Polar decomposition by averaging with the inverse transpose (Higham 1986; Shoemake and Duff 1992, "Matrix animation
-/// and polar decomposition"): the rotation. A mirroring matrix is taken as a rotation of a negative scale.
+/// The rotation of a polar decomposition, by averaging with the inverse transpose (Higham 1986; Shoemake and Duff 1992,
+/// "Matrix animation and polar decomposition"). A mirroring matrix is a rotation with a negative scale.
 Matrix4 nearest_rotation(const Transform& transform) {
     Matrix4 q = transform.matrix();
     double square = 0;
@@ -30,7 +30,7 @@ Matrix4 nearest_rotation(const Transform& transform) {
                 change = std::max(change, std::abs(mean - q[i][j]));
                 q[i][j] = mean;
             }
-        if (!(change > 1e-15)) break;  // a few units in the last place: it goes no nearer
+        if (!(change > 1e-15)) break;  // a few units in the last place: it has converged
     }
     return q;
 }
@@ -47,8 +47,8 @@ Matrix4 linear_part(Matrix4 m) {
     return m;
 }
 
-/// The axis and angle of a rotation, by its quaternion (Shoemake 1985): the largest component first, so that nothing
-/// small is divided by.
+/// The axis and angle of a rotation, by its quaternion (Shoemake 1985). The largest component is computed first, so
+/// that no division is by a small number.
 void axis_of(const Matrix4& r, std::array<double, 3>& axis, double& degrees) {
     const double w4 = 1 + r[0][0] + r[1][1] + r[2][2], x4 = 1 + r[0][0] - r[1][1] - r[2][2],
                  y4 = 1 - r[0][0] + r[1][1] - r[2][2], z4 = 1 - r[0][0] - r[1][1] + r[2][2];
@@ -78,7 +78,7 @@ Result<AnimatedTransform> AnimatedTransform::between(const Transform& start, con
                             "a moving transformation must be affine and have an inverse at the start and the end");
     if (start.swaps_handedness() != end.swaps_handedness())
         return error_at(where,
-                        "only one of the transformations at the start and the end mirrors, so that what moves would "
+                        "only one of the transformations at the start and the end mirrors, so the moving object would "
                         "be flat in between");
     AnimatedTransform result(start, end);
     result.only_translates_ = linear_part(start.matrix()) == linear_part(end.matrix());

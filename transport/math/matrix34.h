@@ -1,4 +1,4 @@
-// Affine 3x4 maps in double, as quadrics and instances keep them.
+// Affine 3x4 maps in double, for quadrics and instances.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct DVec3 {
     friend constexpr DVec3 operator*(const DVec3& a, double s) { return {a.x * s, a.y * s, a.z * s}; }
     constexpr bool operator==(const DVec3&) const = default;
     [[nodiscard]] Vec3 to_real() const { return {static_cast<Real>(x), static_cast<Real>(y), static_cast<Real>(z)}; }
-    // Friends, so that only DVec3 arguments find them: normalize({x, y, z}) keeps meaning a Vec3.
+    // Friends are found for DVec3 arguments only: normalize({x, y, z}) keeps meaning a Vec3.
     friend constexpr double dot(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
     friend constexpr DVec3 cross(const DVec3& a, const DVec3& b) {
         return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -48,7 +48,7 @@ struct Matrix34 {
                 m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
     }
     [[nodiscard]] DVec3 point(const DVec3& p) const { return vector(p) + DVec3{m[0][3], m[1][3], m[2][3]}; }
-    /// Of the map whose inverse this is: n transforms by the transpose of the inverse. Not normalised.
+    /// Transforms a normal by the map whose inverse this is, with the transpose of this matrix. Not normalised.
     [[nodiscard]] DVec3 normal_of_inverse(const DVec3& n) const {
         return {m[0][0] * n.x + m[1][0] * n.y + m[2][0] * n.z, m[0][1] * n.x + m[1][1] * n.y + m[2][1] * n.z,
                 m[0][2] * n.x + m[1][2] * n.y + m[2][2] * n.z};
@@ -57,7 +57,7 @@ struct Matrix34 {
         return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
                m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
     }
-    /// By the adjoint; of a matrix that has one.
+    /// The inverse by the adjoint; the matrix must be invertible.
     [[nodiscard]] Matrix34 inverse() const {
         const double scale = 1 / determinant();
         Matrix34 result;
@@ -72,13 +72,13 @@ struct Matrix34 {
     }
 };
 
-/// Of the solid angle around a unit direction d before and after a map M: |M d|^3 / |det M|.
+/// The ratio of the solid angles around a unit direction d before and after a map M: |M d|^3 / |det M|.
 inline double solid_angle_ratio(const Matrix34& map, const DVec3& d) {
     const double stretch = length(map.vector(d));
     return stretch * stretch * stretch / std::abs(map.determinant());
 }
 
-/// Whether the map's linear part is a rotation, mirrored or not, times `scale`; but for `relative` parts of that.
+/// Whether the map's linear part is a rotation, mirrored or not, times `scale`, up to a relative error of `relative`.
 inline bool keeps_angles(const Matrix34& map, double& scale, double relative) {
     const DVec3 x{map.m[0][0], map.m[1][0], map.m[2][0]}, y{map.m[0][1], map.m[1][1], map.m[2][1]},
         z{map.m[0][2], map.m[1][2], map.m[2][2]};

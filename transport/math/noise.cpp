@@ -7,7 +7,7 @@
 namespace raylex::transport {
 namespace {
 
-// The numbers 0 to 255 in the order of Perlin's program of 2002, which everybody's noise has.
+// The numbers 0 to 255 in the order of Perlin's program of 2002, which all implementations share.
 constexpr std::array<std::uint8_t, 256> permutation{
     151, 160, 137, 91,  90,  15,  131, 13,  201, 95,  96,  53,  194, 233, 7,   225, 140, 36,  103, 30,  69,  142,
     8,   99,  37,  240, 21,  10,  23,  190, 6,   148, 247, 120, 234, 75,  0,   26,  197, 62,  94,  252, 219, 203,
@@ -32,7 +32,7 @@ constexpr bool is_permutation_of_bytes() {
 }
 static_assert(is_permutation_of_bytes());
 
-/// By a hash of 4 bits: x by these, y, z. Two of them are 1 or -1, the third is 0.
+/// Gradients by a hash of 4 bits, in x, y, z. Two components are 1 or -1, the third is 0.
 constexpr std::array<std::array<Real, 3>, 16> gradients = [] {
     std::array<std::array<Real, 3>, 16> all{};
     for (std::size_t h = 0; h < 16; ++h) {
@@ -56,13 +56,13 @@ struct Cell {
     Real within = 0;
 };
 
-/// The lattice repeats after 256 cells.
+/// The cell of a coordinate. The lattice repeats after 256 cells.
 Cell cell_of(Real x) {
     const Real below = std::floor(x);
     return {static_cast<int>(below - 256 * std::floor(below / 256)) & 255, x - below};
 }
 
-/// The gradients at a cell's corners: side by side and without branches, which nothing could predict.
+/// The gradients at a cell's corners, side by side and without branches, which would be unpredictable.
 class Corners {
   public:
     Corners(int x, int y, int z) {
@@ -82,7 +82,7 @@ class Corners {
         }
     }
     [[nodiscard]] Real noise(Real x, Real y, Real z) const {
-        std::array<Real, 8> from;  // each corner's gradient times the way from it
+        std::array<Real, 8> from;  // the dot product of each corner's gradient and the offset from the corner
         for (std::size_t c = 0; c < 8; ++c)
             from[c] = x_[c] * (x - static_cast<Real>(c & 1)) + y_[c] * (y - static_cast<Real>(c >> 1 & 1)) +
                       z_[c] * (z - static_cast<Real>(c >> 2));
@@ -130,7 +130,7 @@ Real absolute_noise_sum(const Vec3& p, const Octaves& octaves) {
     Real sum = 0, frequency = 1, height = 1;
     for (int i = 0; i < octaves.count; ++i, frequency *= Real(1.99), height *= octaves.roughness)
         sum += height * std::abs(gradient_noise(p * frequency));
-    return sum + Real(0.2) * height;  // as pbrt-v4's Turbulence: the mean of the octave that would come
+    return sum + Real(0.2) * height;  // as pbrt-v4's Turbulence: the mean of the next octave
 }
 
 }  // namespace raylex::transport

@@ -1,4 +1,4 @@
-// The unit sphere on the unit square, areas kept in proportion: P. Clarberg 2008, "Fast Equal-Area Mapping of the
+// Maps the unit sphere to the unit square with equal areas: P. Clarberg 2008, "Fast Equal-Area Mapping of the
 // (Hemi)Sphere using SIMD", the layout of pbrt-v4's environment images.
 #pragma once
 

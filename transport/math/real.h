@@ -1,11 +1,12 @@
-// The number that light transport computes in, and what is made of it. Float, unless RAYLEX_TRANSPORT_DOUBLE is defined
+// The number type of light transport and the types built from it. Float, unless RAYLEX_TRANSPORT_DOUBLE is defined
 // (transport/docs/arithmetic.md).
 //
-// What comes from outside or goes there is float in both: image and mesh files, Embree, display/ and geoaovs/. It is
-// taken in as it is, every float being a double, and leaves by to_float(), which does nothing in the float build.
+// Inputs and outputs are float in both cases: image and mesh files, Embree, display/ and geoaovs/. Inputs convert
+// implicitly, since every float is a double; outputs are converted by to_float(), which does nothing in the float
+// build.
 //
-// So that one source means both: a literal that float rounds is written Real(0.1), and so is one whose quotient float
-// would round (1 / Real(3)); literals like 0.5f are exact and may stay.
+// One source serves both: literals that float rounds are written Real(0.1), and so are those whose quotient float would
+// round (1 / Real(3)). Exact literals like 0.5f need no conversion.
 #pragma once
 
 #include <type_traits>
@@ -22,7 +23,7 @@ using Real = float;
 
 inline constexpr bool real_is_double = std::is_same_v<Real, double>;
 
-/// Radiance, throughput, densities by colour. What display/ takes is raylex::Rgb, always float.
+/// Radiance, throughput and densities by colour. display/ uses raylex::Rgb, always float.
 using Rgb = BasicRgb<Real>;
 
 constexpr float to_float(float v) {

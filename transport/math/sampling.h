@@ -1,6 +1,6 @@
 // Warps from the unit square or interval to the domains that lights, cameras and closures sample, with their densities.
 //
-// Every warp takes numbers in [0, 1) and is free of singular inputs: u = 0 and the largest float below 1 give finite
+// Every warp takes numbers in [0, 1) and has no singular inputs: u = 0 and the largest float below 1 give finite
 // points. Directions are in the local frame: +z is the normal, the axis or the pole.
 #pragma once
 
@@ -28,8 +28,8 @@ constexpr Real lerp(Real t, Real a, Real b) {
     return (1 - t) * a + t * b;
 }
 
-/// Sine and cosine on [-pi/4, pi/4] by their Taylor series, cut where the error (2e-9) is below float's rounding:
-/// without the reduction to this range, and in float throughout. In double elementary::sin_cos.
+/// Sine and cosine on [-pi/4, pi/4] by their Taylor series, truncated where the error (2e-9) is below float's rounding:
+/// without range reduction, and in float throughout. The double build uses elementary::sin_cos.
 inline elementary::SinCos<Real> sin_cos_of_eighth(Real x) {
     if constexpr (real_is_double) return elementary::sin_cos(x);
     const Real x2 = x * x;
@@ -43,16 +43,16 @@ inline Vec2 polar_point(Real radius, Real turn) {
     return {radius * cosine, radius * sine};
 }
 
-/// `a` where `condition` holds, else `b`, without a branch: for conditions that cannot be predicted. (Compilers make
-/// branches of a ? : of floats where there is no instruction for it.)
+/// `a` if `condition` holds, else `b`, without a branch: for unpredictable conditions. (Compilers make branches of a ?
+/// : of floats if there is no instruction for it.)
 inline Real select(bool condition, Real a, Real b) {
     using Bits = std::conditional_t<real_is_double, std::uint64_t, std::uint32_t>;
     const Bits mask = Bits{0} - static_cast<Bits>(condition);
     return std::bit_cast<Real>((std::bit_cast<Bits>(a) & mask) | (std::bit_cast<Bits>(b) & ~mask));
 }
 
-/// Unit disk, concentric: squares map to rings, so strata stay compact (Shirley and Chiu 1997, "A Low Distortion Map
-/// Between Disk and Square"). Density 1/pi per unit area.
+/// A point of the unit disk, by the concentric map: squares become rings, so strata stay compact (Shirley and Chiu
+/// 1997, "A Low Distortion Map Between Disk and Square"). Density 1/pi per unit area.
 inline Vec2 sample_disk(const Vec2& u) {
     const Real a = 2 * u.x - 1, b = 2 * u.y - 1, radius = std::max(std::abs(a), std::abs(b)),
                other = std::min(std::abs(a), std::abs(b));
@@ -63,12 +63,12 @@ inline Vec2 sample_disk(const Vec2& u) {
     return {std::copysign(select(wide, along, across), a), std::copysign(select(wide, across, along), b)};
 }
 
-/// Unit disk by polar coordinates: u.x is the squared radius, u.y the angle. Density 1/pi.
+/// A point of the unit disk in polar coordinates: u.x is the squared radius, u.y the angle. Density 1/pi.
 inline Vec2 sample_disk_polar(const Vec2& u) {
     return polar_point(std::sqrt(u.x), u.y);
 }
 
-/// Upper hemisphere, density cos(theta)/pi (Malley's method on the concentric disk).
+/// A direction of the upper hemisphere, density cos(theta)/pi (Malley's method on the concentric disk).
 inline Vec3 sample_cosine_hemisphere(const Vec2& u) {
     const Vec2 d = sample_disk(u);
     return {d.x, d.y, safe_sqrt(1 - d.x * d.x - d.y * d.y)};
@@ -94,7 +94,8 @@ constexpr Real uniform_sphere_pdf() {
     return inv_pi * 0.25f;
 }
 
-/// Cone about +z. It is given by 1 - cos(theta_max), which stays exact for tiny cones (see one_minus_cos_of_sin2).
+/// A direction in a cone about +z, given by 1 - cos(theta_max), which stays exact for tiny cones (see
+/// one_minus_cos_of_sin2).
 inline Vec3 sample_uniform_cone(const Vec2& u, Real one_minus_cos_max) {
     const Real h = u.x * one_minus_cos_max;  // 1 - cos(theta)
     const Vec2 p = polar_point(safe_sqrt(h * (2 - h)), u.y);
@@ -103,7 +104,7 @@ inline Vec3 sample_uniform_cone(const Vec2& u, Real one_minus_cos_max) {
 inline Real uniform_cone_pdf(Real one_minus_cos_max) {
     return 1 / (2 * pi * one_minus_cos_max);
 }
-/// 1 - cos(theta) from sin^2(theta), theta in [0, pi/2]: the plain difference has lost all digits at 1e-4 rad.
+/// 1 - cos(theta) from sin^2(theta), theta in [0, pi/2]: the plain difference loses all digits at 1e-4 rad.
 inline Real one_minus_cos_of_sin2(Real sin2) {
     return sin2 / (1 + safe_sqrt(1 - sin2));
 }
@@ -111,7 +112,7 @@ inline Real one_minus_cos_of_sin2(Real sin2) {
 /// Barycentrics (b0, b1), b2 = 1 - b0 - b1, uniform over a triangle by folding, which keeps strata compact
 /// (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
 inline Vec2 sample_uniform_triangle(const Vec2& u) {
-    const Real half = std::min(u.x, u.y) * 0.5f;  // the smaller one less its half is its half, to the bit
+    const Real half = std::min(u.x, u.y) * 0.5f;  // the smaller one minus its half is exactly its half
     return {u.x - half, u.y - half};
 }
 
@@ -138,9 +139,9 @@ inline Vec2 sample_bilinear(const Vec2& u, Real w00, Real w10, Real w01, Real w1
     return {sample_linear(u.x, lerp(y, w00, w01), lerp(y, w10, w11)), y};
 }
 
-/// Weight of a sample drawn with density `a` when another strategy has density `b`: the power heuristic with exponent 2
-/// (Veach 1997, section 9.2.4), as a ratio so that densities near the limits of float neither overflow nor give NaN.
-/// a = inf (a delta) gives 1, beside another one half; a = 0 gives 0.
+/// Weight of a sample drawn with density `a` if another strategy has density `b`: the power heuristic with exponent 2
+/// (Veach 1997, section 9.2.4). It is computed as a ratio, so that densities near the limits of float neither overflow
+/// nor give NaN. a = inf (a delta) gives 1, or one half if b = inf too; a = 0 gives 0.
 inline Real power_heuristic(Real a, Real b) {
     if (!(a > 0)) return 0;
     if (std::isinf(a)) return std::isinf(b) ? Real(0.5) : Real(1);
@@ -148,7 +149,7 @@ inline Real power_heuristic(Real a, Real b) {
     return 1 / (1 + ratio * ratio);
 }
 
-/// Re-uses a number that was compared with `threshold` (the chance of the first branch): uniform in [0, 1) again.
+/// Re-uses a number that was compared with `threshold` (the probability of the first branch): uniform in [0, 1) again.
 inline Real remap_below(Real u, Real threshold) {
     return std::min(u / threshold, one_minus_epsilon);
 }

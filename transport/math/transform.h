@@ -1,4 +1,5 @@
-// Affine transforms with their inverse, in double: scene files multiply many of them before a vertex is touched.
+// Affine transforms with their inverse, in double, since scene files multiply many of them before a vertex is
+// transformed.
 #pragma once
 
 #include <array>
@@ -12,14 +13,14 @@ using Matrix4 = std::array<std::array<double, 4>, 4>;  ///< row-major; points ar
 class Transform {
   public:
     Transform();                                ///< identity
-    explicit Transform(const Matrix4& matrix);  ///< inverse computed; `invertible()` tells whether there is one
+    explicit Transform(const Matrix4& matrix);  ///< computes the inverse; `invertible()` returns whether there is one
     Transform(const Matrix4& matrix, const Matrix4& inverse) : m_(matrix), inverse_(inverse) {}
 
     static Transform translate(double x, double y, double z);
     static Transform scale(double x, double y, double z);
     static Transform rotate(double degrees, double x, double y, double z);
-    /// World to camera, left-handed, +z towards `look` (pbrt's LookAt). Not invertible when `up` and the view direction
-    /// are parallel or null; so is a rotation about a null axis.
+    /// World to camera, left-handed, +z towards `look` (pbrt's LookAt). Not invertible if `up` and the view direction
+    /// are parallel or null. A rotation about a null axis is not invertible either.
     static Transform look_at(const std::array<double, 3>& eye, const std::array<double, 3>& look,
                              const std::array<double, 3>& up);
 

@@ -1,4 +1,4 @@
-// Three-component vectors. One type serves points, vectors and normals; which one a value is, its name says.
+// Three-component vectors. One type serves points, vectors and normals; names distinguish them.
 #pragma once
 
 #include <algorithm>
@@ -47,7 +47,7 @@ struct BasicVec2 {
 
 using Vec3 = BasicVec3<Real>;
 using Vec2 = BasicVec2<Real>;
-/// As meshes are stored and Embree reads them.
+/// The vector type of stored meshes, which Embree reads.
 using StoredVec3 = BasicVec3<float>;
 using StoredVec2 = BasicVec2<float>;
 
@@ -85,8 +85,8 @@ inline Real abs_dot(const Vec3& a, const Vec3& b) {
 constexpr Vec3 face_forward(const Vec3& n, const Vec3& v) {
     return dot(n, v) < 0 ? -n : n;
 }
-/// Of each coordinate. Signs are as good as random: a comparison would be a branch that is mispredicted every other
-/// time.
+/// The absolute value of each coordinate. Signs are practically random, so a comparison would be a branch that is
+/// mispredicted every other time.
 inline Vec3 absolute(const Vec3& v) {
     return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
 }
@@ -114,7 +114,7 @@ struct Frame {
         const Real b = n.x * n.y * a;
         return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
     }
-    /// `tangent` is made orthogonal to `n`; falls back to from_normal when they are parallel.
+    /// Makes `tangent` orthogonal to `n`; falls back to from_normal() if they are parallel.
     static Frame from_normal_and_tangent(const Vec3& n, const Vec3& tangent) {
         const Vec3 s = tangent - n * dot(n, tangent);
         const Real l2 = length_squared(s);

@@ -7,7 +7,7 @@
 namespace raylex::transport {
 namespace {
 
-/// Reads the points of one cell; whether they all are the same.
+/// Reads the points of one cell, and whether all are equal.
 struct CellReader {
     std::vector<float> values;
     CellBounds bounds;

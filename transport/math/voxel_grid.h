@@ -1,8 +1,8 @@
-// Numbers on a lattice, linear in between: what the densities, temperatures and colours of media come as.
+// Values on a lattice with linear interpolation: the densities, temperatures and colours of media.
 //
-// The lattice is cut into cells of 4^3 steps, large ones of 8^3. A cell where something varies keeps its points side by
-// side, those on its faces twice, so that a look-up touches one stretch of memory and knows the bounds of what it may
-// find; a cell that is the same everywhere, as empty space is, keeps that value alone.
+// The lattice is divided into cells of 4^3 steps, or 8^3 for large lattices. A cell with varying values stores its
+// points contiguously, those on its faces twice, so that a look-up reads one stretch of memory and has bounds on the
+// result. A cell with a constant value, such as empty space, stores only that value.
 #pragma once
 
 #include <algorithm>
@@ -16,12 +16,13 @@
 
 namespace raylex::transport {
 
-/// How far a lattice reaches, in cells, and which of them is where.
+/// The extent of a lattice in cells, and the indices of cells.
 struct CellBox {
     std::array<int, 3> size{1, 1, 1};
     int side = 4;  ///< steps of the lattice along one side of a cell
 
-    /// That holds so many steps: in cells of 4 if these are not too many to walk through and to keep, of 8 else.
+    /// A box that contains this many steps: with cells of 4 steps if their number is acceptable for traversal and
+    /// memory, else of 8.
     static CellBox holding(const std::array<int, 3>& steps) {
         constexpr std::size_t many = std::size_t{1} << 21;
         CellBox box;
@@ -32,7 +33,7 @@ struct CellBox {
     }
     [[nodiscard]] int points() const { return (side + 1) * (side + 1) * (side + 1); }
 
-    /// No more than 2^60, which nothing can hold, however large the sides that a file asks for.
+    /// The number of cells, at most 2^60, which exceeds any memory, however large the sides in a file are.
     [[nodiscard]] std::size_t count() const {
         constexpr std::size_t most = std::size_t{1} << 60;
         const std::size_t area = static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]);
@@ -53,14 +54,15 @@ struct CellBounds {
 
 class VoxelGrid {
   public:
-    /// Fills in all points of cell (x, y, z): those of the lattice from side (x, y, z) to side (x + 1, y + 1, z + 1),
-    /// ends included, x running fastest, the channels of a point side by side. Called for all cells, twice for some, by
+    /// Writes all points of cell (x, y, z): those of the lattice from side (x, y, z) to side (x + 1, y + 1, z + 1),
+    /// ends included, x fastest, with the channels of a point adjacent. Called for all cells, for some twice, by
     /// several threads. Values must be finite.
     using Fill = std::function<void(int x, int y, int z, float* values)>;
-    /// The one value that stands in a cell and on its faces, in all channels; NaN: a Fill says. Empty: it always does.
+    /// Returns the constant value of a cell and its faces in all channels, or NaN if Fill has to compute it. Empty:
+    /// Fill computes all cells.
     using Constant = std::function<float(int x, int y, int z)>;
     static VoxelGrid build(const CellBox& cells, int channels, const Fill& fill, const Constant& constant = {});
-    /// For a Fill: calls `visit(x, y, z)` with all points of a cell.
+    /// Helper for a Fill: calls `visit(x, y, z)` with all points of a cell.
     template <class Visit>
     static void for_each_point(int side, int cell_x, int cell_y, int cell_z, const Visit& visit) {
         for (int z = 0; z <= side; ++z)
@@ -73,13 +75,13 @@ class VoxelGrid {
     [[nodiscard]] CellBounds bounds(std::size_t cell) const { return cells_[cell].bounds; }
     [[nodiscard]] std::size_t bytes() const { return cells_.size() * sizeof(Cell) + values_.size() * sizeof(float); }
 
-    /// At `where` in [0, 1]^3 of a cell.
+    /// The value at `where` in [0, 1]^3 of a cell.
     [[nodiscard]] Real real(std::size_t cell, const Vec3& where) const {
         const Cell& c = cells_[cell];
         if (c.values < 0) return static_cast<Real>(c.bounds.least);
         return interpolate<1>(c, where, 0);
     }
-    /// The same of a grid of three channels.
+    /// The value at `where` in [0, 1]^3 of a cell of a grid with three channels.
     [[nodiscard]] Rgb rgb(std::size_t cell, const Vec3& where) const {
         const Cell& c = cells_[cell];
         if (c.values < 0) return Rgb(static_cast<Real>(c.bounds.least));
@@ -89,7 +91,7 @@ class VoxelGrid {
   private:
     struct Cell {
         CellBounds bounds;
-        std::int32_t values = -1;  // which block of values_; -1: one value everywhere, in all channels
+        std::int32_t values = -1;  // index of the block in values_; -1: a constant value in all channels
     };
     template <int channels>
     [[nodiscard]] Real interpolate(const Cell& cell, const Vec3& where, int channel) const {
@@ -121,12 +123,13 @@ class VoxelGrid {
     std::vector<float> values_;
 };
 
-/// Values that are no number, and of what cannot be negative those below 0: they count as 0, and a warning says so.
+/// Counts invalid values: NaN, infinity, and negative values where they are not allowed. They are replaced by 0, with a
+/// warning.
 struct BadValues {
     std::size_t count = 0;
-    std::array<int, 3> first{};  ///< where the first of them stands
+    std::array<int, 3> first{};  ///< the position of the first invalid value
 
-    /// What stands for `value`.
+    /// Returns `value`, or 0 if it is invalid.
     float checked(float value, bool may_be_negative, int x, int y, int z) {
         if (std::isfinite(value) && (may_be_negative || value >= 0)) return value;
         if (count++ == 0) first = {x, y, z};

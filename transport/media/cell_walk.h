@@ -1,4 +1,4 @@
-// From cell to cell of a box along a ray (J. Amanatides and A. Woo 1987, "A Fast Voxel Traversal Algorithm for Ray
+// Traverses the cells of a box along a ray (J. Amanatides and A. Woo 1987, "A Fast Voxel Traversal Algorithm for Ray
 // Tracing", Eurographics).
 #pragma once
 
@@ -11,16 +11,16 @@
 
 namespace raylex::transport {
 
-/// What flies through a medium: `direction` is unit, `end` the distance of what bounds it, or infinity. Render space.
+/// A segment through a medium: `direction` is unit, `end` is the distance of its end, or infinity. Render space.
 struct MediumSegment {
     Vec3 origin, direction;
     Real end = infinity;
 };
 
-/// Where a box of cells stands. Cell (i, j, k) is [i, i + 1] x [j, j + 1] x [k, k + 1] of its own space.
+/// The placement of a box of cells. Cell (i, j, k) is [i, i + 1] x [j, j + 1] x [k, k + 1] of the box's own space.
 struct CellFrame {
     Matrix34 to_cells;   ///< from render space
-    DVec3 lower, upper;  ///< the part of the box that holds anything, in its own space
+    DVec3 lower, upper;  ///< the non-empty part of the box, in its own space
     CellBox box;
 };
 
@@ -28,26 +28,26 @@ class CellWalk {
   public:
     CellWalk(const CellFrame& frame, const MediumSegment& segment);
 
-    /// Whether it stands in a cell.
+    /// Whether the walk is at a cell.
     [[nodiscard]] bool inside() const { return inside_; }
     [[nodiscard]] std::size_t cell() const { return index_; }
-    /// Where the ray is in the cell: between these, counted from where it met the box.
+    /// The beginning of the ray's part in the cell; distances count from the ray's entry into the box.
     [[nodiscard]] Real begin() const { return begin_; }
     [[nodiscard]] Real end() const { return end_; }
-    /// The same counted from the segment's origin.
+    /// The distance `t` counted from the segment's origin.
     [[nodiscard]] Real distance(Real t) const { return start_ + t; }
-    /// The point at `t`, in [0, 1]^3 of the cell: never beyond, whatever is rounded.
+    /// The point at `t`, in [0, 1]^3 of the cell: never outside, despite rounding.
     [[nodiscard]] Vec3 local(Real t) const {
         const auto along = [&](std::size_t a) {
             return std::clamp(entry_[a] + way_[a] * t - static_cast<Real>(cell_[a]), Real(0), Real(1));
         };
         return {along(0), along(1), along(2)};
     }
-    /// The same in the box's own space.
+    /// The point at `t` in the box's own space.
     [[nodiscard]] Vec3 in_box(Real t) const {
         return local(t) + Vec3{static_cast<Real>(cell_[0]), static_cast<Real>(cell_[1]), static_cast<Real>(cell_[2])};
     }
-    /// Cells that a unit of distance leads through.
+    /// The number of cells per unit of distance.
     [[nodiscard]] Real cells_per_distance() const {
         return std::sqrt(way_[0] * way_[0] + way_[1] * way_[1] + way_[2] * way_[2]);
     }
@@ -66,23 +66,23 @@ class CellWalk {
     }
 
   private:
-    /// Where the ray leaves the cell along an axis.
+    /// The distance at which the ray leaves the cell along an axis.
     [[nodiscard]] Real border(std::size_t a) const {
         if (step_[a] == 0) return infinity;
         return (static_cast<Real>(cell_[a] + (step_[a] > 0 ? 1 : 0)) - entry_[a]) * inverse_[a];
     }
     void set_end() { end_ = std::max(begin_, std::min({next_[0], next_[1], next_[2], length_})); }
 
-    std::array<Real, 3> entry_{}, way_{}, inverse_{};  // way_: cells for each unit of distance
+    std::array<Real, 3> entry_{}, way_{}, inverse_{};  // way_: cells per unit of distance
     std::array<int, 3> cell_{}, step_{}, size_{};
-    std::array<std::size_t, 3> stride_{};  // of index_, for a step; wraps around when it goes down
-    std::array<Real, 3> next_{};           // where the ray leaves the cell, along each axis
+    std::array<std::size_t, 3> stride_{};  // of index_, per step; wraps around for steps down
+    std::array<Real, 3> next_{};           // where the ray leaves the cell along each axis
     std::size_t index_ = 0;
     Real start_ = 0, length_ = 0, begin_ = 0, end_ = 0;
     bool inside_ = false;
 };
 
-/// In double: a ray may come from far away.
+/// In double, since a ray may come from far away.
 inline CellWalk::CellWalk(const CellFrame& frame, const MediumSegment& segment) {
     const DVec3 o = frame.to_cells.point(DVec3(segment.origin)), d = frame.to_cells.vector(DVec3(segment.direction));
     const std::array<double, 3> from{o.x, o.y, o.z}, way{d.x, d.y, d.z};

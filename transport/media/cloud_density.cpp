@@ -9,7 +9,7 @@
 namespace raylex::transport {
 namespace {
 
-/// Slopes by steps of 0.01, as pbrt takes them.
+/// Slopes by differences over 0.01, as in pbrt.
 Vec3 noise_slope(const Vec3& p) {
     constexpr Real step = Real(0.01);
     return noise_differences(p, step) / step;
@@ -39,7 +39,7 @@ Real CloudDensity::at(const Vec3& p) const {
     return std::clamp(std::clamp(raised(p), Real(0), Real(1)) + base, Real(0), Real(1));
 }
 
-/// raised() at points that stand half a cell apart, the box's ends included.
+/// The lattice of raised(): points half a cell apart, the box's ends included.
 CellBox CloudDensity::points_of(const CellBox& box) {
     return {{box.size[0] * 2 + 1, box.size[1] * 2 + 1, box.size[2] * 2 + 1}, 1};
 }
@@ -59,12 +59,12 @@ std::vector<float> CloudDensity::raised_at_points(const CellBox& box) const {
 }
 
 std::vector<CellBounds> CloudDensity::bounds(const CellBox& box) const {
-    // What the finest octaves and the warp move between the points.
+    // The range of the finest octaves and of the warp between the points.
     const Real margin = Real(0.16) + Real(0.07) * wispiness;
     const CellBox points = points_of(box);
     const bool resolved = frequency * std::max({cell.x, cell.y, cell.z}) <= Real(0.2);
     const std::vector<float> found = resolved ? raised_at_points(box) : std::vector<float>();
-    /// The largest in and one point around a cell.
+    /// The largest value at the points in a cell and one point around it.
     const auto largest = [&](int cx, int cy, int cz) {
         const auto first = [](int c) { return std::max(2 * c - 1, 0); };
         const auto last = [&](std::size_t a, int c) { return std::min(2 * c + 3, points.size[a] - 1); };

@@ -1,4 +1,4 @@
-// The clouds of pbrt-v4's "cloud" medium (its format): noise, thinning out upwards, over a bottom that is whole.
+// The clouds of pbrt-v4's "cloud" medium (its format): noise that thins out upwards, over a solid bottom.
 #pragma once
 
 #include "transport/math/vec.h"
@@ -8,20 +8,19 @@ namespace raylex::transport {
 
 struct CloudDensity {
     Real density = 1, wispiness = 1, frequency = 5;
-    Vec3 lower, cell{1, 1, 1};  ///< of the medium's own space: cell (i, j, k) of a box stands at lower + (i, j, k) cell
+    Vec3 lower, cell{1, 1, 1};  ///< in the medium's own space: cell (i, j, k) of a box begins at lower + (i, j, k) cell
 
-    /// In [0, 1], at a point of the medium's own space; y is up.
+    /// The density in [0, 1] at a point of the medium's own space; y is up.
     [[nodiscard]] Real at(const Vec3& p) const;
     [[nodiscard]] Real in_box(const Vec3& p) const {
         return at(lower + Vec3{p.x * cell.x, p.y * cell.y, p.z * cell.z});
     }
-    /// Bounds of in_box() in each cell. Noise has no bounds that are worth
-    /// anything: the most is what 125 points in and around a cell find, and a margin; tests count what is above, which
-    /// flights cut off.
+    /// Bounds of at() in each cell. Noise has no useful exact bounds, so the maximum is that of 125 points in and
+    /// around a cell, plus a margin. Tests count the points above it, which free flights clip.
     [[nodiscard]] std::vector<CellBounds> bounds(const CellBox& box) const;
 
   private:
-    /// Before it is cut to [0, 1] and added to the bottom.
+    /// The density before it is clamped to [0, 1] and added to the bottom.
     [[nodiscard]] Real raised(const Vec3& p) const;
     static CellBox points_of(const CellBox& box);
     [[nodiscard]] std::vector<float> raised_at_points(const CellBox& box) const;

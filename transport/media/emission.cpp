@@ -8,7 +8,7 @@
 namespace raylex::transport {
 namespace {
 
-constexpr double coldest = 100, step = 0.002;  // kelvin; of the logarithm
+constexpr double coldest = 100, step = 0.002;  // kelvin; step of the logarithm
 
 Real largest_of(const VoxelGrid& grid) {
     float most = 0;
@@ -20,7 +20,7 @@ Real largest_of(const VoxelGrid& grid) {
 
 BlackbodyTable::BlackbodyTable(double hottest, const ColorContext& color) {
     if (!(hottest > coldest)) return;
-    // Above a thousand million kelvin colours stay what they are.
+    // Above 10^9 kelvin colours are constant.
     const auto steps = static_cast<int>(std::ceil(elementary::log(std::min(hottest, 1e9) / coldest) / step)) + 1;
     for (int i = 0; i <= steps; ++i)
         radiance_.push_back(blackbody_radiance(coldest * elementary::exp(i * step), color));

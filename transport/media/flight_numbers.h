@@ -1,4 +1,4 @@
-// What flights through media draw: optical depths, and as many numbers as null collisions ask for.
+// Random numbers of free flights through media: optical depths, and as many numbers as null collisions need.
 #pragma once
 
 #include <cmath>
@@ -15,28 +15,27 @@ inline Real joined(const Vec2& u) {
     return u.y + u.x * Real(0x1p-24);
 }
 
-/// Optical depth that light reaches with chance 1 - u: 48 bits from either end, so that media thinner than 2^-24
-/// scatter no more than they should and light gets 33 mean free paths far. Above a half the chance is taken from 1
-/// exactly.
+/// The optical depth that light reaches with probability 1 - u. 48 bits at either end, so that media thinner than 2^-24
+/// do not scatter too often and light gets up to 33 mean free paths far. Above one half, 1 - u is exact.
 inline Real optical_depth(const Vec2& u) {
     return u.y < 0.5f ? -elementary::log1p(-joined(u)) : -elementary::log((1 - u.y) - u.x * Real(0x1p-24));
 }
 
-/// One colour's share of a choice among all, in proportion to `weights`; equal shares of a black one.
+/// Each colour's share in a choice among all, proportional to `weights`; equal shares if all are black.
 inline Rgb shares(const Rgb& weights) {
     const Real sum = weights.r + weights.g + weights.b;
     return sum > 0 && std::isfinite(sum) ? weights * (1 / sum) : Rgb(1 / Real(3));
 }
 
-/// A row of numbers from one key, without end: nobody knows beforehand how many null collisions a flight has. The
-/// counter is local to one segment, so that segments stay functions of (seed, pixel, sample, dimension).
+/// An unlimited sequence of numbers from one key: the number of null collisions of a flight is not known in advance.
+/// The counter is local to one segment, so that segments stay functions of (seed, pixel, sample, dimension).
 class FlightNumbers {
   public:
-    /// `key`: PixelSampler::key(). `which` tells apart rows of one key.
+    /// `key` is PixelSampler::key(); `which` distinguishes sequences of one key.
     explicit FlightNumbers(std::uint32_t key, std::uint32_t which = 0)
         : state_(sampler_detail::mix((static_cast<std::uint64_t>(which) << 32 | key) + step)) {}
 
-    /// Another row, of numbers of its own.
+    /// Returns an independent sequence of numbers.
     [[nodiscard]] FlightNumbers row() {
         FlightNumbers other(0);
         other.state_ = bits();

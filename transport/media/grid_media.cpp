@@ -10,7 +10,7 @@
 namespace raylex::transport {
 namespace {
 
-/// How many values a grid has along each axis, and the box that they fill.
+/// The number of values of a grid along each axis, and the box that they fill.
 struct GridShape {
     std::array<int, 3> values{1, 1, 1};
     DVec3 p0, p1{1, 1, 1};
@@ -20,7 +20,7 @@ struct GridShape {
         return "nx x ny x nz = " + std::to_string(values[0]) + " x " + std::to_string(values[1]) + " x " +
                std::to_string(values[2]) + " = " + std::to_string(count());
     }
-    /// Of the lattice with a border of zeros around it.
+    /// The cells of the lattice with a border of zeros around it.
     [[nodiscard]] CellBox cells() const { return CellBox::holding({values[0] + 1, values[1] + 1, values[2] + 1}); }
 };
 
@@ -60,7 +60,7 @@ Result<GridShape> read_shape(const SceneMedium& entity) {
     return shape;
 }
 
-/// Cell space of a box whose corner p0 is at `lower` cells and that is `size` cells large, from render space.
+/// The transform from render space to the cell space of a box of `size` cells whose corner p0 is at `lower` cells.
 Matrix34 cells_from_render(const SceneMedium& entity, const MediumContext& context, const DVec3& p0, const DVec3& p1,
                            const DVec3& lower, const DVec3& size) {
     const DVec3 extent = p1 - p0;
@@ -70,8 +70,8 @@ Matrix34 cells_from_render(const SceneMedium& entity, const MediumContext& conte
     return Matrix34((to_cells * context.space->placed(entity.to_world).inverse()).matrix());
 }
 
-/// As pbrt has it: values stand in the middle of voxels, and beyond the outermost ones they fall to 0 over a voxel, of
-/// which the box has half.
+/// The frame of a grid as in pbrt: values are at voxel centres, and beyond the outermost ones they fall to 0 over a
+/// voxel, half of which lies in the box.
 CellFrame frame_of(const SceneMedium& entity, const MediumContext& context, const GridShape& shape) {
     const CellBox box = shape.cells();
     const double half = 0.5 / box.side;
@@ -80,7 +80,7 @@ CellFrame frame_of(const SceneMedium& entity, const MediumContext& context, cons
     return {cells_from_render(entity, context, shape.p0, shape.p1, lower, size), lower, lower + size, box};
 }
 
-/// The numbers of a grid's parameter, or null where there is none. Errors: another type, another count.
+/// The values of a grid parameter, or null if it is absent. Errors: a wrong type or number of values.
 Result<const Parameter*> find_grid(const SceneMedium& entity, const char* name, ParameterType type,
                                    const GridShape& shape) {
     const Parameter* p = entity.parameters.find(name);
@@ -96,7 +96,7 @@ Result<const Parameter*> find_grid(const SceneMedium& entity, const char* name, 
     return p;
 }
 
-/// Values in the order of files, x fastest, as a lattice with a border of zeros.
+/// Makes a lattice with a border of zeros from values in the order of files, x fastest.
 VoxelGrid grid_of(const Parameter& parameter, const GridShape& shape, int channels, bool may_be_negative,
                   const SceneMedium& entity, std::vector<Error>& warnings) {
     BadValues bad;
@@ -121,13 +121,13 @@ VoxelGrid grid_of(const Parameter& parameter, const GridShape& shape, int channe
     return VoxelGrid::build(cells, channels, fill);
 }
 
-/// One grey everywhere, on the border too.
+/// A grid with one grey value everywhere, including the border.
 VoxelGrid constant_grid(const GridShape& shape, float value) {
     const CellBox cells = shape.cells();
     return VoxelGrid::build(cells, 3, [&](int, int, int, float* to) { std::fill_n(to, 3 * cells.points(), value); });
 }
 
-/// "Le", "Lescale" and "temperature" of a uniformgrid.
+/// Reads "Le", "Lescale" and "temperature" of a uniformgrid.
 Result<std::optional<GridEmission>> read_emission(const SceneMedium& entity, const MediumContext& context,
                                                   const GridShape& shape) {
     const ColorContext& color = context.scene.color;
@@ -191,8 +191,9 @@ Result<Medium> make_rgb_grid(const SceneMedium& entity, const MediumContext& con
         return error_at(entity.location, "medium '" + entity.name +
                                              "' (rgbgrid) has neither 'sigma_a' nor 'sigma_s'; expected one or both");
     if (radiance != nullptr && sigma_a == nullptr)
-        return error_at(radiance->location,
-                        "medium '" + entity.name + "' has 'Le' without 'sigma_a': what does not absorb does not shine");
+        return error_at(
+            radiance->location,
+            "medium '" + entity.name + "' has 'Le' without 'sigma_a': a medium that does not absorb does not emit");
     auto scale = entity.parameters.real_or("scale", 1);
     if (!scale) return scale.error();
     auto radiance_scale = entity.parameters.real_or("Lescale", 1);
@@ -211,7 +212,7 @@ Result<Medium> make_rgb_grid(const SceneMedium& entity, const MediumContext& con
         if (emits) {
             parts.emission.emplace();
             parts.emission->radiance = grid(radiance);
-            // pbrt takes these colours as spectra that no luminance has been divided out of.
+            // pbrt reads these colours as spectra without dividing by their luminance.
             parts.emission->colour = Rgb(static_cast<Real>(*radiance_scale * flat_luminance()));
         }
     }
@@ -239,7 +240,7 @@ Result<Medium> make_cloud(const SceneMedium& entity, const MediumContext& contex
     if (context.space != nullptr) {
         const DVec3 extent = p1 - p0;
         const double longest = std::max({extent.x, extent.y, extent.z});
-        // About eight cells to a billow, and no more than are soon looked at.
+        // About eight cells per billow, with a limit on the time to evaluate them.
         const double wanted = std::clamp(std::ceil(longest * static_cast<double>(cloud.frequency) * 8), 8.0, 64.0);
         const auto cells = [&](double length) {
             return std::max(static_cast<int>(std::ceil(wanted * length / longest)), 1);
@@ -262,7 +263,7 @@ void warn_of(const BadValues& bad, const SceneMedium& entity, const SourceLocati
              std::vector<Error>& warnings) {
     if (bad.count == 0) return;
     warnings.push_back(error_at(where, "medium '" + entity.name + "': " + std::to_string(bad.count) + " values of '" +
-                                           grid + "' are negative or no numbers and count as 0; the first is voxel (" +
+                                           grid + "' are negative or not finite and count as 0; the first is voxel (" +
                                            std::to_string(bad.first[0]) + ", " + std::to_string(bad.first[1]) + ", " +
                                            std::to_string(bad.first[2]) + ")"));
 }
@@ -313,19 +314,19 @@ Result<Medium> finish_grid_medium(const SceneMedium& entity, const MediumContext
     parts.majorant_factor = *factor;
     medium.grid = std::make_shared<const GridMedium>(std::move(parts));
     medium.emits = emits && !medium.grid->brightest_emission().is_black();
-    // Rays are up to 1e18 long, and their optical depths are floats.
+    // Rays are up to 1e18 long, and their optical depths must be floats.
     constexpr Real most = 1e20f;
     if (!(medium.grid->largest_majorant() <= most))
-        return error_at(
-            entity.location,
-            "medium '" + entity.name + "': what its densities and coefficients make of extinction reaches " +
-                short_number(medium.grid->largest_majorant()) + " per unit of length; expected at most 1e20",
-            "another unit of length, or smaller values, bring it into range");
+        return error_at(entity.location,
+                        "medium '" + entity.name + "': its extinction (density times coefficients) reaches " +
+                            short_number(medium.grid->largest_majorant()) +
+                            " per unit of length; expected at most 1e20",
+                        "another unit of length, or smaller values, bring it into range");
     if (const Rgb& brightest = medium.grid->brightest_emission(); !(brightest.max() <= Real(1e30f)))
         return error_at(entity.location,
-                        "medium '" + entity.name + "' gives up to " + short_number(brightest.max()) +
-                            " of light per unit of length; expected at most 1e30, of which sums "
-                            "along rays are floats",
+                        "medium '" + entity.name + "' emits up to " + short_number(brightest.max()) +
+                            " per unit of length; expected at most 1e30, so that sums "
+                            "along rays fit into floats",
                         "smaller values bring it into range");
     return medium;
 }
@@ -338,34 +339,34 @@ void register_grid_media(Registry<MediumFactory>& registry) {
         {"preset", T::string, "", "a measured medium's name, instead of both; per millimetre"}};
     const std::vector<ParameterDescription> common{
         {"scale", T::real, "1", "factor on both"},
-        {"g", T::real, "0", "asymmetry: -1 back, 0 all ways, 1 on"},
+        {"g", T::real, "0", "asymmetry: -1 backward, 0 isotropic, 1 forward"},
         {"raylex:majorant", T::real, "1", "factor on majorants, from 1 up: more null collisions, the same mean"}};
     const std::vector<ParameterDescription> box{{"p0", T::point3, "0 0 0", "a corner of the grid's box"},
-                                                {"p1", T::point3, "1 1 1", "the opposite one"}};
+                                                {"p1", T::point3, "1 1 1", "the opposite corner"}};
     const std::vector<ParameterDescription> counts{{"nx", T::integer, "1", "values along x, which runs fastest"},
                                                    {"ny", T::integer, "1", "along y"},
                                                    {"nz", T::integer, "1", "along z"}};
     const std::vector<ParameterDescription> heat{
-        {"temperatureoffset", T::real, "0", "taken off the temperatures, before"},
-        {"temperaturecutoff", T::real, "0", "an older name of that"},
-        {"temperaturescale", T::real, "1", "their factor, to kelvin"}};
+        {"temperatureoffset", T::real, "0", "subtracted from the temperatures before they are scaled"},
+        {"temperaturecutoff", T::real, "0", "an older name of temperatureoffset"},
+        {"temperaturescale", T::real, "1", "factor from temperatures to kelvin"}};
     const auto all = [](std::initializer_list<std::vector<ParameterDescription>> lists) {
         std::vector<ParameterDescription> result;
         for (const auto& list : lists) result.insert(result.end(), list.begin(), list.end());
         return result;
     };
-    registry.add({"uniformgrid", "densities on a grid, linear in between, that scale coefficients",
+    registry.add({"uniformgrid", "densities on a grid, linearly interpolated, that scale coefficients",
                   all({{{"density", T::real, "", "one for each voxel"},
                         {"Le", T::spectrum, "0", "radiance; emission is density sigma_a Le Lescale"},
-                        {"Lescale", T::real, "1", "factors on what it emits, one for each voxel"},
-                        {"temperature", T::real, "", "one for each voxel: black bodies above 100 K, instead of Le"}},
+                        {"Lescale", T::real, "1", "factors on the emission, one for each voxel"},
+                        {"temperature", T::real, "", "one for each voxel: blackbodies above 100 K, instead of Le"}},
                        coefficients,
                        heat,
                        counts,
                        box,
                        common}),
                   make_uniform_grid});
-    registry.add({"rgbgrid", "coefficients on a grid, each colour apart",
+    registry.add({"rgbgrid", "coefficients on a grid, separate for each colour",
                   all({{{"sigma_a", T::rgb, "1", "absorption, one colour for each voxel"},
                         {"sigma_s", T::rgb, "1", "scattering, one colour for each voxel"},
                         {"Le", T::rgb, "", "radiance, one colour for each voxel, times 106.86 as in pbrt"},
@@ -375,9 +376,9 @@ void register_grid_media(Registry<MediumFactory>& registry) {
                        common}),
                   make_rgb_grid});
     registry.add({"cloud", "clouds made of noise",
-                  all({{{"density", T::real, "1", "how much there is"},
-                        {"wispiness", T::real, "1", "how much noise moves the edges"},
-                        {"frequency", T::real, "5", "billows to a unit of length"}},
+                  all({{{"density", T::real, "1", "factor on the density"},
+                        {"wispiness", T::real, "1", "strength of the noise that moves the edges"},
+                        {"frequency", T::real, "5", "billows per unit of length"}},
                        coefficients,
                        box,
                        common}),

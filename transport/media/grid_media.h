@@ -1,31 +1,31 @@
-// Media from grids, made from a scene's parameters.
+// Makes media from grids in a scene's parameters.
 #pragma once
 
 #include "transport/media/medium.h"
 
 namespace raylex::transport {
 
-/// uniformgrid, rgbgrid, cloud, nanovdb.
+/// Registers uniformgrid, rgbgrid, cloud and nanovdb.
 void register_grid_media(Registry<MediumFactory>& registry);
-/// nanovdb alone.
+/// Registers nanovdb only.
 void register_nanovdb_medium(Registry<MediumFactory>& registry);
 
-/// What "Le", "Lescale" and grids beside the density make of a medium.
+/// The offset and scale of a temperature grid.
 struct TemperatureParameters {
     Real offset = 0, kelvin = 1;
 };
-/// "temperatureoffset" (or "temperaturecutoff") and "temperaturescale": t stands for (t - offset) * scale kelvin.
+/// Reads "temperatureoffset" (or "temperaturecutoff") and "temperaturescale": t means (t - offset) * scale kelvin.
 Result<TemperatureParameters> read_temperature(const ParameterSet& set);
-/// Sets what an emission needs of a grid of temperatures and takes the grid.
+/// Stores the grid of temperatures in the emission, with its parameters.
 void set_temperature(GridEmission& emission, VoxelGrid grid, const TemperatureParameters& parameters,
                      const ColorContext& color);
 
-/// "raylex:majorant", from 1 up: a factor on majorants, which changes cost and nothing else.
+/// Reads "raylex:majorant", at least 1: a factor on majorants, which changes the cost only.
 Result<Real> read_majorant_factor(const ParameterSet& set);
-/// A grid's medium as paths see it. `parts` is not looked at where only words are wanted.
+/// Makes a grid's medium for paths. `parts` is not used if only the scene's alphabet is needed.
 Result<Medium> finish_grid_medium(const SceneMedium& entity, const MediumContext& context, GridMediumParts parts,
                                   bool scatters, bool emits);
-/// Says how many values of a grid are taken as 0.
+/// Warns about the values of a grid that were replaced by 0.
 void warn_of(const BadValues& bad, const SceneMedium& entity, const SourceLocation& where, const std::string& grid,
              std::vector<Error>& warnings);
 

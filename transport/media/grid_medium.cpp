@@ -3,10 +3,10 @@
 namespace raylex::transport {
 namespace {
 
-/// Below this what a ray still carries is played for: half of it goes on with twice as much.
+/// Below this throughput, Russian roulette ends a ray with probability one half, or doubles the throughput.
 constexpr Real worth_going_on = Real(0.1);
 
-/// False: the game is lost, and nothing left.
+/// Plays Russian roulette; returns false if the ray ends, with nothing left.
 bool plays_on(Rgb& left, FlightNumbers& numbers) {
     if (left.max() >= worth_going_on) return true;
     const bool wins = numbers.next() < Real(0.5);
@@ -14,16 +14,16 @@ bool plays_on(Rgb& left, FlightNumbers& numbers) {
     return wins;
 }
 
-/// What is left of each colour where a null collision had the chance extinction / majorant not to be one.
+/// The factor on each colour after a null collision, whose probability was 1 - extinction / majorant.
 Rgb left_over(const Rgb& extinction, Real majorant) {
     const Real inverse = 1 / majorant;
     const auto left = [&](Real e) { return std::max(1 - e * inverse, Real(0)); };
     return {left(extinction.r), left(extinction.g), left(extinction.b)};
 }
 
-/// The particles, real or null, that a flight through a Poisson process meets: `majorant_of()` is its density per unit
-/// of distance in the cell where `walk` stands, `meet(t, majorant)` is called at each and says whether to fly on.
-/// `depth` is the optical depth of the first.
+/// Visits the particles, real or null, along a flight through a Poisson process. `majorant_of()` is its density per
+/// unit of distance in the current cell of `walk`; `meet(t, majorant)` is called at each particle and returns whether
+/// to continue. `depth` is the optical depth of the first.
 template <class Majorant, class Meet>
 void fly(CellWalk& walk, Real depth, FlightNumbers& numbers, const Majorant& majorant_of, const Meet& meet) {
     for (; walk.inside(); walk.next()) {
@@ -108,7 +108,7 @@ double GridMedium::most_met() const {
     return met;
 }
 
-/// A cloud has no more than its majorant says.
+/// The density of a cloud is clamped to the majorant.
 Real GridMedium::density(const CellWalk& walk, Real t) const {
     if (!parts_.cloud) return parts_.density.real(walk.cell(), walk.local(t));
     return std::min(parts_.cloud->in_box(walk.in_box(t)), static_cast<Real>(bounds_[walk.cell()].most));
@@ -148,7 +148,7 @@ FreeFlight GridMedium::fly_grey(CellWalk walk, Real end, Real depth, FlightNumbe
     FreeFlight flight{end, false, Rgb(1)};
     const auto meet = [&](Real t, Real majorant) {
         const Real v = numbers.next() * majorant;
-        // What the cell has everywhere needs no look-up.
+        // The cell's minimum needs no look-up.
         const Real surely = static_cast<Real>(bounds_[walk.cell()].least) * largest_;
         if (!(v < surely || v < density(walk, t) * largest_)) return true;
         flight = {walk.distance(t), true, parts_.sigma_s / largest_};
@@ -164,7 +164,7 @@ FreeFlight GridMedium::fly_coloured(CellWalk walk, Real end, const Rgb& throughp
     FreeFlight flight{end, false, Rgb(1)};
     Rgb share = shares(throughput);
     for (int c = 0; c < 3; ++c)
-        if (!(share[c] > 0)) flight.weight[c] = 0;  // the throughput is black there, and stays so
+        if (!(share[c] > 0)) flight.weight[c] = 0;  // the throughput is black in this colour, and stays so
     const auto meet = [&](Real t, Real majorant) {
         const Rgb left = left_over(extinction(walk, t), majorant);
         const Real passes = std::min(share.r * left.r + share.g * left.g + share.b * left.b, Real(1));
@@ -185,7 +185,7 @@ FreeFlight GridMedium::fly_coloured(CellWalk walk, Real end, const Rgb& throughp
 }
 
 Rgb GridMedium::transmittance(const MediumSegment& segment, FlightNumbers numbers) const {
-    Real constant = 0;  // optical depth of the cells' least, at a sigma_t of 1
+    Real constant = 0;  // the sum of the cells' minima, at a sigma_t of 1
     Rgb ratio(1);
     CellWalk walk(parts_.frame, segment);
     const auto least = [&] { return static_cast<Real>(bounds_[walk.cell()].least); };
@@ -213,7 +213,7 @@ Rgb GridMedium::transmittance(const MediumSegment& segment, FlightNumbers number
     const auto meet = [&](Real t, Real majorant) {
         const Real before = left.average();
         left *= left_over(extinction(walk, t), majorant);
-        // One of all losses is kept, in proportion to them.
+        // Keeps one of all losses, with a probability proportional to it.
         const Real loss = before - left.average();
         lost += loss;
         if (loss > 0 && numbers.next() * lost < loss) lost_at = walk.distance(t);
@@ -230,7 +230,7 @@ Rgb GridMedium::emission(const MediumSegment& segment, FlightNumbers numbers) co
     if (shines_.empty()) return sum;
     CellWalk walk(parts_.frame, segment);
     const Real once_a_cell = walk.inside() ? walk.cells_per_distance() : Real(0);
-    // Thin fire shines too: it is looked at about once a cell, however rarely particles are met.
+    // Thin fire emits too: it is evaluated about once per cell, however rare particles are.
     const auto majorant_of = [&] {
         const Real majorant = majorant_in(walk.cell());
         return shines_[walk.cell()] != 0 ? std::max(majorant, once_a_cell) : majorant;

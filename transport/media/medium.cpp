@@ -11,7 +11,7 @@
 namespace raylex::transport {
 namespace {
 
-/// `u` becomes uniform in [0, 1) again.
+/// Picks a colour; `u` becomes uniform in [0, 1) again.
 int pick(const Rgb& share, Real& u) {
     Real below = 0;
     for (int c = 0; c < 3; ++c) {
@@ -21,19 +21,19 @@ int pick(const Rgb& share, Real& u) {
         }
         below += share[c];
     }
-    u = one_minus_epsilon;  // in what rounding left above the last share
+    u = one_minus_epsilon;  // rounding left u above the last share
     return share.b > 0 ? 2 : share.g > 0 ? 1 : 0;
 }
 
-/// exp(-(sigma - least) distance): what is left when all colours are scaled by exp(least distance), which cancels in
-/// every ratio and keeps them from vanishing together.
+/// exp(-(sigma - least) distance): the transmittance when all colours are scaled by exp(least distance), which cancels
+/// in every ratio and keeps them from underflowing together.
 Real relative_transmittance(Real sigma, Real least, Real distance) {
     return sigma > least ? elementary::exp(-(sigma - least) * distance) : 1.0f;
 }
 
-/// Below this optical depth a flight collides with this chance, evenly along the segment, and its weight makes up for
-/// it: else a thin haze would hardly ever be met, and when met, would be as bright as fog. What passes gets a noise of
-/// 0.4 % of a sample.
+/// Below this optical depth, a flight collides with this probability, uniformly along the segment, and its weight
+/// compensates. Otherwise collisions in thin haze would be very rare and as bright as fog. Flights that pass get a
+/// noise of 0.4 % of a sample.
 constexpr Real thin_depth = Real(0x1p-16);
 
 FreeFlight fly_through_haze(const Medium& medium, Real end, const Vec2& u) {
@@ -64,7 +64,7 @@ Rgb transmittance(const Medium& medium, Real distance) {
 Rgb emission_along(const Medium& medium, Real distance) {
     Rgb result;
     for (int c = 0; c < 3; ++c)
-        if (medium.emission[c] > 0)  // what emits absorbs: sigma_t is above 0
+        if (medium.emission[c] > 0)  // a medium that emits also absorbs: sigma_t is above 0
             result[c] = medium.emission[c] * (-elementary::expm1(-medium.sigma_t[c] * distance) / medium.sigma_t[c]);
     return result;
 }
@@ -91,7 +91,7 @@ FreeFlight sample_free_flight(const Medium& medium, const Rgb& throughput, Real 
     Rgb left;
     Real density = 0;
     for (int c = 0; c < 3; ++c) {
-        if (!(share[c] > 0)) continue;  // the throughput is black there, and stays so
+        if (!(share[c] > 0)) continue;  // the throughput is black in this colour, and stays so
         left[c] = relative_transmittance(medium.sigma_t[c], least, distance);
         density += share[c] * left[c] * (flight.collided ? medium.sigma_t[c] : 1.0f);
     }
@@ -112,8 +112,8 @@ Rgb brightest_glow(const Medium& medium, Real length) {
     return medium.grid != nullptr ? medium.grid->brightest_emission() * length : emission_along(medium, length);
 }
 
-/// Flights go from particle to particle: through so many in some milliseconds, and distances within a cell, which have
-/// 24 bits, still tell them apart.
+/// Flights visit particle after particle. This many take some milliseconds, and the 24 bits of distances within a cell
+/// still distinguish them.
 constexpr double most_particles_in_a_cell = 1e7;
 
 std::size_t MediumTable::grid_bytes() const {
@@ -170,7 +170,7 @@ Result<MediumTable> MediumTable::build(const SceneDescription& scene, std::vecto
                                                      "elsewhere; expected at most " +
                                                      short_number(most_particles_in_a_cell));
         for (const Parameter* p : entity.parameters.unused())
-            warnings.push_back(error_at(p->location, "parameter '" + p->name + "' means nothing to medium '" +
+            warnings.push_back(error_at(p->location, "parameter '" + p->name + "' has no effect on medium '" +
                                                          entity.name + "' (" + entity.type + ")"));
         table.media_.back() = *medium;
         table.any_ = true;

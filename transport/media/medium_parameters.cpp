@@ -74,7 +74,7 @@ Result<MediumCoefficients> measured_coefficients(const std::string& name, const 
         }
     std::string list;
     for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
-    return error_at(where, "no medium was measured under the name '" + name + "'; expected one of: " + list,
+    return error_at(where, "there is no measured medium '" + name + "'; expected one of: " + list,
                     near_miss(name, known));
 }
 
@@ -99,7 +99,7 @@ Result<MediumCoefficients> read_coefficients(const SceneEntity& entity, const Me
             read = *measured;
         } else {
             Error unknown = measured.error();
-            unknown.message += "; 'sigma_a' and 'sigma_s' count instead, as in pbrt-v4";
+            unknown.message += "; 'sigma_a' and 'sigma_s' are used instead, as in pbrt-v4";
             context.warnings.push_back(std::move(unknown));
         }
     }
@@ -127,7 +127,7 @@ Result<Real> read_asymmetry(const SceneEntity& entity, const MediumContext& cont
                             "'g' is " + short_number(*g, 6) + "; expected an asymmetry above -1 and below 1");
     if (std::isnan(*g)) return beyond;
     const Real bound = *g < 0 ? Real(-0.99) : Real(0.99);
-    beyond.message += std::string(", and it is taken as ") + (bound < 0 ? "-0.99" : "0.99") + ", as in pbrt-v4";
+    beyond.message += std::string(". It is read as ") + (bound < 0 ? "-0.99" : "0.99") + ", as in pbrt-v4";
     context.warnings.push_back(std::move(beyond));
     return bound;
 }

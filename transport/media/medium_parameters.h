@@ -1,4 +1,4 @@
-// What media of all types read from their parameters.
+// Reads the parameters that media of all types share.
 #pragma once
 
 #include "transport/math/matrix34.h"
@@ -6,20 +6,20 @@
 
 namespace raylex::transport {
 
-/// Coefficients where the density is 1, per unit of world length.
+/// Coefficients at density 1, per unit of world length.
 struct MediumCoefficients {
     Rgb sigma_a{1}, sigma_s{1};
 };
-/// "sigma_a" and "sigma_s", or a measured "preset", times "scale". As in pbrt a preset goes before coefficients that
-/// stand beside it; these stay unread and get a warning. For one that nobody measured they count, with a warning, too.
+/// Reads "sigma_a" and "sigma_s", or a measured "preset", times "scale". As in pbrt, a preset overrides coefficients
+/// beside it, which stay unused and add a warning. With an unknown preset the coefficients are used, with a warning.
 Result<MediumCoefficients> read_coefficients(const SceneEntity& entity, const MediumContext& context);
-/// The coefficients measured under that name, or an Error that says what there is.
+/// The coefficients of the measured medium `name`, or an Error that lists the names.
 Result<MediumCoefficients> measured_coefficients(const std::string& name, const SourceLocation& where);
-/// "g", above -1 and below 1; from there on pbrt-v4's bounds, with a warning.
+/// Reads "g", above -1 and below 1. Other values are set to pbrt-v4's bounds, with a warning.
 Result<Real> read_asymmetry(const SceneEntity& entity, const MediumContext& context);
-/// Numbers from 0 up, and finite: what is left of `name` when it has been scaled.
+/// Checks that scaled coefficients are at least 0 and finite. Errors name the parameter `name`.
 Status check_coefficients(const Rgb& value, const char* name, const SceneEntity& entity);
-/// The parameter as one point3.
+/// Reads a parameter as one point3.
 Result<DVec3> point_or(const ParameterSet& set, const char* name, const DVec3& fallback);
 
 }  // namespace raylex::transport

@@ -1,4 +1,4 @@
-// What pbrt-v4's MakeNamedMedium means. Parameters and defaults are pbrt's.
+// Makes media from pbrt-v4's MakeNamedMedium directives, with pbrt's parameters and defaults.
 #include "transport/color/spectrum.h"
 #include "transport/media/grid_media.h"
 #include "transport/media/medium_parameters.h"
@@ -37,12 +37,12 @@ Registry<MediumFactory>& medium_registry() {
         using T = ParameterType;
         Registry<MediumFactory> r("medium");
         r.add({"homogeneous",
-               "the same everywhere, with Henyey-Greenstein scattering",
+               "homogeneous, with Henyey-Greenstein scattering",
                {{"sigma_a", T::spectrum, "1", "absorption per unit length"},
                 {"sigma_s", T::spectrum, "1", "scattering per unit length"},
                 {"preset", T::string, "", "a measured medium's name, instead of both; per millimetre"},
                 {"scale", T::real, "1", "factor on both"},
-                {"g", T::real, "0", "asymmetry: -1 back, 0 all ways, 1 on"},
+                {"g", T::real, "0", "asymmetry: -1 backward, 0 isotropic, 1 forward"},
                 {"Le", T::spectrum, "0", "radiance of a thick layer that only absorbs; emission is sigma_a Le"},
                 {"Lescale", T::real, "1", "factor on Le"}},
                make_homogeneous});

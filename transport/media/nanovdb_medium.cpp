@@ -1,4 +1,4 @@
-// pbrt-v4's "nanovdb" medium: densities, and perhaps temperatures, from a file.
+// pbrt-v4's "nanovdb" medium: densities, and optionally temperatures, from a file.
 #include <algorithm>
 
 #include "transport/files/nanovdb_file.h"
@@ -8,7 +8,7 @@
 namespace raylex::transport {
 namespace {
 
-/// From the space of the medium to a grid's cells.
+/// The transform from the space of the medium to a grid's cells.
 Transform cells_of(const NanoVdbGrid& grid) {
     const double per_voxel = 1.0 / grid.values.box().side;
     return Transform::scale(per_voxel, per_voxel, per_voxel) *
@@ -36,7 +36,7 @@ struct Grids {
     std::optional<NanoVdbGrid> temperature;
 };
 
-/// What the file calls them.
+/// The names of the grids in the file.
 struct GridNames {
     std::string density, temperature;
 };
@@ -63,7 +63,7 @@ Result<Grids> read_grids(const SceneMedium& entity, const Parameter& file, const
     return grids;
 }
 
-/// "Lescale", or as older files have it "LeScale".
+/// Reads "Lescale", or "LeScale", its name in older files.
 Result<double> radiance_scale(const ParameterSet& set) {
     auto older = set.real_or("LeScale", 1);
     if (!older) return older;
@@ -125,20 +125,20 @@ void register_nanovdb_medium(Registry<MediumFactory>& registry) {
     using T = ParameterType;
     registry.add(
         {"nanovdb",
-         "densities from a NanoVDB file, that scale coefficients",
-         {{"filename", T::string, "", "with a grid of densities, and perhaps one of temperatures"},
-          {"gridname", T::string, "density", "of the grid of densities"},
-          {"temperaturename", T::string, "temperature", "of the grid of temperatures, which the file need not have"},
+         "densities from a NanoVDB file that scale coefficients",
+         {{"filename", T::string, "", "NanoVDB file with a grid of densities, and optionally one of temperatures"},
+          {"gridname", T::string, "density", "name of the grid of densities"},
+          {"temperaturename", T::string, "temperature", "name of the grid of temperatures, which is optional"},
           {"sigma_a", T::spectrum, "1", "absorption per unit length where the density is 1"},
           {"sigma_s", T::spectrum, "1", "scattering per unit length where the density is 1"},
           {"preset", T::string, "", "a measured medium's name, instead of both; per millimetre"},
           {"scale", T::real, "1", "factor on both"},
-          {"g", T::real, "0", "asymmetry: -1 back, 0 all ways, 1 on"},
-          {"Lescale", T::real, "1", "factor on what black bodies of the temperatures emit"},
-          {"LeScale", T::real, "1", "an older name of that"},
-          {"temperatureoffset", T::real, "0", "taken off the temperatures, before"},
-          {"temperaturecutoff", T::real, "0", "an older name of that"},
-          {"temperaturescale", T::real, "1", "their factor, to kelvin"},
+          {"g", T::real, "0", "asymmetry: -1 backward, 0 isotropic, 1 forward"},
+          {"Lescale", T::real, "1", "factor on the emission of blackbodies"},
+          {"LeScale", T::real, "1", "an older name of Lescale"},
+          {"temperatureoffset", T::real, "0", "subtracted from the temperatures before they are scaled"},
+          {"temperaturecutoff", T::real, "0", "an older name of temperatureoffset"},
+          {"temperaturescale", T::real, "1", "factor from temperatures to kelvin"},
           {"raylex:majorant", T::real, "1", "factor on majorants, from 1 up: more null collisions, the same mean"}},
          make_nanovdb});
 }

@@ -28,7 +28,7 @@ double fresnel_moment(int n, double eta) {
     return sum / steps;
 }
 
-/// A half space of extinction 1.
+/// A half space with extinction 1.
 struct HalfSpace {
     double albedo, g, eta, moment1, moment2;
 
@@ -37,7 +37,7 @@ struct HalfSpace {
     [[nodiscard]] double reflectance() const;
 };
 
-/// Radiant exitance at distance r from a beam that enters straight down, from light scattered more than once: dipoles
+/// Radiant exitance at distance r from a beam that enters perpendicularly, by light scattered more than once: dipoles
 /// along the beam (Habel et al., sections 4 and 5).
 double HalfSpace::multiple(double r) const {
     const double sigma_a = 1 - albedo, reduced = albedo * (1 - g), extinction = sigma_a + reduced;
@@ -60,7 +60,7 @@ double HalfSpace::multiple(double r) const {
     return sum / beam_samples;
 }
 
-/// The same of light scattered once, beyond where all of it would be reflected inside.
+/// Radiant exitance at distance r by light scattered once, beyond the region of total internal reflection.
 double HalfSpace::single(double r) const {
     const double first = r * std::sqrt(std::max(eta * eta - 1, 0.0));
     double sum = 0;
@@ -75,7 +75,7 @@ double HalfSpace::single(double r) const {
     return sum / beam_samples;
 }
 
-/// 2 pi times the integral of both times r, by the trapezoidal rule in log r.
+/// 2 pi times the integral of both exitances times r, by the trapezoidal rule in log r.
 double HalfSpace::reflectance() const {
     constexpr int radii = 96;
     constexpr double lowest = -8.0, highest = 6.5;  // 3e-4 to 660 mean free paths

@@ -1,6 +1,6 @@
-// What a plugin includes. A plugin is one shared library that brings integrators, patterns, materials, lights, filters
-// or display drivers; `raylex render --plugin libNAME.so` loads it, and its objects are then used by name like in-tree
-// ones.
+// The header that plugins include. A plugin is one shared library that adds integrators, patterns, materials, lights,
+// filters or display drivers. `raylex render --plugin libNAME.so` loads it; its objects are then used by name like
+// built-in ones.
 //
 //     #include "transport/plugins/plugin.h"
 //     ... classes ...
@@ -12,8 +12,8 @@
 //     find_package(raylex REQUIRED COMPONENTS plugin)
 //     raylex_add_plugin(name name.cpp)
 //
-// An exception out of the body, or host.refuse(), refuses the plugin; the program then ends with a message. Plugins are
-// never unloaded. tests/outside/plugins has an example of each kind.
+// If the body throws an exception or calls host.refuse(), the plugin is refused and the program ends with a message.
+// Plugins are never unloaded. tests/outside/plugins contains an example of each kind.
 #pragma once
 
 #include "display/services/channel_settings.h"

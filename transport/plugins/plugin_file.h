@@ -1,4 +1,4 @@
-// Reads a plugin's stamp out of its file, without loading it.
+// Reads a plugin's stamp from its file, without loading it.
 #pragma once
 
 #include <string>
@@ -9,11 +9,12 @@
 
 namespace raylex::transport {
 
-/// The stamp in the ELF file (System V gABI, chapter 4). Errors at `where`: a file that cannot be read, that is no
-/// shared library or none for this machine, or that carries no stamp of this form.
+/// Reads the stamp from the ELF file (System V gABI, chapter 4). Errors at `where`: a file that cannot be read, that is
+/// not a shared library for this machine, or that contains no stamp of this format.
 Result<PluginStamp> read_plugin_stamp(const std::string& file, const SourceLocation& where);
 
-/// Success when a plugin with this stamp fits this program; else an Error at `where` that says what differs.
+/// Returns success if a plugin with this stamp matches this program; else an Error at `where` that names the
+/// difference.
 Status check_plugin_stamp(const PluginStamp& stamp, const std::string& file, const SourceLocation& where);
 
 }  // namespace raylex::transport

@@ -11,7 +11,7 @@
 namespace raylex::transport {
 namespace {
 
-/// The factory, of which null pointers and exceptions come as Errors; at the first argument's place, if it has one.
+/// Wraps the factory: null pointers and exceptions become Errors, at the location of the first argument if it has one.
 template <class Value, class First, class... Rest>
 std::function<Result<Value>(First, Rest...)> guarded(std::function<Result<Value>(First, Rest...)> factory,
                                                      const std::string& what) {
@@ -22,11 +22,11 @@ std::function<Result<Value>(First, Rest...)> guarded(std::function<Result<Value>
         try {
             Result<Value> made = factory(std::forward<First>(first), std::forward<Rest>(rest)...);
             if constexpr (requires { *made == nullptr; })
-                if (made && *made == nullptr) return failed("came as a null pointer; expected an object or an Error");
+                if (made && *made == nullptr) return failed("was a null pointer; expected an object or an Error");
             return made;
         } catch (const std::bad_alloc&) { throw; } catch (const std::exception& error) {
-            return failed(std::string("could not be made: ") + error.what());
-        } catch (...) { return failed("could not be made: it threw something that is no std::exception"); }
+            return failed(std::string("could not be created: ") + error.what());
+        } catch (...) { return failed("could not be created: it threw an object that is not a std::exception"); }
     };
 }
 
@@ -40,7 +40,7 @@ void PluginHost::add(Registry<Factory>& registry, typename Registry<Factory>::En
         return other.kind == registry.kind() && other.name == entry.name;
     };
     const std::string what = registry.kind() + " '" + entry.name + "'";
-    constexpr bool is_channel = std::is_same_v<Factory, display::ChannelDefinition>;  // it is its own definition
+    constexpr bool is_channel = std::is_same_v<Factory, display::ChannelDefinition>;  // channels have no factory
     bool makes_something = true;
     if constexpr (!is_channel) makes_something = bool(entry.factory);
     if (entry.name.empty() || !makes_something) return refuse("its " + what + " has no name or no factory");
@@ -101,7 +101,7 @@ void PluginHost::add_channel(display::ChannelDefinition channel, std::string hel
 
 LobeId PluginHost::add_lobe(const LobeKind& lobe) {
     if (const std::optional<LobeId> id = transport::add_lobe(lobe)) return *id;
-    refuse("there is no room for its lobe '" + std::string(lobe.name) + "': a program knows at most 256 lobes");
+    refuse("there is no id left for its lobe '" + std::string(lobe.name) + "': a program has at most 256 lobes");
     return 0;
 }
 

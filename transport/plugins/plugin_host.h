@@ -1,4 +1,5 @@
-// What a plugin registers with: the program's own registries, through which every in-tree object came in too.
+// The interface with which a plugin registers its objects: the program's own registries, which built-in objects use
+// too.
 #pragma once
 
 #include <functional>
@@ -21,20 +22,21 @@
 
 namespace raylex::transport {
 
-/// One object that a plugin registered, as `raylex plugins` and `--help` show it.
+/// One object registered by a plugin, as `raylex plugins` and `--help` list it.
 struct PluginEntry {
     std::string kind;  ///< "integrator", "material", ...
     std::string name, help;
     std::vector<ParameterDescription> parameters;
-    bool shadows = false;  ///< takes the place of an in-tree object of that name
+    bool shadows = false;  ///< replaces a built-in object of that name
 };
 
-/// Handed to a plugin's entry point, once, before anything is parsed or rendered. An entry is a name, one line of help,
-/// the typed parameters, and a factory; its parameters are judged as those of in-tree objects are. A name that is taken
-/// in-tree is replaced; one that another plugin has taken is refused, and the whole plugin with it.
+/// The argument of a plugin's entry point, which runs once, before anything is parsed or rendered. An entry is a name,
+/// one line of help, the typed parameters, and a factory; its parameters are checked like those of built-in objects. A
+/// name of a built-in object replaces that object. A name of another plugin's object is refused, together with the
+/// whole plugin.
 class PluginHost {
   public:
-    /// `taken` is what the plugins before this one registered.
+    /// `taken` contains the entries of the plugins loaded before.
     explicit PluginHost(std::vector<PluginEntry> taken);
 
     void add_integrator(Registry<IntegratorFactory>::Entry entry);
@@ -48,18 +50,18 @@ class PluginHost {
     void add_sample_filter(Registry<display::SampleFilterFactory>::Entry entry);
     void add_display_filter(Registry<display::DisplayFilterFactory>::Entry entry);
     void add_display_driver(Registry<display::DisplayDriverFactory>::Entry entry);
-    /// A plain channel that this plugin's objects write to. A render has it when the user requests it by name, as a
-    /// geometric AOV (`--aov NAME`). `help` is one line. A name of raylex's own is refused.
+    /// Adds a plain channel to which this plugin's objects write. A render contains it if the user requests it by name,
+    /// as a geometric AOV (`--aov NAME`). `help` is one line. Names of raylex's own channels are refused.
     void add_channel(display::ChannelDefinition channel, std::string help);
-    /// A row of the event table for a material's own lobe: what light path expressions match it by. `lobe.name` must
-    /// live as long as the program. The same row again gives the same id.
+    /// Adds a row to the event table for a material's own lobe, by which light path expressions match it. `lobe.name`
+    /// must live as long as the program. Adding the same row again returns the same id.
     LobeId add_lobe(const LobeKind& lobe);
-    /// Says why this plugin cannot work here. Everything it registered is taken back.
+    /// Refuses this plugin with a reason, and removes everything that it registered.
     void refuse(std::string reason);
 
     [[nodiscard]] const std::vector<PluginEntry>& entries() const { return entries_; }
     [[nodiscard]] const std::optional<std::string>& refusal() const { return refusal_; }
-    /// Puts every registry back to what it was.
+    /// Restores every registry to its previous state.
     void take_back();
 
   private:

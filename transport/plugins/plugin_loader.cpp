@@ -40,13 +40,12 @@ Status load_plugin(const std::string& file, const SourceLocation& where) {
     for (const LoadedPlugin& each : plugins())
         if (each.path == path) return success();
 
-    // Everything is bound now, so that a missing symbol is an error here and no crash later.
+    // All symbols are bound now, so that a missing symbol is an error here instead of a crash later.
     void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (library == nullptr)
-        return error_at(
-            where, "plugin '" + file + "' cannot be loaded: " + last_loader_error(),
-            "a symbol of raylex that is missing was declared but never defined, or this program exports none "
-            "(raylex_plugin_host)");
+        return error_at(where, "plugin '" + file + "' cannot be loaded: " + last_loader_error(),
+                        "a missing raylex symbol was declared but never defined, or this program exports no symbols "
+                        "(raylex_plugin_host)");
     const auto entry = reinterpret_cast<EntryPoint>(dlsym(library, "raylex_register_plugin"));
     if (entry == nullptr)
         return error_at(where, "plugin '" + file + "' has no entry point; expected RAYLEX_PLUGIN(host) { ... }");
@@ -58,7 +57,7 @@ Status load_plugin(const std::string& file, const SourceLocation& where) {
         entry(host);
     } catch (const std::exception& error) {
         host.refuse(std::string("it threw while registering: ") + error.what());
-    } catch (...) { host.refuse("it threw something that is no std::exception while registering"); }
+    } catch (...) { host.refuse("it threw an object that is not a std::exception while registering"); }
     if (host.refusal()) {
         host.take_back();
         return error_at(where, "plugin '" + file + "' cannot be used: " + *host.refusal());

@@ -1,10 +1,9 @@
-// What a plugin says of itself before it is loaded: written into a section of its file by RAYLEX_PLUGIN, read from the
-// file by plugin_loader.h. Nothing of a plugin runs, not even its static constructors, until its stamp was found to be
-// the program's own.
+// The stamp of a plugin: RAYLEX_PLUGIN writes it into a section of the file, and plugin_loader.h reads it from the
+// file. No code of a plugin runs, not even its static constructors, before its stamp has matched the program's own.
 //
-// C++ objects cross the border in both directions, so everything that decides their layout and meaning must agree:
-// raylex's version and headers, the compiler's and the standard library's binary interface, and the sizes that came
-// out.
+// C++ objects cross the border in both directions, so everything that determines their layout and meaning must agree:
+// raylex's version and headers, the binary interfaces of the compiler and the standard library, and the resulting
+// sizes.
 #pragma once
 
 #include <array>
@@ -23,7 +22,7 @@
 
 namespace raylex::transport {
 
-/// Plain text and numbers. `magic` and `version` stand where they stand in every version of raylex.
+/// Plain text and numbers. `magic` and `version` have the same offsets in every version of raylex.
 struct PluginStamp {
     static constexpr std::string_view section = "raylex_plugin";
     static constexpr std::string_view magic_text = "raylex plugin, form 1";
@@ -32,9 +31,9 @@ struct PluginStamp {
     std::array<char, 24> magic{};
     std::array<char, 24> version{};                    ///< of raylex
     std::array<char, 48> compiler{};                   ///< and its version of the C++ binary interface
-    std::array<char, 48> standard_library{};           ///< and what changes its layout
+    std::array<char, 48> standard_library{};           ///< and the options that change its layout
     std::array<char, 72> interface {};                 ///< digest of raylex's headers
-    std::array<std::uint32_t, layout_count> layout{};  ///< sizes of what crosses the border
+    std::array<std::uint32_t, layout_count> layout{};  ///< sizes of the objects that cross the border
 };
 
 inline constexpr std::array<const char*, PluginStamp::layout_count> plugin_layout_names{
@@ -52,7 +51,7 @@ constexpr std::array<char, Size> padded(std::string_view text) {
 
 }  // namespace plugin_detail
 
-/// The stamp of whoever compiles this.
+/// The stamp of the code that is being compiled.
 constexpr PluginStamp make_plugin_stamp() {
     using plugin_detail::padded;
     PluginStamp stamp;

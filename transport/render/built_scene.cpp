@@ -11,7 +11,7 @@ namespace raylex::transport {
 
 namespace {
 
-/// Media that materials bring for the shapes that use them, under the material's name: by material, the index or -1.
+/// Adds the interior media of materials, under the material's name. Returns, for each material, the index or -1.
 std::vector<std::int32_t> add_interiors(const SceneDescription& scene, const MaterialTable& materials,
                                         MediumTable& media) {
     std::vector<std::uint8_t> used(materials.size(), 0);
@@ -27,7 +27,7 @@ std::vector<std::int32_t> add_interiors(const SceneDescription& scene, const Mat
     return result;
 }
 
-/// Grids that may reach beyond all shapes: those around the camera and outside of what borders them.
+/// Grids that may extend beyond all shapes: those around the camera and outside of interfaces.
 std::set<std::int32_t> open_grids(const EmbreeScene& geometry, const MediumTable& media) {
     std::set<std::int32_t> open{media.camera()};
     for (const ShapeGeometry& shape : geometry.shapes())
@@ -135,12 +135,12 @@ Status BuiltScene::place_camera(const SceneDescription& description, const Shutt
 
 namespace {
 
-/// What a scene's surfaces add to its words.
+/// The events that a scene's surfaces add to its alphabet.
 struct SurfaceWords {
     std::set<std::string> labels;
-    std::set<std::pair<std::string, LobeId>> scattering;  ///< of a label
-    std::set<std::string> straight;                       ///< labels that can be passed straight through
-    std::vector<std::uint8_t> used_area_lights;           ///< [area light]; instances' do not shine
+    std::set<std::pair<std::string, LobeId>> scattering;  ///< by label
+    std::set<std::string> straight;                       ///< labels of pass-through surfaces
+    std::vector<std::uint8_t> used_area_lights;           ///< [area light]; those on instances do not emit
 
     SurfaceWords(const SceneDescription& scene, const MaterialTable& materials, bool regularizes)
         : used_area_lights(scene.area_lights.size(), 0), regularizes_(regularizes) {
@@ -152,7 +152,7 @@ struct SurfaceWords {
         std::set<std::pair<int, std::string>> seen;
         for (const SceneInstance& instance : scene.instances) {
             if (instance.object < 0 || static_cast<std::size_t>(instance.object) >= scene.objects.size()) continue;
-            // Instances come by the million, objects have thousands of shapes.
+            // There may be millions of instances, and objects have thousands of shapes.
             if (!seen.emplace(instance.object, instance.label).second) continue;
             for (const SceneShape& shape : scene.objects[static_cast<std::size_t>(instance.object)].shapes)
                 add(scene, materials, shape, instance.label.empty() ? shape.label : instance.label);
@@ -221,7 +221,7 @@ Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::L
     if (!textures) return textures.error();
     auto materials = MaterialTable::build(scene, *textures);
     if (!materials) return materials.error();
-    std::vector<Error> unused;  // warnings are the render's business
+    std::vector<Error> unused;  // the render reports warnings
     auto media = MediumTable::build(scene, unused);
     if (!media) return media.error();
     add_interiors(scene, *materials, *media);

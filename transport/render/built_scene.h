@@ -15,8 +15,8 @@ namespace raylex::transport {
 
 class BuiltScene {
   public:
-    /// Copies or compiles everything, so the description may go afterwards. Threads of `machine` read images and build
-    /// the acceleration structure. `progress`, where it is not null, receives what is read and built.
+    /// Copies or compiles everything, so the description may be destroyed afterwards. Threads of `machine` read images
+    /// and build the acceleration structure. `progress`, unless null, receives the items that are read and built.
     static Result<std::shared_ptr<const BuiltScene>> build(const SceneDescription& description,
                                                            const MachineSettings& machine = {},
                                                            LoadingProgress* progress = nullptr);
@@ -25,18 +25,18 @@ class BuiltScene {
         return {geometry_.get(), &textures_, &materials_, &lights_, &media_, general_code_, moves_, wavelengths_.get()};
     }
     [[nodiscard]] const std::string& isa() const { return geometry_->isa(); }
-    /// Channels that patterns write to.
+    /// The channels to which patterns write.
     [[nodiscard]] std::span<const display::ChannelDefinition> pattern_channels() const { return pattern_channels_; }
-    /// Where the tables of view() stand.
+    /// The space of the tables of view().
     [[nodiscard]] const RenderSpace& space() const { return geometry_->space(); }
     [[nodiscard]] const SurfaceNames& surface_names() const { return surface_names_; }
     /// The scene's own camera, film, filter, sampler and integrator, which settings may override.
     SceneEntity camera, film, filter, sampler, integrator;
-    Transform camera_to_world;                          ///< the world's, not render space; when the shutter opens
-    std::shared_ptr<const CameraMotion> camera_motion;  ///< null: it stands still
+    Transform camera_to_world;                          ///< of the world, not of render space; when the shutter opens
+    std::shared_ptr<const CameraMotion> camera_motion;  ///< null: the camera does not move
     std::string file;
     std::vector<Error> warnings;
-    std::vector<Error> dark_lights;  ///< warnings to those who ask for light (dark_lights.h)
+    std::vector<Error> dark_lights;  ///< warnings for renders with outputs that need light (dark_lights.h)
     double build_seconds = 0, build_cpu_seconds = 0;
 
   private:
@@ -48,29 +48,29 @@ class BuiltScene {
     MediumTable media_;
     EffectSet general_code_;
     bool moves_ = false;
-    std::unique_ptr<const WavelengthDistribution> wavelengths_;  // null: paths have none
+    std::unique_ptr<const WavelengthDistribution> wavelengths_;  // null: paths have no wavelengths
     std::unique_ptr<EmbreeScene> geometry_;
     SurfaceNames surface_names_;
     std::vector<display::ChannelDefinition> pattern_channels_;
 };
 
-/// As scene_alphabet(description), by the tables that are there.
+/// Returns scene_alphabet(description), from the tables that already exist.
 [[nodiscard]] SceneAlphabet scene_alphabet(const SceneDescription& description, const BuiltScene& built,
                                            const lpe::LobeSlots& slots = {}, bool regularizes = false);
 
-/// As render(description, ...), on a scene built from it before: bit for bit the same image, and checkpoints that know
-/// their scene.
+/// Renders a scene that was built from `description`: the image has the same bits as that of render(description, ...),
+/// and checkpoints identify the scene.
 Result<RenderOutput> render(const SceneDescription& description, const BuiltScene& scene,
                             const RenderSettings& settings,
                             const std::function<void(const RenderProgress&)>& progress = {},
                             const std::atomic<bool>* stop = nullptr);
 
-/// The same without the description: checkpoints are of any scene.
+/// Renders without the description: checkpoints do not identify the scene.
 Result<RenderOutput> render(const BuiltScene& scene, const RenderSettings& settings,
                             const std::function<void(const RenderProgress&)>& progress = {},
                             const std::atomic<bool>* stop = nullptr);
 
-/// Whether a render would begin: an Error is that of its camera, film, filter, sampler, integrator or settings.
+/// Checks whether a render can begin. Errors concern its camera, film, filter, sampler, integrator or settings.
 Status check_render(const BuiltScene& scene, const RenderSettings& settings);
 
 }  // namespace raylex::transport

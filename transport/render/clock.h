@@ -1,5 +1,5 @@
-// Wall and CPU time, apart: with more threads than processors, or on a busy machine, only the CPU time says what work
-// cost.
+// Wall and CPU time, separately: with more threads than processors, or on a busy machine, only CPU time measures the
+// work.
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,7 @@ inline double thread_cpu_seconds() {
     return cpu_seconds(CLOCK_THREAD_CPUTIME_ID);
 }
 
-/// Since its construction.
+/// Measures time since its construction.
 class Stopwatch {
   public:
     [[nodiscard]] double wall() const {

@@ -7,7 +7,7 @@
 namespace raylex::transport {
 namespace {
 
-/// Below the smallest normal float renders take numbers for 0.
+/// Renders treat numbers below the smallest normal float as 0.
 bool is_dark(const Light& light) {
     return !(light.power > 0) || light.emission.max() < std::numeric_limits<Real>::min();
 }
@@ -19,7 +19,7 @@ bool any_medium_shines(const MediumTable& media) {
 }
 
 Error dark(const SourceLocation& location, const std::string& what) {
-    return error_at(location, "this " + what + " light gives no light");
+    return error_at(location, "this " + what + " light emits no light");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Why an image may be black although nothing is wrong with the scene.
+// Finds reasons for a black image in a valid scene.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace raylex::transport {
 
-/// That the scene has no light at all, or every light that gives none; an area light does if none of its primitives
-/// shines.
+/// Returns a warning if the scene has no light at all, and one for each light that emits nothing. An area light emits
+/// nothing if none of its primitives does.
 std::vector<Error> find_dark_lights(const SceneDescription& scene, const LightTable& lights, const MediumTable& media);
 
 }  // namespace raylex::transport

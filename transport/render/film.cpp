@@ -6,9 +6,9 @@
 namespace raylex::transport {
 namespace {
 
-/// "cropwindow" (shares of the image) or "pixelbounds", each x0 x1 y0 y1; the pixels of the second are those of an
-/// image of `given` size. A share that falls within a pixel leaves it out at the lower end, and the first goes before
-/// the second, both as in pbrt-v4.
+/// Reads "cropwindow" (shares of the image) or "pixelbounds", each x0 x1 y0 y1; "pixelbounds" refers to an image of
+/// `given` size. A share that falls inside a pixel excludes it at the lower end. "pixelbounds" is ignored if both are
+/// given. Both rules are pbrt-v4's.
 Status read_crop(const ParameterSet& set, FilmSettings& settings, const std::array<double, 2>& given,
                  std::vector<Error>& warnings) {
     const Parameter* window = set.find("cropwindow");
@@ -25,7 +25,7 @@ Status read_crop(const ParameterSet& set, FilmSettings& settings, const std::arr
     std::array<int, 4> ends{};
     for (std::size_t i = 0; i < 4; ++i) {
         const double share = p == bounds ? p->numbers[i] / given[i / 2] : p->numbers[i];
-        // A share such as 0.3 of 10 pixels is 3 of them, whatever its last bits.
+        // A share such as 0.3 of 10 pixels is 3 pixels, despite rounding.
         ends[i] = static_cast<int>(std::ceil(std::clamp(share, 0.0, 1.0) * size[i / 2] - 1e-9 * size[i / 2]));
     }
     const display::PixelRegion crop{std::min(ends[0], ends[1]), std::min(ends[2], ends[3]), std::max(ends[0], ends[1]),
@@ -69,14 +69,14 @@ Result<FilmSettings> read_film(const SceneEntity& film, const std::optional<std:
     if (film.type == "spectral")
         warnings.push_back(error_at(film.location,
                                     "film 'spectral' is written as film 'rgb': light is transported in RGB, so there "
-                                    "are no buckets of wavelengths to write"));
+                                    "are no wavelength buckets to write"));
     if (auto space = set.choice_or("coordinatesystem", "camera", {"camera", "world"}); !space) return space.error();
     if (film.type == "gbuffer")
         warnings.push_back(
             error_at(film.location,
-                     "film 'gbuffer' means the layers albedo, P, Ngn (N), Nn (Ns) and st (uv), or Pw and "
+                     "film 'gbuffer' stands for the layers albedo, P, Ngn (N), Nn (Ns) and st (uv), or Pw and "
                      "__Nworld; there is none of dzdx and dzdy, and variances are statistics of a job"));
-    // Where the image goes is said beside the scene; what the sensor does stands in the colours of the lights.
+    // The output is set outside of the scene file; the sensor's effect is in the colours of the lights.
     for (const char* name : {"filename", "sensor", "iso", "exposuretime", "whitebalance", "coordinatesystem"})
         static_cast<void>(set.find(name));
     for (const Parameter* p : set.unused())

@@ -1,4 +1,4 @@
-// The size of the image, and what of it is rendered.
+// The size of the image, and the part that is rendered.
 #pragma once
 
 #include <array>
@@ -17,13 +17,13 @@ struct FilmSettings {
     std::optional<display::PixelRegion> crop;
 };
 
-/// As the Film directive says, or `resolution` instead. Errors: no size for an image, a crop that is no part of it.
-/// What else of the directive cannot be honoured is a warning.
+/// Reads the Film directive; `resolution` overrides its size. Errors: an invalid image size, a crop that is not inside
+/// the image. Other settings that raylex does not support are warnings.
 Result<FilmSettings> read_film(const SceneEntity& film, const std::optional<std::array<int, 2>>& resolution,
                                std::vector<Error>& warnings);
 
-/// The AOVs that film 'gbuffer' stands for: its Albedo, P, N, Ns and uv by our names, in camera space or, by
-/// "coordinatesystem" "world", in the world. Nothing for other films.
+/// The AOVs for film 'gbuffer': its Albedo, P, N, Ns and uv by raylex's names, in camera space or, with
+/// "coordinatesystem" "world", in the world. Empty for other films.
 std::vector<std::string> gbuffer_layers(const SceneEntity& film);
 
 }  // namespace raylex::transport

@@ -1,13 +1,12 @@
-// The stages of a render, each of a type that the one before it makes:
-//
-//   BuiltScene       the scene's tables, which no setting changes
-//   ResolvedJob      settings resolved against it, or refused
-//   PreparedJob      the integrator has seen the scene
-//   RenderTarget     the caller has seen the plan, memory is taken
+// The stages of a render. Each is a type that the previous stage makes:
+// ||   BuiltScene       the scene's tables, which do not depend on settings
+//   ResolvedJob      settings, resolved for the scene or refused
+//   PreparedJob      the integrator has prepared for the scene
+//   RenderTarget     the caller has received the plan, memory is allocated
 //   RenderLoop       samples by a Schedule, from the beginning or a checkpoint
-//   FinishedLoop     what is told of the image
+//   FinishedLoop     the results of the loop
 //
-// A render in buckets goes through the last three for one band of rows after another (buckets.h).
+// A render in buckets repeats the last three for each band of rows (buckets.h).
 #include "transport/render/render.h"
 
 #include <cmath>
@@ -20,7 +19,7 @@
 namespace raylex::transport {
 namespace {
 
-/// An integrator that discards all its iterations leaves no image, which is not a black one.
+/// If an integrator discards all its iterations there is no image; a black one would be wrong.
 Result<RenderOutput> refuse_nothing(Result<RenderOutput> output) {
     if (!output) return output;
     const RenderStatistics& statistics = output->statistics;
@@ -28,7 +27,7 @@ Result<RenderOutput> refuse_nothing(Result<RenderOutput> output) {
     return error_at({},
                     "there is no image: integrator '" + output->used.integrator + "' discarded all " +
                         std::to_string(statistics.discarded_samples) + " camera samples",
-                    "expected discard_iteration() for start-up iterations alone");
+                    "expected discard_iteration() for start-up iterations only");
 }
 
 Result<RenderOutput> render_all(const BuiltScene& scene, const RenderSettings& settings,

@@ -1,4 +1,4 @@
-// One call from a scene and settings to a filled frame buffer.
+// Renders a scene with settings into a frame buffer, in one call.
 #pragma once
 
 #include <atomic>
@@ -34,19 +34,21 @@ namespace raylex::transport {
 struct RenderPlan {
     int width = 0, height = 0;
     std::uint64_t samples_per_pixel = 0;
-    std::span<const display::ChannelDefinition> channels;  ///< as RenderOutput::frame_buffer will have them
+    std::span<const display::ChannelDefinition> channels;  ///< as in RenderOutput::frame_buffer
     display::ChannelId beauty = display::invalid_channel;
-    display::PixelRegion crop;  ///< what is rendered; all of the image without a crop
+    display::PixelRegion crop;  ///< the rendered pixels; without a crop the whole image
     const display::PixelFilter* filter = nullptr;
     bool splat = false;
-    bool raster = false;                                 ///< the integrator's light lands anywhere on the image
+    bool raster = false;                                 ///< the integrator's light paths splat anywhere on the image
     bool signed_light = false;                           ///< paths of one wavelength, whose RGB may be negative
     std::shared_ptr<const display::WordAlphabet> words;  ///< made by LabelSettings::words
-    std::vector<display::ChannelId> altered;             ///< by sample filters: partitions with these do not sum
-    std::vector<display::MemoryItem> memory;             ///< of the frame buffer, layer by layer, and cryptomattes
-    int bucket_rows = 0;                                 ///< at most, of a render in buckets, whose memory is of one
-    std::size_t buckets = 0;                             ///< how many; 0: the image is in memory as a whole
-    /// What a checkpoint of this render says that it is of, the caller's fields before the render's own.
+    /// changed by sample filters: partitions with these do not sum
+    std::vector<display::ChannelId> altered;
+    std::vector<display::MemoryItem> memory;  ///< of the frame buffer, layer by layer, and cryptomattes
+    /// maximum for a render in buckets, whose memory holds one bucket
+    int bucket_rows = 0;
+    std::size_t buckets = 0;  ///< number of buckets; 0: the whole image is in memory
+    /// The identity in a checkpoint of this render: the caller's fields, then the render's own.
     display::RecordIdentity identity{};
     std::span<const Error> warnings{};  ///< known before the first sample; RenderOutput::warnings begin with them
 };
@@ -55,42 +57,44 @@ struct RenderPlan {
 class LiveImage {
   public:
     virtual ~LiveImage() = default;
-    /// As FrameBuffer::resolve, of the samples there are. Threads that bring samples of these pixels wait meanwhile.
+    /// FrameBuffer::resolve() of the current samples. Threads with samples of these pixels wait meanwhile.
     [[nodiscard]] virtual std::vector<double> resolve(display::ChannelId id,
                                                       const display::PixelRegion& region) const = 0;
     [[nodiscard]] virtual std::vector<double> resolve_alpha(const display::PixelRegion& region) const = 0;
-    /// As FrameBuffer::resolve_variance_of_mean; empty where the channel keeps no statistics.
+    /// FrameBuffer::resolve_variance_of_mean(); empty if the channel keeps no statistics.
     [[nodiscard]] virtual std::vector<double> resolve_variance_of_mean(display::ChannelId id,
                                                                        const display::PixelRegion& region) const = 0;
 };
 
 struct RenderProgress {
     std::uint64_t samples_done = 0, samples_total = 0;  ///< camera samples
-    double seconds = 0;                                 ///< wall, since rendering began, of interrupted sessions too
+    /// wall time since rendering began, including interrupted sessions
+    double seconds = 0;
     const display::AdaptiveProgress* adaptive =
         nullptr;                       ///< null unless sampling is adaptive; samples_total is predicted
-    const LiveImage* image = nullptr;  ///< during the call only
+    const LiveImage* image = nullptr;  ///< valid during the call only
     std::uint64_t samples_least = 0;   ///< display::Forecast::least, of samples_total
 };
 
 struct RenderStatistics {
     double build_seconds = 0, build_cpu_seconds = 0;      ///< scene tables and acceleration structure
     double prepare_seconds = 0, prepare_cpu_seconds = 0;  ///< the integrator's tables, pilots and start-up
-    std::uint64_t pilot_rays = 0;                         ///< traced to plan the paths, of no image
+    std::uint64_t pilot_rays = 0;                         ///< traced to plan paths; not part of the image
     double render_seconds = 0, render_cpu_seconds = 0;
     std::uint64_t camera_samples = 0, camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
-    std::uint64_t discarded_samples = 0;               ///< of iterations that the integrator discarded, in this session
-    std::uint64_t branches = 0;                        ///< beside the first, of split paths
+    std::uint64_t discarded_samples = 0;               ///< in iterations that the integrator discarded, in this session
+    std::uint64_t branches = 0;                        ///< additional branches of split paths
     PrunedCounts pruned{};                             ///< [Pruned]
     std::vector<std::uint64_t> path_length_histogram;  ///< [scattering events of the path]
-    std::uint64_t attribution_overflow = 0;            ///< trackers that had to merge by choice
-    std::uint64_t invalid_samples = 0;                 ///< contributions and values refused as not finite
-    std::vector<std::uint64_t> invalid_by_channel;     ///< [channel] how many of them it would have taken
-    std::vector<display::InvalidSample> invalid_log;   ///< the first ones in the order of samples, for any threads
+    std::uint64_t attribution_overflow = 0;            ///< trackers that had to merge states at random
+    std::uint64_t invalid_samples = 0;                 ///< contributions and values rejected as not finite
+    std::vector<std::uint64_t> invalid_by_channel;     ///< [channel] rejected values that it would have received
+    /// the first ones in the order of samples, independent of threads
+    std::vector<display::InvalidSample> invalid_log;
     std::uint64_t refused_services_calls = 0;
-    std::vector<display::RefusalCounts> refusals;  ///< per channel; the last are of calls that name none
+    std::vector<display::RefusalCounts> refusals;  ///< per channel; the last entry is for calls without a channel
     std::uint64_t checkpoints = 0;                 ///< written in this session
-    double checkpoint_stall_seconds = 0;           ///< wall, for which all threads stood still for them
+    double checkpoint_stall_seconds = 0;           ///< wall time for which all threads waited for them
 };
 
 /// How many samples a render took, and whether that is all.
@@ -153,27 +157,27 @@ struct RenderOutput {
 };
 
 /// Renders. `progress` is called from one thread, a few times a second. Setting `*stop` ends the render after the
-/// current blocks, without batches that take longer than a moment, and returns what there is, marked incomplete.
+/// current blocks, but leaves batches that take longer than a moment, and returns the image so far, marked incomplete.
 Result<RenderOutput> render(const SceneDescription& scene, const RenderSettings& settings,
                             const std::function<void(const RenderProgress&)>& progress = {},
                             const std::atomic<bool>* stop = nullptr);
 
-/// Removes what a render in buckets has saved in its folder, and the folder when nothing else is in it.
+/// Removes the files that a render in buckets has saved in its folder, and the folder if it is then empty.
 Status remove_buckets(const std::string& folder);
 
-/// Labels, light groups, lobes and terminals that this scene can produce: the words that proofs and near misses use.
+/// Labels, light groups, lobes and terminals that this scene can produce: the alphabet of proofs and close matches.
 struct SceneAlphabet {
     std::vector<std::string> object_labels, light_groups;
     bool has_lights = false, has_background = false, has_straight = false;
     std::vector<lpe::Event> scattering;  ///< one per distinct event of the scene
     std::vector<lpe::Event> terminals;
-    std::vector<display::ChannelDefinition> pattern_channels;  ///< that textures name; AOVs by these names
+    std::vector<display::ChannelDefinition> pattern_channels;  ///< to which textures write; AOVs by these names
 };
-/// The definition of an AOV by its name: one of `patterns`, else a plugin's channel, else a geometric AOV, else an
-/// Error with the near miss.
+/// The definition of an AOV by name: one of `patterns`, else a plugin's channel, else a geometric AOV, else an Error
+/// with the closest match.
 Result<display::ChannelDefinition> named_channel(const std::string& name,
                                                  std::span<const display::ChannelDefinition> patterns);
-/// `regularizes`: IntegratorTraits'.
+/// `regularizes` is the field of IntegratorTraits.
 Result<SceneAlphabet> scene_alphabet(const SceneDescription& scene, const lpe::LobeSlots& slots = {},
                                      bool regularizes = false);
 

@@ -1,4 +1,4 @@
-// Where a render stands, as checkpoints remember it.
+// The position of a render, as checkpoints store it.
 #pragma once
 
 #include <cstdint>
@@ -8,18 +8,18 @@
 
 namespace raylex::transport {
 
-/// A task that its thread had to leave.
+/// A task that its thread had to stop early.
 struct UnfinishedTask {
     std::uint64_t task = 0;
-    std::uint64_t done =
-        0;  ///< of the blocks of pixels that it goes through, so many first ones are in the frame buffer
+    std::uint64_t done = 0;  ///< number of its first blocks of pixels that are in the frame buffer
 };
 
 struct RenderPosition {
-    std::uint64_t phase = 0;                 ///< a run of tasks that threads go through without meeting
-    std::uint64_t task = 0;                  ///< the first task of the phase that no thread has taken
-    std::vector<UnfinishedTask> unfinished;  ///< before `task`: all others there are in the frame buffer, whole
-    RenderStatistics statistics;             ///< of what is in the frame buffer, by earlier sessions
+    std::uint64_t phase = 0;  ///< a run of tasks without synchronisation of threads
+    std::uint64_t task = 0;   ///< the first task of the phase that no thread has started
+    /// tasks before `task` that are not complete; all others are in the frame buffer
+    std::vector<UnfinishedTask> unfinished;
+    RenderStatistics statistics;  ///< of the samples in the frame buffer from earlier sessions
 };
 
 }  // namespace raylex::transport

@@ -100,7 +100,7 @@ struct LabelSettings {
     /// False: each lobe carries its exact share of the light. True: one lobe, drawn at random, carries all of it.
     bool picked_lobes = false;
     /// Set: each contribution of light keeps its word, and these rules say which words differ. A path atlas needs this
-    /// and stands among the sinks.
+    /// and is one of the sinks.
     std::optional<display::WordRules> words;
 };
 

@@ -1,12 +1,12 @@
-// Which samples a render takes, in which order: one interface, one small class for each way (schedules/).
+// The samples of a render and their order: one interface, with one small class for each kind of schedule (schedules/).
 //
-// A task is a number; what stands behind it, a schedule alone knows: some blocks of samples (16, aligned) of the pixels
-// of one tile (16 x 16). Threads take the next number, so an interrupted render has an even image, and which thread
-// took which task cannot be seen in the result: samples are counter-based and the frame buffer adds exactly. A phase is
-// a run of tasks that the threads go through without meeting. Between phases nothing is in flight, and the schedule
-// decides on the next one.
+// A task is a number, whose meaning is private to the schedule: some blocks of samples (16, aligned) of the pixels of
+// one tile (16 x 16). Threads take the next number, so an interrupted render has an even image. The assignment of tasks
+// to threads does not affect the result: samples are counter-based and the frame buffer adds exactly. A phase is a run
+// of tasks without synchronisation of threads. Between phases no samples are in progress, and the schedule chooses the
+// next phase.
 //
-// Calls to a schedule are one a task at most. Private to transport/render.
+// A schedule is called at most once per task. Private to transport/render.
 #pragma once
 
 #include <cstdint>
@@ -28,42 +28,42 @@ class Schedule {
   public:
     virtual ~Schedule() = default;
 
-    /// Where a render stands that resumes nothing.
+    /// The position of a render that resumes nothing.
     [[nodiscard]] virtual RenderPosition beginning() const { return {}; }
-    /// Once a session, before its first phase; not when the render has to end before that.
+    /// Called once a session, before its first phase; not if the render has to end before that.
     virtual void begin_session(const RenderState& /*state*/) {}
-    /// Between phases: whether all that was asked for is there.
+    /// Whether the render is complete; called between phases.
     [[nodiscard]] virtual bool finished(const RenderPosition& position) const = 0;
-    /// Sets the position to the phase's first task, unless it stands amid the phase. Returns the end of its tasks.
+    /// Moves the position to the phase's first task, unless it is within the phase. Returns the end of its tasks.
     virtual std::uint64_t begin_phase(RenderPosition& position) = 0;
-    /// Has the worker add the samples of a task; by many threads at once.
+    /// Makes the worker add the samples of a task; called by many threads at once.
     virtual void render(std::uint64_t task, RenderWorker& worker) const = 0;
-    /// All of the phase's tasks are in the frame buffer: moves the position on to the next phase.
+    /// Moves the position to the next phase, after all of the phase's tasks are in the frame buffer.
     virtual void end_phase(RenderState& state);
 
-    /// Whether a record taken between two tasks of a phase is whole.
+    /// Whether a record taken between two tasks of a phase is consistent.
     [[nodiscard]] virtual bool can_save_amid_phase() const { return true; }
-    /// While threads work: whether they must leave their batches, because the phase takes too long.
+    /// Whether threads must leave their batches because the phase takes too long; called while threads work.
     [[nodiscard]] virtual bool overdue(const RenderState& /*state*/) const { return false; }
-    /// After threads had to leave their batches for that: what to make of the phase.
+    /// Decides about the phase after threads had to leave their batches because it took too long.
     virtual Status after_overdue(RenderState& /*state*/) { return success(); }
 
-    /// Camera samples that the whole render will have taken; `done` are there.
+    /// The forecast of the camera samples of the whole render, after `done`.
     [[nodiscard]] virtual display::Forecast expected_samples(std::uint64_t done, const RenderState& state) const = 0;
-    /// Null when the schedule does not measure it.
+    /// The error; null if the schedule does not measure it.
     [[nodiscard]] virtual const display::AdaptiveProgress* error() const { return nullptr; }
-    /// Pixels that have all the samples they may have and are not good enough.
+    /// The number of pixels that have their maximum of samples and an error above the tolerance.
     [[nodiscard]] virtual std::uint64_t unconverged() const { return 0; }
-    /// The budget, or what the render came to.
+    /// The budget, or the number that the render reached.
     [[nodiscard]] virtual std::uint64_t samples_per_pixel() const = 0;
 
-    /// The section of a checkpoint with what the frame buffer does not tell; empty: nothing.
+    /// The name of the schedule's own section in a checkpoint; empty: none.
     [[nodiscard]] virtual std::string section() const { return {}; }
     virtual void append_record(std::string& /*bytes*/) const {}
     virtual Status restore_record(std::string_view /*bytes*/) { return success(); }
 };
 
-/// The schedule of the job's budget. Both must outlive it.
+/// Makes the schedule of the job's budget. Both arguments must outlive it.
 std::unique_ptr<Schedule> make_schedule(const PreparedJob& prepared, const RenderTarget& target);
 
 }  // namespace raylex::transport

@@ -1,4 +1,4 @@
-// How an image is cut up: into tiles of pixels, whose samples come in aligned blocks.
+// Divides an image into tiles of pixels, whose samples come in aligned blocks.
 #pragma once
 
 #include <algorithm>
@@ -11,14 +11,14 @@
 
 namespace raylex::transport {
 
-/// Tiles of an image with padding around it, and the pixels of it that get samples.
+/// The tiles of an image with padding around it, and the pixels that get samples.
 struct TileGrid {
     static constexpr int tile_size = 16;   ///< pixels along a side
     static constexpr int block_size = 16;  ///< samples; the frame buffer's unit of exact addition
 
     int width = 0, height = 0;         ///< of the image
-    int padding_x = 0, padding_y = 0;  ///< pixels around it whose samples reach into it
-    display::PixelRegion region;       ///< the pixels that get samples; with the padding when nothing is cropped
+    int padding_x = 0, padding_y = 0;  ///< pixels around the image whose samples reach into it
+    display::PixelRegion region;       ///< the pixels that get samples; without a crop they include the padding
 
     [[nodiscard]] std::uint64_t columns() const { return along(width, padding_x); }
     [[nodiscard]] std::uint64_t rows() const { return along(height, padding_y); }
@@ -27,14 +27,14 @@ struct TileGrid {
         return static_cast<std::uint64_t>((y + padding_y) / tile_size) * columns() +
                static_cast<std::uint64_t>((x + padding_x) / tile_size);
     }
-    /// All of a tile, also what is not of the region.
+    /// All pixels of a tile, including those outside of the region.
     [[nodiscard]] display::PixelRegion pixels_of(std::uint64_t tile) const {
         const int x = static_cast<int>(tile % columns()) * tile_size - padding_x,
                   y = static_cast<int>(tile / columns()) * tile_size - padding_y;
         return {x, y, x + tile_size, y + tile_size};
     }
     /// Calls visit(x, y) for the tile's pixels of the region, along the Morton curve: batches cover compact squares,
-    /// whose rays stay together.
+    /// whose rays are coherent.
     template <class Visit>
     void for_each_pixel(std::uint64_t tile, const Visit& visit) const {
         const display::PixelRegion pixels = pixels_of(tile);
@@ -47,7 +47,7 @@ struct TileGrid {
             if (x >= region.x0 && x < region.x1 && y >= region.y0 && y < region.y1) visit(x, y);
         }
     }
-    /// Tiles with pixels of the region, row by row: how many, and which.
+    /// The tiles with pixels of the region, row by row: their number, and each tile.
     [[nodiscard]] std::uint64_t region_count() const {
         return static_cast<std::uint64_t>(region_columns()) *
                static_cast<std::uint64_t>((region.y1 - 1 + padding_y) / tile_size - first_row() + 1);
@@ -57,7 +57,7 @@ struct TileGrid {
         return (static_cast<std::uint64_t>(first_row()) + i / across) * columns() +
                static_cast<std::uint64_t>((region.x0 + padding_x) / tile_size) + i % across;
     }
-    /// How many blocks hold so many samples of a pixel.
+    /// The number of blocks that contain this many samples of a pixel.
     [[nodiscard]] static std::uint64_t blocks_for(std::uint64_t samples) {
         return (samples + block_size - 1) / block_size;
     }
@@ -72,12 +72,12 @@ struct TileGrid {
     }
 };
 
-/// Tiles whose pixels are being added: two threads may hold different blocks of one tile, and the frame buffer wants
-/// one caller a pixel. Striped by tile; taken once a batch, and hardly ever contended on images of many tiles. In splat
-/// mode a batch adds to the tiles around its own too, and takes them all.
+/// Locks of the tiles whose pixels are being added: two threads may hold different blocks of one tile, and the frame
+/// buffer needs one caller per pixel. Striped by tile, taken once a batch, and rarely contended on images of many
+/// tiles. In splat mode a batch also adds to the surrounding tiles, and locks them all.
 class TileLocks {
   public:
-    /// Locks its mutexes in one order for all groups, so that no two wait for each other.
+    /// Locks its mutexes in the same order as all groups, so that no two wait for each other.
     class Group {
       public:
         void lock() {
@@ -95,7 +95,7 @@ class TileLocks {
     };
 
     [[nodiscard]] std::mutex& of(std::uint64_t tile) { return mutexes_[tile % mutexes_.size()]; }
-    /// The tile, and with `around` those next to it.
+    /// The locks of the tile, and with `around` those of its neighbours.
     [[nodiscard]] Group group(std::uint64_t tile, const TileGrid& grid, bool around);
 
   private:

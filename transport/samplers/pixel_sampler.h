@@ -1,25 +1,24 @@
 // Counter-based sample numbers: every number is a pure function of (seed, pixel, sample, dimension).
 //
-// A Markov chain's numbers (primary_samples.h) come through the same door: an integrator then makes its samplers
+// The numbers of a Markov chain (primary_samples.h) use the same interface; an integrator then makes its samplers
 // itself.
 //
-// Nothing is carried from one call to the next, so a path may skip numbers, threads may take any block of samples, and
-// a run with fewer rays sees the same numbers at the same places (Laws 3 and 4).
+// Calls share no state. A path may skip numbers, threads may take any block of samples, and a run with fewer rays gets
+// the same numbers at the same places (Laws 3 and 4).
 //
-// "sobol" is the (0, 2)-sequence of the first two Sobol' dimensions, padded: each pair of dimensions takes a copy of
-// its own, with the sample index shuffled and the points scrambled by hash-based Owen scrambling (B. Burley 2020,
+// "sobol" is the (0, 2)-sequence of the first two Sobol' dimensions, padded: each pair of dimensions has a copy of its
+// own, with the sample index shuffled and the points scrambled by hash-based Owen scrambling (B. Burley 2020,
 // "Practical Hash-based Owen Scrambling", JCGT 9(4)). The hash of the scramble is N. Vegdahl's better-mixing variant of
-// Laine and Karras' (2021, "Building a Better LK Hash"). Any number of samples is fine; powers of two balance best.
-// Points come 2^32 to a copy; the index bits above take a fresh scramble.
+// Laine and Karras' (2021, "Building a Better LK Hash"). Any number of samples is possible; powers of two are balanced
+// best. A copy has 2^32 points; higher index bits select a new scramble.
 //
 // "zsobol" gives all pixels parts of one such sequence (A. Ahmed and P. Wonka 2020, "Screen-Space Blue-Noise Diffusion
-// of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels", ACM TOG 39(6)): pixels along the Morton curve
-// take blocks of n = 2^arrangement_bits points one after another, so the samples of pixels that lie together are
-// stratified together, and what one misses its neighbours bring. Scrambling the index permutes pixels within every
-// square of the curve, anew for each pair of dimensions; it costs what "sobol" costs. The n samples of a pixel stay a
-// (0, m, 2)-net. No choice of points is both for n samples and for more: the points that complete a net are those of
-// the neighbours, whose errors would then be the same. So samples [n, 2n), [2n, 4n), ... are arrangements of their own,
-// each a net.
+// of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels", ACM TOG 39(6)). Pixels along the Morton curve
+// take consecutive blocks of n = 2^arrangement_bits points, so the samples of neighbouring pixels are stratified
+// together. Scrambling the index permutes pixels within every square of the curve, independently for each pair of
+// dimensions; it costs as much as "sobol". The n samples of a pixel stay a (0, m, 2)-net. No choice of points serves
+// both n samples and more: the points that complete a net are those of the neighbours, whose errors would then be
+// equal. So samples [n, 2n), [2n, 4n), ... are separate arrangements, each a net.
 //
 // Nested uniform scrambling is reverse - hash - reverse, and the van der Corput sequence is the index reversed, so most
 // reversals cancel. The second dimension's matrix is Pascal's triangle modulo 2: five shift-and-xor steps.
@@ -44,7 +43,7 @@ constexpr std::uint32_t reverse_bits(std::uint32_t x) {
     return ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);
 }
 
-/// Each bit is flipped by a hash of the bits below it: Owen's tree in bit-reversed form.
+/// Flips each bit by a hash of the bits below it: Owen's tree in bit-reversed form.
 constexpr std::uint32_t owen_hash(std::uint32_t x, std::uint32_t seed) {
     x ^= x * 0x3d20adeau;
     x += seed;
@@ -70,7 +69,7 @@ constexpr std::uint64_t mix(std::uint64_t v) {
     return v ^ (v >> 31);
 }
 
-/// Bit i of the low half at bit 2i.
+/// Moves bit i of the low half to bit 2i.
 constexpr std::uint32_t spread_bits(std::uint32_t x) {
     x = (x | (x << 8)) & 0x00ff00ffu;
     x = (x | (x << 4)) & 0x0f0f0f0fu;
@@ -82,7 +81,7 @@ constexpr Real unit_float(std::uint32_t bits) {
     return static_cast<Real>(static_cast<std::int32_t>(bits >> 8)) * 0x1p-24f;
 }
 
-/// A point of the copy of the sequence that belongs to `hash`.
+/// A point of the copy of the sequence with the key `hash`.
 constexpr void sobol_pair(std::uint64_t hash, std::uint32_t reversed_index, Real& x, Real& y) {
     const auto low = static_cast<std::uint32_t>(hash), high = static_cast<std::uint32_t>(hash >> 32);
     const std::uint32_t index = reverse_bits(owen_hash(reversed_index, low));
@@ -93,11 +92,11 @@ constexpr void sobol_pair(std::uint64_t hash, std::uint32_t reversed_index, Real
 
 }  // namespace sampler_detail
 
-/// The numbers of one sample of one pixel. 16 bytes; copy freely. Values lie in [0, 1 - 2^-24].
+/// The random numbers of one sample of one pixel. 16 bytes, cheap to copy. Values are in [0, 1 - 2^-24].
 class PixelSampler {
   public:
     PixelSampler() = default;
-    /// `arrangement_bits` (zsobol): how many samples of a pixel are arranged together, as a power of two below 2^32.
+    /// `arrangement_bits` (zsobol): log2 of the number of samples of a pixel that are arranged together, below 32.
     PixelSampler(SamplerKind kind, std::uint64_t seed, std::int32_t x, std::int32_t y, std::uint64_t sample,
                  std::uint32_t arrangement_bits = 4) {
         using namespace sampler_detail;
@@ -113,12 +112,12 @@ class PixelSampler {
         reversed_index_ = reverse_bits(static_cast<std::uint32_t>(sample));
     }
 
-    /// The numbers of a chain's mutation, which must outlive every copy. What is asked for changes it: one thread.
+    /// The numbers of a chain's mutation, which must outlive every copy. Reading numbers modifies it: one thread only.
     explicit PixelSampler(PrimarySamples& chain)
         : key_(reinterpret_cast<std::uintptr_t>(&chain)), source_(Source::chain) {}
 
-    /// The numbers of the k-th of n branches that a path is split into: independent of its own, and of those of other
-    /// n. Branches of all samples are one sequence: n samples would be no better spread. Not of chains.
+    /// The numbers of the k-th of n branches into which a path is split: independent of the path's own, and of those of
+    /// another n. The branches of all samples form one sequence: n samples are spread as well as that. Not for chains.
     [[nodiscard]] PixelSampler branch(std::uint32_t k, std::uint32_t n) const {
         const std::uint64_t index = std::uint64_t{sampler_detail::reverse_bits(reversed_index_)} * n + k;
         PixelSampler numbers = *this;
@@ -128,7 +127,7 @@ class PixelSampler {
         return numbers;
     }
 
-    /// `dimension` names a use (lens, light choice of the third vertex, ...): the same name, the same number.
+    /// `dimension` identifies a use (lens, light choice of the third vertex, ...): equal dimensions give equal numbers.
     [[nodiscard]] Real get_1d(std::uint32_t dimension) const {
         if (source_ != Source::sobol) [[unlikely]]
             return plain_1d(dimension);
@@ -144,14 +143,14 @@ class PixelSampler {
         sampler_detail::sobol_pair(hash(dimension), reversed_index_, pair.x, pair.y);
         return pair;
     }
-    /// Independent of every other number, whatever the sampler: for choices of which few are made per path.
+    /// A number independent of all others for every sampler: for choices that are rare in a path.
     [[nodiscard]] Real get_random(std::uint32_t dimension) const {
         if (source_ == Source::chain) [[unlikely]]
             return chain().get(dimension, false);
         return sampler_detail::unit_float(
             static_cast<std::uint32_t>(sampler_detail::mix(hash(dimension) ^ reversed_index_) >> 32));
     }
-    /// A key for somebody else's hash: distinct per (pixel, sample, dimension), not itself random enough to use.
+    /// A key for another hash: distinct per (pixel, sample, dimension), but not random enough to be used directly.
     [[nodiscard]] std::uint32_t key(std::uint32_t dimension) const {
         if (source_ == Source::chain) [[unlikely]]
             return std::bit_cast<std::uint32_t>(to_float(chain().get(dimension, false)));
@@ -165,11 +164,11 @@ class PixelSampler {
         const std::uint64_t pixel = (static_cast<std::uint64_t>(y) << 32) | x;
         return sampler_detail::mix(sampler_detail::mix(seed + 0x9e3779b97f4a7c15ull) ^ pixel);
     }
-    /// The index is the place along the curve, then the sample; squares whose places do not fit have keys of their own.
+    /// The index is the place along the curve, then the sample. Squares whose places do not fit have separate keys.
     void arrange(std::uint64_t seed, std::uint32_t x, std::uint32_t y, std::uint64_t sample, std::uint32_t bits) {
         using namespace sampler_detail;
         source_ = Source::sobol;
-        std::uint32_t arrangement = 0;  // samples that come later: with which doubling of their number
+        std::uint32_t arrangement = 0;  // for later samples: the number of doublings of the sample count
         if (sample >> bits != 0) {
             const auto width = static_cast<std::uint32_t>(std::bit_width(sample));
             arrangement = width - bits;

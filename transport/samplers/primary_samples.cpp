@@ -9,16 +9,16 @@
 namespace raylex::transport {
 namespace {
 
-constexpr std::uint64_t choices = std::uint64_t{1} << 40;  // names no dimension has
-constexpr std::uint32_t kind_of_dimension = 1u << 23;      // each begins at a multiple: subpath.h
+constexpr std::uint64_t choices = std::uint64_t{1} << 40;  // beyond the names of all dimensions
+constexpr std::uint32_t kind_of_dimension = 1u << 23;      // each kind begins at a multiple: subpath.h
 
-/// A standard normal number (Box and Muller) of 64 random bits.
+/// A standard normal number from 64 random bits (Box and Muller).
 Real normal_number(std::uint64_t bits) {
     const Real u = (static_cast<Real>(bits >> 40) + 0.5f) * 0x1p-24f, v = static_cast<Real>(bits & 0xffffff) * 0x1p-24f;
     return std::sqrt(-2 * elementary::log(u)) * elementary::cos(2 * pi * v);
 }
 
-/// Back into [0, 1), as if its ends were joined.
+/// Wraps x into [0, 1), whose ends are joined.
 Real wrap(Real x) {
     x -= std::floor(x);
     return std::min(x, one_minus_epsilon);
@@ -91,8 +91,8 @@ Real PrimarySamples::get(std::uint32_t dimension, bool second) {
     Number& number = find(name);
     if (number.changed == step_) return number.value;
     if (number.changed <= last_large_ && number.changed != last_large_) {
-        // Not there at the last large step, or older than it: as that step would have drawn it. The draw is of now,
-        // which is as good: nobody has seen another.
+        // The number did not exist at the last large step, or is older: draw it as that step would have. The draw is
+        // keyed to the current mutation, which is as good: no caller has read another value.
         number.value = unit_float(draws_.bits(name + choices));
         number.changed = last_large_;
     }

@@ -9,7 +9,7 @@ bool has_wide_instructions() {
     return has;
 }
 
-// A plain loop, which compilers turn into vectors. SSE2 alone has no products of 32 bits: there it would not pay.
+// A plain loop, which compilers vectorise. SSE2 has no 32-bit products, so there it would not be faster.
 [[gnu::target("avx2")]] void draw_sampler_pairs(const std::uint64_t* __restrict keys,
                                                 const std::uint32_t* __restrict indices, std::size_t count,
                                                 Real* __restrict x, Real* __restrict y) {

@@ -1,5 +1,5 @@
-// Pairs of numbers of many samples at once: what PixelSampler::get_2d gives for each, bit for bit, by instructions that
-// work on eight of them (AVX2, where the machine has it). A render asks for some five pairs a camera sample, a tenth of
+// Pairs of numbers for many samples at once: the same bits as PixelSampler::get_2d, by instructions that process eight
+// of them (AVX2, if the machine supports it). A render needs about five pairs per camera sample, which take a tenth of
 // its time one by one.
 #pragma once
 
@@ -14,8 +14,8 @@ class SamplerBatch {
   public:
     explicit SamplerBatch(std::size_t capacity);
 
-    /// Whether the numbers of samplers like this one can be drawn so. Those of chains change by being asked for, and
-    /// independent ones cost next to nothing.
+    /// Whether the numbers of samplers of this kind can be drawn in batches. Numbers of chains change when they are
+    /// read, and independent ones cost next to nothing.
     [[nodiscard]] static bool takes(const PixelSampler& sampler);
 
     void clear() { count_ = 0; }
@@ -24,7 +24,7 @@ class SamplerBatch {
         indices_[count_++] = sampler.reversed_index_;
     }
     void draw();
-    /// Of the i-th that was added before draw().
+    /// The numbers of the i-th sampler added before draw().
     [[nodiscard]] Vec2 operator[](std::size_t i) const { return {x_[i], y_[i]}; }
 
   private:

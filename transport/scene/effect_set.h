@@ -1,4 +1,4 @@
-// The effects that a scene may call for, and sets of them. transport/scene/effects/effects.h says what each is.
+// The effects that a scene may use, and sets of them. transport/scene/effects/effects.h describes each.
 #pragma once
 
 #include <cstddef>

@@ -22,7 +22,7 @@ Triple white_of(double kelvin) {
     return xyz;
 }
 
-/// In XYZ: light as white as daylight of `kelvin` becomes the white of `space`.
+/// The matrix in XYZ that takes the white of daylight of `kelvin` to the white of `space`.
 Matrix3 balance(double kelvin, ColorSpace space) {
     const Triple from = multiply(bradford, white_of(kelvin)), to = multiply(bradford, white_xyz(space));
     Matrix3 scale = unit;
@@ -34,7 +34,8 @@ Matrix3 in_rgb(const Matrix3& in_xyz, ColorSpace space) {
     return multiply(rgb_from_xyz(space), multiply(in_xyz, xyz_from_rgb(space)));
 }
 
-/// A shutter that opens for an instant lets in nothing, at which pbrt-v4 stops; here it means a moment in time.
+/// The exposure time in seconds. A shutter that opens for an instant would record nothing, and pbrt-v4 stops with an
+/// error; here it means a moment in time.
 Result<double> exposure_time(const SceneEntity& film, const SceneEntity& camera, std::vector<Error>& warnings) {
     auto open = camera.parameters.real_or("shutteropen", 0), close = camera.parameters.real_or("shutterclose", 1);
     if (!open) return open.error();
@@ -67,9 +68,10 @@ Result<FilmSensor> read_sensor(const SceneEntity& film, const SceneEntity& camer
     const bool named = *sensor != "cie1931";
     const std::vector<std::string>& known = camera_sensors();
     if (named && std::find(known.begin(), known.end(), *sensor) == known.end()) {
-        return error_at(film.parameters.find("sensor")->location,
-                        "no sensor is called '" + *sensor + "'; expected cie1931 or a camera's, such as nikon_d850",
-                        near_miss(*sensor, known));
+        return error_at(
+            film.parameters.find("sensor")->location,
+            "there is no sensor '" + *sensor + "'; expected cie1931 or the name of a camera, such as nikon_d850",
+            near_miss(*sensor, known));
     }
     if (named && *kelvin == 0) *kelvin = 6500;
     if (*kelvin != 0 && !(*kelvin >= 1000 && *kelvin <= 25000))
@@ -80,8 +82,8 @@ Result<FilmSensor> read_sensor(const SceneEntity& film, const SceneEntity& camer
         warnings.push_back(error_at(film.parameters.find("sensor")->location,
                                     "sensor '" + *sensor +
                                         "' is applied to the colours of lights: exact for white, within some 0.4 % for "
-                                        "daylight and blackbodies, while coloured surfaces differ by some 3 %, which "
-                                        "RGB does not know of their spectra",
+                                        "daylight and blackbodies, while coloured surfaces differ by some 3 %, "
+                                        "since RGB does not contain their spectra",
                                     *kelvin < camera_sensor_coldest
                                         ? "below 2500 K the sensor's responses are those for a balance of 2500 K"
                                         : ""));

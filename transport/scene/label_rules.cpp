@@ -1,5 +1,5 @@
-// Labels and light groups by rule. A rule that selects nothing is a slip of the pen, so it is an error; a rule that
-// selects only what earlier rules took already is legal (a catch-all at the end) and only worth a warning.
+// Labels and light groups by rule. A rule that selects nothing is probably a mistake, so it is an error. A rule that
+// selects only objects that earlier rules labelled is legal (a catch-all at the end) and adds a warning.
 #include "transport/scene/scene_description.h"
 
 #include <algorithm>
@@ -30,7 +30,7 @@ const char* selector_name(Selector selector) {
     return "";
 }
 
-/// "spot" and "spot:1" for every light, in file order per kind; area lights are of kind "area".
+/// The names "spot" and "spot:1" for every light, in file order per kind; area lights have the kind "area".
 struct LightNames {
     std::vector<std::string> kinds, indexed;
 };
@@ -47,7 +47,7 @@ LightNames light_names(const SceneDescription& scene) {
     return names;
 }
 
-/// Works on one scene: finds what each rule selects and writes the label where no earlier rule did.
+/// Applies rules to one scene: finds the objects that each rule selects, and sets the label where no earlier rule did.
 class RuleApplier {
   public:
     explicit RuleApplier(SceneDescription& scene)
@@ -104,7 +104,7 @@ class RuleApplier {
         return !name.empty() && lpe::glob_matches(pattern_, name);
     }
 
-    /// What earlier rules said of an object or a light.
+    /// The results of earlier rules for an object or a light.
     struct Taken {
         bool label = false, holdout = false;
     };

@@ -1,4 +1,4 @@
-// How far a scene is with being read and built, for whoever looks on from another thread.
+// The progress of reading and building a scene, for observers in other threads.
 #pragma once
 
 #include <atomic>
@@ -8,7 +8,7 @@ namespace raylex::transport {
 
 class LoadingProgress {
   public:
-    /// What a step counts, "meshes"; static text.
+    /// Begins a step that counts `what`, such as "meshes"; static text.
     void begin(const char* what, std::uint64_t total = 0) {
         total_.store(total, std::memory_order_relaxed);
         done_.store(0, std::memory_order_relaxed);
@@ -18,7 +18,7 @@ class LoadingProgress {
 
     [[nodiscard]] const char* what() const { return what_.load(std::memory_order_relaxed); }
     [[nodiscard]] std::uint64_t done() const { return done_.load(std::memory_order_relaxed); }
-    [[nodiscard]] std::uint64_t total() const { return total_.load(std::memory_order_relaxed); }  ///< 0: not known
+    [[nodiscard]] std::uint64_t total() const { return total_.load(std::memory_order_relaxed); }  ///< 0: unknown
 
   private:
     std::atomic<const char*> what_{"scene file"};

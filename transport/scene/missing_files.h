@@ -1,4 +1,4 @@
-// What becomes of a scene when a file that it names is not there.
+// Placeholders for files that a scene refers to and that do not exist.
 #pragma once
 
 #include <string>
@@ -9,12 +9,12 @@ namespace raylex::transport {
 
 enum class MissingFiles : std::uint8_t {
     refused,      ///< an error that names file, line and the folders searched
-    placeholders  ///< magenta takes their place: images of textures and lights, measured materials, meshes
+    placeholders  ///< magenta replaces them: images of textures and lights, measured materials, meshes
 };
 
-/// Of an entity whose file `parameter` is missing: makes it one without a file, magenta (1, 0, 1) where it has a
-/// colour. A normal map is left out, a float texture is 1, lights that throw images shine magenta in all directions.
-/// False for what nothing can stand for: lenses, grids of media.
+/// Converts an entity whose file `parameter` is missing to one without a file, magenta (1, 0, 1) if it has a colour. A
+/// normal map is dropped, a float texture is 1, and lights that project images emit magenta in all directions. Returns
+/// false for entities without a placeholder: lenses, grids of media.
 bool make_placeholder(SceneEntity& entity, const Parameter& parameter, bool is_float_texture);
 
 }  // namespace raylex::transport

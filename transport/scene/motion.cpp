@@ -21,7 +21,7 @@ Result<ShutterSpan> shutter_span(const SceneDescription& scene) {
     if (!std::isfinite(*open) || !std::isfinite(*close))
         return error_at(scene.camera.location, "'shutteropen' and 'shutterclose' must be finite");
     if (!(start < end) || !std::isfinite(end - start))
-        return error_at(scene.camera.location, "the times of transformations are " + short_number(start, 6) + " and " +
+        return error_at(scene.camera.location, "the transformation times are " + short_number(start, 6) + " and " +
                                                    short_number(end, 6) + "; expected the earlier one first");
     ShutterSpan span;
     span.swapped = *open > *close;
@@ -35,7 +35,7 @@ Result<ShutterSpan> shutter_span(const SceneDescription& scene) {
 Result<std::optional<AnimatedTransform>> motion_of(const SceneDescription& scene, const SceneInstance& instance) {
     if (instance.motion < 0) return std::optional<AnimatedTransform>();
     if (static_cast<std::size_t>(instance.motion) >= scene.moved_to.size())
-        return error_at(instance.location, "the instance moves to where nothing is said");
+        return error_at(instance.location, "the instance has no transform for the end of its motion");
     auto motion = AnimatedTransform::between(
         instance.to_world, scene.moved_to[static_cast<std::size_t>(instance.motion)], instance.location);
     if (!motion) return motion.error();

@@ -25,7 +25,8 @@ Result<SamplerChoice> read_choice(const SceneEntity& entity, SamplerKind kind, b
     return choice;
 }
 
-/// What a job takes with `spp`, as a shard, until an error or a time does not count: the samples would be others.
+/// Reads a zsobol sampler. The settings of a job (`spp`, shard, error or time limit) have no influence, since they
+/// would change the samples.
 Result<SamplerChoice> read_arranged(const SceneEntity& entity) {
     auto choice = read_choice(entity, SamplerKind::zsobol, false);
     if (!choice) return choice;
@@ -66,12 +67,12 @@ Registry<SamplerFactory> make_registry() {
     of_arranged.push_back({"arranged", ParameterType::integer, "pixelsamples",
                            "samples of a pixel that are arranged together, rounded up to a power of two"});
     registry.add({"zsobol",
-                  "sobol, arranged in screen space: error is blue noise at as many samples as 'arranged' says",
+                  "sobol, arranged in screen space: with 'arranged' samples per pixel the error is blue noise",
                   of_arranged, read_arranged});
     add("halton", "rendered with sobol", SamplerKind::sobol, true);
     add("pmj02bn", "rendered with sobol", SamplerKind::sobol, true);
     registry.add({"stratified",
-                  "rendered with sobol, xsamples * ysamples a pixel",
+                  "rendered with sobol, xsamples * ysamples per pixel",
                   {{"xsamples", ParameterType::integer, "4", "strata in x"},
                    {"ysamples", ParameterType::integer, "4", "strata in y"},
                    {"seed", ParameterType::integer, "0", "added to the render's seed"}},

@@ -1,4 +1,4 @@
-// Samplers by name: what a scene's Sampler directive or --sampler chooses.
+// Samplers by name, as a scene's Sampler directive or --sampler selects them.
 #pragma once
 
 #include <cstdint>
@@ -12,22 +12,22 @@
 
 namespace raylex::transport {
 
-/// What a Sampler directive means: which numbers, and how many samples a pixel.
+/// The meaning of a Sampler directive: the sequence, and the number of samples per pixel.
 struct SamplerChoice {
     SamplerKind kind = SamplerKind::sobol;
-    std::string name;                      ///< what is really used: "sobol", "zsobol" or "independent"
+    std::string name;                      ///< the sampler that is used: "sobol", "zsobol" or "independent"
     std::uint64_t samples_per_pixel = 16;  ///< "pixelsamples" (stratified: the product of its two counts)
     std::uint32_t arrangement_bits = 4;    ///< zsobol: log2 of the samples of a pixel that are arranged together
     std::uint64_t seed = 0;                ///< the scene's own seed, added to the render's
-    bool stands_in = false;                ///< for another sequence of pbrt's: same expectation, other noise
+    bool stands_in = false;                ///< for another sequence of pbrt: same expectation, other noise
 };
 
 using SamplerFactory = std::function<Result<SamplerChoice>(const SceneEntity&)>;
 
-/// independent, sobol, zsobol, and pbrt's other names, which all mean our Owen-scrambled Sobol'.
+/// The registered samplers: independent, sobol, zsobol, and pbrt's other names, which stand for Owen-scrambled Sobol'.
 Registry<SamplerFactory>& sampler_registry();
 
-/// An empty type means the default, sobol with 16 samples.
+/// Makes the choice for a directive. An empty type means the default, sobol with 16 samples.
 Result<SamplerChoice> choose_sampler(const SceneEntity& entity);
 
 }  // namespace raylex::transport

@@ -13,7 +13,7 @@
 namespace raylex::transport {
 namespace {
 
-/// Everything added changes the number, and so does its order.
+/// A hash of all added values, which depends on their order.
 class SceneHash {
   public:
     template <class Number>
@@ -36,7 +36,7 @@ class SceneHash {
             for (const double number : row) add(number);
     }
 
-    // A binding that no longer fits says that the struct has a member which is not hashed yet.
+    // If this binding stops compiling, the struct has a member that is not hashed yet.
     void add(const Parameter& parameter) {
         const auto& [name, type, numbers, strings, booleans, location, used] = parameter;
         static_cast<void>(location), static_cast<void>(used);
@@ -82,7 +82,7 @@ class SceneHash {
                      alpha_texture, label, labelled, holdout] = shape;
         static_cast<void>(location);
         add(kind);
-        add(source_file);  // an asset's name, which cryptomattes show
+        add(source_file);  // the name of an asset in cryptomattes
         add(positions);
         add(normals);
         add(uvs);
@@ -101,7 +101,7 @@ class SceneHash {
         add(alpha);
         add(alpha_texture);
         add(label);
-        if (labelled) add(labelled);  // cryptomattes show it
+        if (labelled) add(labelled);  // cryptomattes use it
         add(holdout);
     }
     void add(const SceneObject& object) {
@@ -136,11 +136,11 @@ std::uint64_t scene_hash(const SceneDescription& scene) {
     const auto& [file, camera, film, filter, sampler, integrator, camera_to_world, camera_moved_to, transform_times,
                  moved_to, camera_medium, color, materials, textures, media, shapes, objects, instances, lights,
                  area_lights, placeholders, warnings, general_code] = scene;
-    // Placeholders stand in the scene; the sensor follows from film and camera, but for scenes made by hand.
+    // Placeholders are already in the scene; the sensor follows from film and camera, except in scenes made by hand.
     static_cast<void>(file), static_cast<void>(placeholders), static_cast<void>(warnings),
         static_cast<void>(general_code);
     SceneHash hash;
-    // Records of renders in float and in double are not to be added up.
+    // Records of renders in float and in double must not be merged.
     if (real_is_double) hash.add(real_is_double);
     for (const SceneEntity* entity : {&camera, &film, &filter, &sampler, &integrator}) hash.add(*entity);
     hash.add(camera_to_world);

@@ -1,4 +1,4 @@
-// A scene's content as one number: the same scene gives the same number wherever its files lie, another one another.
+// A hash of a scene's content: equal scenes have the same number wherever their files are; different scenes differ.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,9 @@
 
 namespace raylex::transport {
 
-/// Of everything that can change an image: entities with their parameters, geometry, labels, groups, and the bytes of
-/// the files that parameters name. What ColorContext::file_color does cannot be looked into and is the caller's to add.
+/// The hash of everything that can change an image: entities with their parameters, geometry, labels, groups, and the
+/// bytes of the files that parameters name. The effect of ColorContext::file_color cannot be inspected, so the caller
+/// adds it.
 [[nodiscard]] std::uint64_t scene_hash(const SceneDescription& scene);
 
 }  // namespace raylex::transport

@@ -36,7 +36,7 @@ std::vector<std::string> material_names(const SceneDescription& scene) {
     return names;
 }
 
-/// Gives every distinct string a number, in order of appearance.
+/// Assigns a number to every distinct string, in order of appearance.
 class Numbering {
   public:
     explicit Numbering(geoaovs::MatteNames& names) : names_(names) {}

@@ -1,12 +1,11 @@
-// What the surfaces of a scene are called in cryptomattes. Surfaces count as EmbreeScene::surface_number() counts them.
+// The names of a scene's surfaces in cryptomattes. Surfaces are numbered as in EmbreeScene::surface_number().
 //
-// object    the label that a rule gave (a label other than the material's name); else the file of a mesh, as label
-// rules
-//           know it; else the kind of shape and its number among its like, in file order: "sphere:0", and
-//           "leaf/sphere:0" for a shape that the object "leaf" defines. The label of an instance stands for all it
-//           places.
-// material  the named material; else its type and its number among the nameless of that type: "diffuse:2"
-// asset     the instance, as label rules know it, "leaf:17"; a shape outside instances: its object name
+// object    the label that a rule set (a label other than the material's name); else the file of a mesh, as in label
+//           rules; else the kind of shape and its index among shapes of this kind, in file order: "sphere:0", or
+//           "leaf/sphere:0" for a shape that the object "leaf" defines. The label of an instance applies to all shapes
+//           that it places.
+// material  the named material; else its type and its index among nameless materials of that type: "diffuse:2"
+// asset     the instance as in label rules, "leaf:17"; for a shape outside instances: its object name
 #pragma once
 
 #include <string>
@@ -17,7 +16,7 @@
 
 namespace raylex::transport {
 
-/// As pbrt's files call it: "trianglemesh", whatever it came from.
+/// pbrt's name for a kind of shape, such as "trianglemesh", whatever the shape came from.
 [[nodiscard]] const char* shape_type_name(ShapeKind kind);
 
 class SurfaceNames {
@@ -35,7 +34,7 @@ class SurfaceNames {
         std::size_t object;
         std::string name, label;
     };
-    std::vector<std::vector<Shape>> shapes_;  // [0] the top level, then every object's
+    std::vector<std::vector<Shape>> shapes_;  // [0] the top level, then the objects
     std::vector<Instance> instances_;
 };
 

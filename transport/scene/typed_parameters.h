@@ -1,4 +1,4 @@
-// Parameters written in code, by the types of pbrt's files: typed::real("fov", 40), typed::rgb("L", {1, 1, 1}).
+// Parameters in code, by the types of pbrt's files: typed::real("fov", 40), typed::rgb("L", {1, 1, 1}).
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace raylex::transport::typed {
 
-/// Numbers of any type: points and vectors one coordinate after the other, sampled spectra in pairs (nm, value).
+/// A parameter of numbers: points and vectors coordinate by coordinate, sampled spectra in pairs (nm, value).
 [[nodiscard]] inline Parameter numbers(std::string name, ParameterType type, std::vector<double> values) {
     Parameter parameter;
     parameter.name = std::move(name);
@@ -35,20 +35,20 @@ namespace raylex::transport::typed {
     parameter.strings = {std::move(value)};
     return parameter;
 }
-/// A list, as the "materials" of a mix.
+/// A list of names, such as the "materials" of a mix.
 [[nodiscard]] inline Parameter texts(std::string name, std::vector<std::string> values) {
     Parameter parameter = numbers(std::move(name), ParameterType::string, {});
     parameter.strings = std::move(values);
     return parameter;
 }
-/// In the scene's colour space, linear.
+/// A colour in the scene's colour space, linear.
 [[nodiscard]] inline Parameter rgb(std::string name, const std::array<double, 3>& value) {
     return numbers(std::move(name), ParameterType::rgb, {value.begin(), value.end()});
 }
 [[nodiscard]] inline Parameter blackbody(std::string name, double kelvin) {
     return numbers(std::move(name), ParameterType::blackbody, {kelvin});
 }
-/// A spectrum by its name ("metal-Cu-eta") or file.
+/// A spectrum by its name ("metal-Cu-eta") or by its file.
 [[nodiscard]] inline Parameter spectrum(std::string name, std::string value) {
     Parameter parameter = text(std::move(name), std::move(value));
     parameter.type = ParameterType::spectrum;
@@ -69,7 +69,7 @@ namespace raylex::transport::typed {
 [[nodiscard]] inline Parameter normal(std::string name, const std::array<double, 3>& value) {
     return numbers(std::move(name), ParameterType::normal, {value.begin(), value.end()});
 }
-/// What a texture of that name gives.
+/// The name of a texture that gives the parameter's value.
 [[nodiscard]] inline Parameter texture(std::string name, std::string texture_name) {
     Parameter parameter = text(std::move(name), std::move(texture_name));
     parameter.type = ParameterType::texture;

@@ -76,8 +76,8 @@ std::vector<std::uint8_t> materials_with_filtered_images(const SceneDescription&
     return found;
 }
 
-// What is left to look at is a list, the next last: chains of mixes and of textures may be longer than the stack is
-// deep.
+// The materials that remain are in a list, the next one last: chains of mixes and of textures may be longer than the
+// stack is deep.
 void UsedSurfaces::use_material(const NamedSurfaces& names, std::size_t index) {
     std::vector<std::size_t> left{index};
     while (!left.empty()) {
@@ -124,8 +124,8 @@ bool is_interface(const SceneDescription& scene, const SceneShape& shape) {
 
 std::vector<std::uint8_t> mixes_with_interface(const SceneDescription& scene) {
     std::vector<std::uint8_t> found(scene.materials.size(), 0);
-    std::map<std::string_view, bool> passed;  // by name, of the last so far
-    // As materials are built: named ones use those before them, others all.
+    std::map<std::string_view, bool> passed;  // by name, for the last material of that name so far
+    // In the order in which materials are built: named ones use those before them, others use all.
     for (const bool named : {true, false})
         for (std::size_t i = 0; i < found.size(); ++i) {
             const SceneEntity& material = scene.materials[i];

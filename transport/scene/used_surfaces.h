@@ -1,4 +1,4 @@
-// What the shapes of a scene use: materials by way of mixes, and textures by way of both.
+// The materials and textures that the shapes of a scene use, including those reached through mixes and other textures.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,11 @@
 
 namespace raylex::transport {
 
-/// A scene's materials and textures by name, of which it may have thousands; those of one name in the scene's order.
+/// A scene's materials and textures by name, of which there may be thousands; those of equal names in the scene's
+/// order.
 struct NamedSurfaces {
     explicit NamedSurfaces(const SceneDescription& scene);
-    /// The textures that parameters name.
+    /// Appends the textures that the parameters name.
     void append_textures(const ParameterSet& set, std::vector<std::size_t>& found) const;
     const SceneDescription& scene;
     std::multimap<std::string_view, std::size_t> materials, textures;  ///< indices
@@ -23,10 +24,10 @@ struct NamedSurfaces {
 class UsedSurfaces {
   public:
     explicit UsedSurfaces(const SceneDescription& scene);
-    /// Of one material alone.
+    /// The surfaces that one material uses.
     UsedSurfaces(const NamedSurfaces& names, std::size_t material);
 
-    /// The scene's own, then those of every object, placed or not: all are built.
+    /// The scene's own shapes, then those of every object, whether placed or not, since all are built.
     [[nodiscard]] const std::vector<const SceneShape*>& shapes() const { return shapes_; }
     [[nodiscard]] const std::vector<const SceneEntity*>& materials() const { return materials_; }
     [[nodiscard]] const std::vector<const SceneTexture*>& textures() const { return textures_; }
@@ -49,17 +50,17 @@ void for_each_shape(Scene& scene, const Use& use) {
         for (auto& shape : object.shapes) use(shape);
 }
 
-/// An image texture that is looked up over what a pixel sees of it, and not at a point.
+/// Whether an image texture is filtered over a pixel's footprint instead of being looked up at a point.
 [[nodiscard]] bool is_filtered_image(const SceneTexture& texture);
-/// Makes none of them one.
+/// Disables filtering of all image textures.
 void read_images_unfiltered(SceneDescription& scene);
-/// [material] whether it, or what it mixes, looks up such an image.
+/// [material] Whether the material, or one that it mixes, uses a filtered image.
 [[nodiscard]] std::vector<std::uint8_t> materials_with_filtered_images(const SceneDescription& scene);
 
-/// No surface at all: pbrt's "interface", or a material without a type.
+/// Whether the shape has no surface: pbrt's "interface", or a material without a type.
 [[nodiscard]] bool is_interface(const SceneDescription& scene, const SceneShape& shape);
 [[nodiscard]] bool is_interface(const SceneEntity& material);
-/// [material] whether it is a mix, of mixes perhaps, that has an interface among its parts.
+/// [material] Whether it is a mix, possibly of mixes, with an interface among its parts.
 [[nodiscard]] std::vector<std::uint8_t> mixes_with_interface(const SceneDescription& scene);
 
 }  // namespace raylex::transport

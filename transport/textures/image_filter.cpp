@@ -14,10 +14,10 @@ Real length_of(const Vec2& v) {
     return std::sqrt(v.x * v.x + v.y * v.y);
 }
 
-/// Texels of a smaller row that cover [first, last) of a larger one, with what each of them weighs.
+/// The texels of a row that cover [first, last) of a longer row, with their weights.
 struct Cover {
     int first, last;
-    double left, right;  // shares of the first and last texel; those between count whole
+    double left, right;  // weights of the first and last texel; those in between have weight 1
 
     Cover(int i, int small, int large) {
         const double begin = static_cast<double>(i) * large / small, end = static_cast<double>(i + 1) * large / small;
@@ -55,7 +55,7 @@ Image half_of(const Image& image) {
     return half;
 }
 
-/// exp(-2 r^2) - exp(-2) for r^2 from 0 to 1: 0 at the ellipse's edge, where it ends.
+/// exp(-2 r^2) - exp(-2) for r^2 from 0 to 1: 0 at the ellipse's edge.
 class GaussianTable {
   public:
     GaussianTable() {
@@ -71,8 +71,8 @@ class GaussianTable {
 };
 const GaussianTable gaussian;
 
-/// Texels to either side. Ellipses reach two texels by the anisotropy; only rows of images that are hardly higher than
-/// wide, or the other way round, would go beyond this, where one texel stands for all of a column.
+/// Most texels on either side. Ellipses reach two texels times the anisotropy. Only rows of very elongated images would
+/// exceed this bound, where one texel covers a whole column.
 constexpr Real most_reach = 64;
 
 template <class T>
@@ -112,7 +112,7 @@ T ImageFilter::look_up(const ImageSampler& sampler, const Vec2& st, TexelFootpri
     for (Vec2* axis : {&axes.first, &axes.second}) *axis = {axis->x * width, axis->y * height};
     if (kind == TextureFilter::ewa) return ellipse<T>(sampler, st, axes);
     const Real side = std::max(length_of(axes.first), length_of(axes.second));
-    if (!(side > 1)) return read<T>(sampler, st);  // what is no number too
+    if (!(side > 1)) return read<T>(sampler, st);  // also for NaN
     const Real level = side < infinity ? elementary::log2(side) : infinity;
     if (kind == TextureFilter::trilinear)
         return between_levels<T>(level, [&](std::size_t k) { return read<T>(at_level(sampler, k), st); });
@@ -120,15 +120,15 @@ T ImageFilter::look_up(const ImageSampler& sampler, const Vec2& st, TexelFootpri
     return read<T>(at_level(sampler, static_cast<std::size_t>(nearest)), st);
 }
 
-// The ellipse A x^2 + B x y + C y^2 = F through the ends of both axes, as far around as they are long, with a texel's
-// own extent added to A and C so that it never falls between texels.
+// The ellipse A x^2 + B x y + C y^2 = F through the ends of both axes. A texel's own extent is added to A and C, so
+// that the ellipse never falls between texels.
 template <class T>
 T ImageFilter::ellipse(const ImageSampler& sampler, const Vec2& st, TexelFootprint axes) const {
     Vec2 &a = axes.first, &b = axes.second;
     if (length_of(a) < length_of(b)) std::swap(a, b);
     const Real longer = length_of(a);
     Real shorter = length_of(b);
-    if (!(longer > 0)) return read<T>(sampler, st);  // what is no number too
+    if (!(longer > 0)) return read<T>(sampler, st);  // also for NaN
     if (!(longer < infinity)) return read<T>(at_level(sampler, pyramid->levels.size()), st);
     if (!(shorter * most_anisotropic >= longer)) {
         const Real wanted = longer / most_anisotropic;

@@ -28,7 +28,7 @@ Result<std::array<double, 3>> mean_of_image(const SceneTexture& source, const Co
     }
     const ImageSampler sampler{&*image, WrapMode::clamp, first_channel, alpha_varies(*image)};
     const Real width = static_cast<Real>(image->width), height = static_cast<Real>(image->height);
-    const auto value_of = [&](Real texel) {  // as look-ups have it: float textures may be negative
+    const auto value_of = [&](Real texel) {  // as in look-ups: float textures may be negative
         const Real value = invert ? 1 - texel : texel;
         return source.spectrum || invert ? std::max(Real(0), value) : value;
     };
@@ -42,7 +42,7 @@ Result<std::array<double, 3>> mean_of_image(const SceneTexture& source, const Co
     const double texels = static_cast<double>(image->width) * static_cast<double>(image->height);
     for (double& each : sum) each /= texels;
     if (!source.spectrum || by_file_rules || image->space == color.scene_space) return sum;
-    const double most = std::max({1.0, sum[0], sum[1], sum[2]});  // an albedo stays one
+    const double most = std::max({1.0, sum[0], sum[1], sum[2]});  // keeps an albedo at most 1
     sum = multiply(rgb_from_rgb(color.scene_space, image->space, true), sum);
     for (double& each : sum) each = std::clamp(each, 0.0, most);
     return sum;

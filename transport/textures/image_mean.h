@@ -1,4 +1,4 @@
-// The mean of an image texture: what stands for it where image textures are left out.
+// The mean of an image texture, which replaces it if image textures are left out.
 #pragma once
 
 #include <array>
@@ -8,9 +8,9 @@
 
 namespace raylex::transport {
 
-/// Over all texels, of what the imagemap `source` gives there: its scale, inversion and the reading of its file
-/// included, in the scene's colour space. A float texture's stands in all three. Errors: the file cannot be read; a
-/// parameter is of the wrong type.
+/// The mean over all texels of the imagemap `source`, after its scale, inversion and file encoding, in the scene's
+/// colour space. All three components are equal for a float texture. Errors: the file cannot be read; a parameter has
+/// the wrong type.
 Result<std::array<double, 3>> mean_of_image(const SceneTexture& source, const ColorContext& color);
 
 }  // namespace raylex::transport

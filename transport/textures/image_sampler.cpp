@@ -13,14 +13,14 @@ int wrap_around(int i, int n) {
     return r < 0 ? r + n : r;
 }
 
-/// Over an edge of an octahedral map lies the mirrored half of the same edge.
+/// Across an edge of an octahedral map lies the mirrored half of the same edge.
 void fold_octahedral(int& along, int& across, int n_along, int n_across) {
     if (along >= 0 && along < n_along) return;
     along = along < 0 ? -1 - along : 2 * n_along - 1 - along;
     across = n_across - 1 - across;
 }
 
-/// Into the image; false where there is nothing (black).
+/// Wraps a texel into the image; returns false outside of it (black).
 bool place(const Image& image, WrapMode wrap, int& x, int& y) {
     switch (wrap) {
         case WrapMode::repeat:
@@ -30,7 +30,7 @@ bool place(const Image& image, WrapMode wrap, int& x, int& y) {
         case WrapMode::octahedral_sphere:
             fold_octahedral(x, y, image.width, image.height);
             fold_octahedral(y, x, image.height, image.width);
-            [[fallthrough]];  // farther than one image away
+            [[fallthrough]];  // more than one image away
         case WrapMode::clamp:
             x = std::clamp(x, 0, image.width - 1);
             y = std::clamp(y, 0, image.height - 1);
@@ -41,8 +41,8 @@ bool place(const Image& image, WrapMode wrap, int& x, int& y) {
     return x >= 0 && y >= 0 && x < image.width && y < image.height;
 }
 
-/// Texture to pixel coordinates, kept where integers are safe: a period apart is the same place for `repeat`, and all
-/// places farther than an image away are alike for the other modes.
+/// Converts texture to pixel coordinates, in a range that is safe for integers: for `repeat`, points a period apart are
+/// equal, and for the other modes all points more than an image away are equal.
 Real to_pixels(Real s, int n, WrapMode wrap) {
     if (!std::isfinite(s)) s = 0;
     s = wrap == WrapMode::repeat ? s - std::floor(s) : std::clamp(s, Real(-1), Real(2));
@@ -71,7 +71,7 @@ void for_texels(const ImageSampler& sampler, const Vec2& st, const Use& use) {
 
 namespace {
 
-/// Of a texel that is in the image.
+/// The colour of a texel inside the image.
 Rgb rgb_at(const Image& image, int x, int y) {
     const Real r = image.at(x, y, 0);
     return image.channels >= 3 ? Rgb(r, image.at(x, y, 1), image.at(x, y, 2)) : Rgb(r);

@@ -6,7 +6,7 @@
 
 namespace raylex::transport {
 
-/// The parameter's own place when it is known, else the set's.
+/// The position of the parameter if it is known, else that of the set.
 const SourceLocation& ParameterReader::place_of(std::string_view name) const {
     const Parameter* parameter = set_.find(name);
     return parameter != nullptr ? where(*parameter) : set_.location;

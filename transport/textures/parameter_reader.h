@@ -1,4 +1,4 @@
-// Reads a parameter set in one breath: the first error is kept, later reads give fallbacks, and the caller asks once.
+// Reads a parameter set: it keeps the first error, later reads return fallbacks, and the caller checks once at the end.
 #pragma once
 
 #include <optional>
@@ -21,7 +21,7 @@ class ParameterReader {
     void fail(Error error) {
         if (!error_) error_ = std::move(error);
     }
-    /// Takes the value out of `result`, or keeps its error and gives `fallback`.
+    /// Returns the value of `result`, or keeps its error and returns `fallback`.
     template <class T>
     T take(Result<T> result, T fallback) {
         if (result) return *std::move(result);
@@ -33,17 +33,17 @@ class ParameterReader {
         return static_cast<Real>(
             take(set_.real_or(name, static_cast<double>(fallback)), static_cast<double>(fallback)));
     }
-    /// Between `least` and `most`, or an Error that names the range.
+    /// A number between `least` and `most`, or an Error that names the range.
     Real real(std::string_view name, Real fallback, Real least, Real most);
     int integer(std::string_view name, int fallback, int least, int most);
     bool boolean(std::string_view name, bool fallback) { return take(set_.boolean_or(name, fallback), fallback); }
     std::string string(std::string_view name, std::string_view fallback) {
         return take(set_.string_or(name, fallback), std::string(fallback));
     }
-    /// A string out of `known`; the position of what was found.
+    /// The index in `known` of a string parameter.
     std::size_t choice(std::string_view name, const std::vector<std::string>& known, std::size_t fallback);
 
-    /// Where `parameter` stands, or the whole set when that is not known.
+    /// The position of `parameter`, or of the whole set if it is unknown.
     [[nodiscard]] const SourceLocation& where(const Parameter& parameter) const {
         return parameter.location.line != 0 ? parameter.location : set_.location;
     }

@@ -1,9 +1,9 @@
-// Patterns: textures that compute what they return from their parameters, other textures and the point, one call per
-// look-up. In-tree textures are nodes of the texture table, which the compiler sees through; what is not in the tree
-// comes in here, under a type name of its own ("Texture "x" "spectrum" "NAME" ...").
+// Patterns: textures that compute their value from their parameters, other textures and the point, one call per
+// look-up. Built-in textures are nodes of the texture table, which the compiler can inline; other textures are
+// patterns, each with a type name of its own ("Texture "x" "spectrum" "NAME" ...").
 //
-// A pattern may write to display channels while the integrator runs (PatternPoint::services), at every vertex of a
-// camera path. In light samples, on light paths and in cutouts there are no services.
+// A pattern may write to display channels during rendering (PatternPoint::services), at every vertex of a camera path.
+// In light samples, on light paths and in cutouts there are no services.
 #pragma once
 
 #include <functional>
@@ -19,7 +19,7 @@
 
 namespace raylex::transport {
 
-/// How a pattern evaluates its inputs.
+/// The interface with which a pattern evaluates its inputs.
 class TextureLookup {
   public:
     virtual ~TextureLookup() = default;
@@ -27,17 +27,17 @@ class TextureLookup {
     [[nodiscard]] virtual Real real(TextureId id, const TexturePoint& at) const = 0;
 };
 
-/// Where a pattern is evaluated, and with what.
+/// The point at which a pattern is evaluated, with its inputs and services.
 class PatternPoint {
   public:
     PatternPoint(const TextureLookup& textures, const TexturePoint& where) : at(where), textures_(textures) {}
 
     const TexturePoint& at;
 
-    /// An input, as PatternReader made it, at this point.
+    /// The value at this point of an input that PatternReader made.
     [[nodiscard]] Rgb rgb(TextureId input) const { return textures_.rgb(input, at); }
     [[nodiscard]] Real real(TextureId input) const { return textures_.real(input, at); }
-    /// What can be written to here, for which row, and how deep in its path the point is.
+    /// The display services, the row to write to, and the depth of the point in its path.
     [[nodiscard]] const VertexServices& services() const { return at.services; }
 
   private:
@@ -50,14 +50,15 @@ class Pattern {
     virtual ~Pattern() = default;
     [[nodiscard]] virtual Rgb rgb(const PatternPoint& point) const = 0;
     [[nodiscard]] virtual Real real(const PatternPoint& point) const = 0;
-    /// Whether it wants look_ahead(): a pattern for which a batch costs little more than a point (an interpreted one).
+    /// Whether look_ahead() should be called: for patterns where a batch costs little more than a point (interpreted
+    /// ones).
     [[nodiscard]] virtual bool looks_ahead() const { return false; }
-    /// Points at which this thread is about to shade a batch of hits: most look-ups until the next call are at some of
-    /// them, none need be.
+    /// Receives the points at which this thread is about to shade a batch of hits. Most look-ups until the next call
+    /// are at some of them, but this is not guaranteed.
     virtual void look_ahead(std::span<const TexturePoint> /*points*/) const {}
 };
 
-/// A ParameterReader for patterns: numbers, colours and textures become inputs. Every factory asks for error() in the
+/// A ParameterReader for patterns: numbers, colours and textures become inputs. Every factory checks error() at the
 /// end.
 class PatternReader : public ParameterReader {
   public:
@@ -66,7 +67,7 @@ class PatternReader : public ParameterReader {
         : ParameterReader(of.parameters), texture(of), color(colors), resolve_(std::move(resolve)) {}
 
     const SceneTexture& texture;  ///< its to_world leads to the space of TexturePoint::position
-    const ColorContext& color;    ///< what the scene's colours mean
+    const ColorContext& color;    ///< the meaning of the scene's colours
 
     TextureId rgb_input(std::string_view name, const Rgb& fallback) {
         return take(resolve_(name, fallback, true), TextureId{0});
@@ -74,7 +75,7 @@ class PatternReader : public ParameterReader {
     TextureId real_input(std::string_view name, Real fallback) {
         return take(resolve_(name, Rgb(fallback), false), TextureId{0});
     }
-    /// A colour in a spectrum texture, a number in a float one.
+    /// Reads an input: a colour in a spectrum texture, a number in a float texture.
     TextureId input(std::string_view name, Real fallback) {
         return texture.spectrum ? rgb_input(name, Rgb(fallback)) : real_input(name, fallback);
     }
@@ -85,7 +86,7 @@ class PatternReader : public ParameterReader {
 
 using PatternFactory = std::function<Result<std::unique_ptr<Pattern>>(PatternReader&)>;
 
-/// Every texture type by name. In-tree ones that the texture table compiles itself have no factory here.
+/// All texture types by name. Those that the texture table compiles itself have no factory here.
 Registry<PatternFactory>& pattern_registry();
 
 }  // namespace raylex::transport

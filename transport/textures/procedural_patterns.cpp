@@ -14,7 +14,7 @@
 namespace raylex::transport {
 namespace {
 
-/// One formula for colours and numbers.
+/// A pattern with the same formula for colours and numbers.
 template <class Formula>
 class FormulaPattern : public Pattern {
   public:
@@ -35,7 +35,7 @@ std::unique_ptr<Pattern> pattern_of(Formula formula) {
     return std::make_unique<FormulaPattern<Formula>>(std::move(formula));
 }
 
-/// tex1 as much as the surface faces along `dir`, either way, and tex2 for the rest.
+/// Blends tex1 and tex2. The weight of tex1 is |cos| between the normal and `dir`, and tex2 has the rest.
 Result<std::unique_ptr<Pattern>> make_directionmix(PatternReader& reader) {
     const TextureId one = reader.input("tex1", 0), other = reader.input("tex2", 1);
     const Vec3 written = read_vector(reader, "dir", {0, 1, 0});
@@ -52,7 +52,7 @@ Result<std::unique_ptr<Pattern>> make_directionmix(PatternReader& reader) {
     });
 }
 
-/// Half of the unit cells around whole numbers have a dot of radius 0.35, moved about inside of its cell.
+/// Whether a point is in a dot. Half of the unit cells around integers contain a dot of radius 0.35, at a random place.
 bool in_dot(const Vec2& st) {
     const Real radius = Real(0.35), shift = Real(0.5) - radius, third = Real(0.5);
     const Real s = std::floor(st.x + Real(0.5)), t = std::floor(st.y + Real(0.5));
@@ -63,7 +63,8 @@ bool in_dot(const Vec2& st) {
 }
 
 Result<std::unique_ptr<Pattern>> make_dots(PatternReader& reader) {
-    // As pbrt-v4 renders it (FloatDotsTexture::Create), not as its documentation has it: "inside" lies around the dots.
+    // pbrt-v4's renderer (FloatDotsTexture::Create) differs from its documentation: "inside" is the value around the
+    // dots.
     const TextureId around = reader.input("inside", 1), dots = reader.input("outside", 0);
     const TextureMapping mapping = read_mapping(reader, reader.texture.to_world);
     return pattern_of([=](const PatternPoint& point, const auto& value) {
@@ -71,7 +72,7 @@ Result<std::unique_ptr<Pattern>> make_dots(PatternReader& reader) {
     });
 }
 
-/// Blends four corners of the unit square of texture coordinates, and goes on as steeply beyond it.
+/// Blends four corners of the unit square of texture coordinates, and extrapolates linearly beyond it.
 Result<std::unique_ptr<Pattern>> make_bilerp(PatternReader& reader) {
     const TextureId v00 = reader.input("v00", 0), v01 = reader.input("v01", 1), v10 = reader.input("v10", 0),
                     v11 = reader.input("v11", 1);
@@ -84,7 +85,7 @@ Result<std::unique_ptr<Pattern>> make_bilerp(PatternReader& reader) {
 }
 
 Octaves read_octaves(PatternReader& reader) {
-    // 64 octaves reach 10^19 times as fine: more than a float tells apart.
+    // 64 octaves reach 10^19 times the frequency, beyond the resolution of float.
     return {reader.integer("octaves", 8, 0, 64), reader.real("roughness", Real(0.5))};
 }
 
@@ -113,7 +114,7 @@ Result<std::unique_ptr<Pattern>> make_wrinkled(PatternReader& reader) {
     return make_solid_number(reader, [octaves](const Vec3& p) { return absolute_noise_sum(p, octaves); });
 }
 
-/// Waves, as high as the wind blows there.
+/// Waves, with the local strength of the wind as height.
 Result<std::unique_ptr<Pattern>> make_windy(PatternReader& reader) {
     return make_solid_number(reader, [](const Vec3& p) {
         return std::abs(noise_sum(p * Real(0.1), {3, Real(0.5)})) * noise_sum(p, {6, Real(0.5)});
@@ -169,9 +170,9 @@ Result<std::unique_ptr<Pattern>> make_marble(PatternReader& reader) {
 void register_procedural_patterns(Registry<PatternFactory>& registry) {
     using enum ParameterType;
     registry.add({"directionmix",
-                  "two textures blended by how much the surface faces along a direction",
-                  {{"tex1", texture, "0", "where the normal lies along `dir`, either way"},
-                   {"tex2", texture, "1", "where it lies across"},
+                  "two textures, blended by the angle between the surface normal and a direction",
+                  {{"tex1", texture, "0", "value where the normal is parallel to `dir`"},
+                   {"tex2", texture, "1", "value where the normal is perpendicular to `dir`"},
                    {"dir", vector3, "0 1 0", "in the texture's space"}},
                   make_directionmix});
     registry.add({"bilerp", "a blend of four values at the corners of the unit square of texture coordinates",
@@ -180,19 +181,19 @@ void register_procedural_patterns(Registry<PatternFactory>& registry) {
                                 {"v10", texture, "0", "at (1, 0)"},
                                 {"v11", texture, "1", "at (1, 1)"}}),
                   make_bilerp});
-    registry.add(
-        {"dots", "dots of radius 0.35 in half of the cells of a grid, at random",
-         with_mapping({{"inside", texture, "1", "around the dots, whatever its name says: as pbrt-v4 renders it"},
-                       {"outside", texture, "0", "of the dots"}}),
-         make_dots});
-    const std::vector<ParameterDescription> octaves{{"octaves", integer, "8", "each 1.99 times as fine"},
-                                                    {"roughness", real, "0.5", "how high an octave is, of the last"}};
+    registry.add({"dots", "dots of radius 0.35 in half of the cells of a grid, at random",
+                  with_mapping({{"inside", texture, "1", "value around the dots (not inside them), as in pbrt-v4"},
+                                {"outside", texture, "0", "value of the dots"}}),
+                  make_dots});
+    const std::vector<ParameterDescription> octaves{
+        {"octaves", integer, "8", "number of octaves, each with 1.99 times the frequency"},
+        {"roughness", real, "0.5", "height of an octave relative to the previous one"}};
     registry.add({"fbm", "a sum of octaves of noise (float textures)", octaves, make_fbm});
     registry.add({"wrinkled", "a sum of absolute values of noise (float textures)", octaves, make_wrinkled});
     registry.add({"windy", "waves of an uneven wind (float textures)", {}, make_windy});
     std::vector<ParameterDescription> marble = octaves;
-    marble.push_back({"scale", real, "1", "of the texture's space"});
-    marble.push_back({"variation", real, "0.2", "how much noise bends the veins"});
+    marble.push_back({"scale", real, "1", "scale of the texture's space"});
+    marble.push_back({"variation", real, "0.2", "strength of the noise that bends the veins"});
     registry.add({"marble", "veins of marble (spectrum textures)", marble, make_marble});
 }
 

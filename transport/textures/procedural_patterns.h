@@ -1,8 +1,8 @@
 // pbrt-v4's procedural textures: directionmix, dots, fbm, marble, windy and wrinkled.
 //
-// Looked up at a point. pbrt-v4 leaves out octaves of noise that are finer than a pixel; here all of them count and
-// camera samples do the filtering, so that means agree but for `wrinkled`, whose left-out octaves pbrt takes for 0.2
-// each.
+// They are evaluated at a point. pbrt-v4 omits octaves of noise that are finer than a pixel; here all octaves are used
+// and camera samples do the filtering. So means agree except for `wrinkled`, where pbrt replaces each omitted octave by
+// 0.2.
 #pragma once
 
 #include "transport/textures/pattern.h"

@@ -33,7 +33,7 @@ Result<std::unique_ptr<Pattern>> make_tee(PatternReader& reader) {
     return std::unique_ptr<Pattern>(std::make_unique<Tee>(input, reader.string("channel", "")));
 }
 
-/// Whether textures of this type name a channel as tees do: by a string parameter called "channel".
+/// Whether textures of this type name a channel as tees do: with a string parameter called "channel".
 bool names_channel(const std::string& type) {
     const auto* entry = pattern_registry().find(type);
     return entry != nullptr &&
@@ -42,7 +42,7 @@ bool names_channel(const std::string& type) {
            });
 }
 
-/// The name of the channel, by the texture's parameter; empty where a pattern that is no tee leaves it out.
+/// The name of the channel from the texture's parameter; empty if a pattern other than a tee omits it.
 Result<std::string> channel_of(const SceneTexture& texture) {
     const Parameter* parameter = texture.parameters.find("channel");
     if (parameter == nullptr && texture.type != "tee") return std::string();
@@ -58,9 +58,9 @@ Result<std::string> channel_of(const SceneTexture& texture) {
 
 Registry<PatternFactory>::Entry tee_entry() {
     return {"tee",
-            "its input, written to a display channel on the way",
+            "passes its input through and writes it to a display channel",
             {{"input", ParameterType::texture, "1", "a colour, a number or a texture"},
-             {"channel", ParameterType::string, "", "name of the channel, by which --aov asks for it"}},
+             {"channel", ParameterType::string, "", "name of the channel, for --aov"}},
             make_tee};
 }
 

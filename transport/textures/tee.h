@@ -1,6 +1,6 @@
 // The tee pattern: passes its input through and writes it to a display channel of its own, where the camera sees the
-// surface directly (pattern.h). The channel exists for every render of the scene, which asks for it by name as for an
-// AOV; where nobody asks, nothing is written.
+// surface directly (pattern.h). Every render of the scene can request the channel by name like an AOV; if it is not
+// requested, nothing is written.
 #pragma once
 
 #include <vector>
@@ -14,9 +14,9 @@ namespace raylex::transport {
 
 Registry<PatternFactory>::Entry tee_entry();
 
-/// The channels that a scene's textures name: tees, and those of every pattern that takes a string parameter "channel".
-/// Each once, in file order: rgb for spectrum textures, else one number; filtered; 0 where nothing is written. Errors
-/// at the texture: no name, a name that is raylex's own, one channel of two types.
+/// The channels that a scene's textures name: those of tees, and of every pattern with a string parameter "channel".
+/// Each is listed once, in file order: rgb for spectrum textures, else one number; filtered; 0 where nothing is
+/// written. Errors at the texture: no name, a name of raylex's own channels, one channel with two types.
 Result<std::vector<display::ChannelDefinition>> texture_channels(const SceneDescription& scene);
 
 }  // namespace raylex::transport

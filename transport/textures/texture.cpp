@@ -22,7 +22,7 @@ LookupCost TextureTable::Storage::cost_of(const TextureNode& node) const {
             ((cost += at(node.a)) += at(node.b)) += at(node.amount);
             break;
         case TextureNode::Kind::checkerboard:
-        case TextureNode::Kind::solid_checkerboard:  // one of the two
+        case TextureNode::Kind::solid_checkerboard:  // one of the two inputs
             cost.work += std::max(at(node.a).work, at(node.b).work);
             cost.depth += std::max(at(node.a).depth, at(node.b).depth);
             break;
@@ -66,8 +66,8 @@ Result<TextureNode> TextureTable::Storage::compile_pattern(const SceneTexture& s
     return node;
 }
 
-/// pbrt-v4 multiplies a constant into the image texture that it scales, so that it acts before the image is inverted
-/// and limited (SpectrumScaledTexture::Create); of float textures either may be the constant.
+/// pbrt-v4 multiplies a constant scale into the image texture, so that it acts before the image is inverted and clamped
+/// (SpectrumScaledTexture::Create). For float textures, either input may be the constant.
 TextureNode TextureTable::Storage::scaled_image(const TextureNode& scaled, bool spectrum) {
     const auto by = [&](TextureId image, TextureId factor) -> std::optional<TextureNode> {
         if (node(factor).kind != TextureNode::Kind::constant) return {};
@@ -231,10 +231,10 @@ Result<TextureTable> TextureTable::build(const SceneDescription& scene, const Re
     s.scene_file = scene.file;
     for (std::size_t i = 0; i < s.sources.size(); ++i) s.sources_by_name[s.sources[i].name].push_back(i);
     s.read_ahead(scene, threads, progress);
-    // Compiled once here whether used or not, so that a mistake in any texture is reported.
+    // Compiles every texture once, whether it is used or not, so that errors in any texture are reported.
     for (std::size_t i = 0; i < s.sources.size(); ++i)
         if (Result<TextureId> id = s.compile(i, SpectrumRole::albedo); !id) return std::move(id).error();
-    // A look-up marks parameters as used in the copies: carry that back to the scene's own.
+    // Look-ups mark parameters as used in the copies: copy the marks to the scene's own parameters.
     for (std::size_t i = 0; i < s.sources.size(); ++i)
         for (std::size_t p = 0; p < s.sources[i].parameters.parameters.size(); ++p)
             if (s.sources[i].parameters.parameters[p].used) scene.textures[i].parameters.parameters[p].used = true;

@@ -1,12 +1,12 @@
-// Textures: constant, scale, mix, checkerboard, imagemap, and patterns (pattern.h); float and colour alike, evaluated
+// Textures: constant, scale, mix, checkerboard, imagemap, and patterns (pattern.h), for floats and colours, evaluated
 // by index.
 //
-// Patterns, mappings (uv, spherical, cylindrical, planar) and parameters are pbrt-v4's. Images are filtered over what a
-// pixel sees of the surface (image_filter.h); patterns are looked up at a point, without pbrt-v4's filtered
-// checkerboard. The top of an image is at v = 1.
+// Patterns, mappings (uv, spherical, cylindrical, planar) and parameters are pbrt-v4's. Images are filtered over the
+// footprint of a pixel (image_filter.h); patterns are evaluated at a point, without pbrt-v4's filtered checkerboard.
+// The top of an image is at v = 1.
 //
-// A colour texture is compiled once for every role it is used in (SpectrumRole): the role decides whether its values
-// are clamped to [0, 1] and taken to the rendering space.
+// A colour texture is compiled once for each role in which it is used (SpectrumRole): the role decides whether its
+// values are clamped to [0, 1] and converted to the rendering space.
 #pragma once
 
 #include <functional>
@@ -28,18 +28,19 @@ namespace raylex::transport {
 /// Index of a texture; constants are textures too.
 using TextureId = std::int32_t;
 
-/// Where a texture is looked up.
+/// A point at which a texture is evaluated.
 struct TexturePoint {
     Real u = 0, v = 0;
-    Vec3 position;                                ///< render space, where the texture's own to_world leads too
-    Vec3 normal;                                  ///< unit, geometric, either side; zero where it is not known
-    const SurfaceFootprint* footprint = nullptr;  ///< what images are filtered over; null: nothing
-    VertexServices services;                      ///< none in cutouts, which shadow rays meet too
+    Vec3 position;                                ///< in render space, the target of the texture's to_world
+    Vec3 normal;                                  ///< unit, geometric, of either side; zero if unknown
+    const SurfaceFootprint* footprint = nullptr;  ///< the footprint for filtering images; null: no filtering
+    VertexServices services;                      ///< none in cutouts, which shadow rays evaluate too
 };
 
 class TextureTable {
   public:
-    /// `space`: where TexturePoint::position stands. `threads` (0: all) read images; `progress`, if any, is told.
+    /// `space`: the space of TexturePoint::position. `threads` (0: all) read images; `progress`, unless null, is
+    /// updated.
     static Result<TextureTable> build(const SceneDescription& scene, const RenderSpace& space = {}, int threads = 0,
                                       LoadingProgress* progress = nullptr);
 
@@ -48,28 +49,29 @@ class TextureTable {
     TextureTable(TextureTable&&) noexcept;
     TextureTable& operator=(TextureTable&&) noexcept;
 
-    /// What was wrong with images that were read and could be mended.
+    /// Warnings about images that had to be repaired.
     [[nodiscard]] const std::vector<Error>& warnings() const;
-    /// What is said with them, of a texture's use.
+    /// Adds a warning about a texture's use.
     void warn(Error warning);
 
     [[nodiscard]] TextureId add_constant(const Rgb& value);
-    /// first (1 - amount) + second amount. An Error without a place where that looks up too many textures.
+    /// Adds the texture first (1 - amount) + second amount. Returns an Error without a position if that needs too many
+    /// look-ups.
     [[nodiscard]] Result<TextureId> add_mix(TextureId first, TextureId second, TextureId amount);
-    /// The texture behind a "texture"-typed parameter, or a constant from its value, or from `fallback` when absent.
+    /// The texture that a parameter names, or a constant from its value, or from `fallback` if it is absent.
     Result<TextureId> rgb_parameter(const ParameterSet& set, std::string_view name, const Rgb& fallback,
                                     SpectrumRole role, const ColorContext& color);
     Result<TextureId> real_parameter(const ParameterSet& set, std::string_view name, Real fallback);
-    /// The first three channels of an image file as they are stored (tangent-space normals): bilinear, repeated.
+    /// The first three channels of an image file as stored (tangent-space normals): bilinear, repeated.
     Result<TextureId> normal_map(const std::string& file, const SourceLocation& where);
-    /// By the float texture's own name (SceneShape::alpha_texture).
+    /// The float texture of this name (SceneShape::alpha_texture).
     Result<TextureId> named_real(std::string_view name, const SourceLocation& where) const;
 
-    /// The same value everywhere: read it once.
+    /// Whether the texture is constant and can be evaluated once.
     [[nodiscard]] bool is_constant(TextureId id) const;
     [[nodiscard]] Rgb rgb(TextureId id, const TexturePoint& at) const;
     [[nodiscard]] Real real(TextureId id, const TexturePoint& at) const;
-    /// Whether any pattern wants look_ahead() (pattern.h).
+    /// Whether any pattern uses look_ahead() (pattern.h).
     [[nodiscard]] bool looks_ahead() const;
     void look_ahead(std::span<const TexturePoint> points) const;
 

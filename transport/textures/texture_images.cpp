@@ -1,4 +1,4 @@
-// Image textures: their files, read once however many textures and roles use them, and what becomes of their values.
+// Image textures: their files, each read once for all textures and roles, and the processing of their values.
 #include <filesystem>
 
 #include "transport/color/color_space.h"
@@ -10,7 +10,7 @@ namespace raylex::transport {
 
 namespace {
 
-constexpr const char* by_rules = "by file rules";  // in place of an encoding
+constexpr const char* by_rules = "by file rules";  // instead of an encoding
 
 ReadImage read(const std::pair<std::string, std::string>& key) {
     ReadImage result;
@@ -21,7 +21,7 @@ ReadImage read(const std::pair<std::string, std::string>& key) {
     return result;
 }
 
-/// The one value of a parameter that is a string, or nothing.
+/// The value of a parameter with a single string, or an empty string.
 std::string string_of(const ParameterSet& set, std::string_view name) {
     const Parameter* parameter = set.find(name);
     return parameter != nullptr && parameter->strings.size() == 1 ? parameter->strings.front() : std::string();
@@ -29,7 +29,7 @@ std::string string_of(const ParameterSet& set, std::string_view name) {
 
 }  // namespace
 
-/// Files are relative to the scene file, as in pbrt-v4; else to the file that names them.
+/// Files are relative to the scene file, as in pbrt-v4; if not found, to the file that names them.
 TextureTable::Storage::ImageKey TextureTable::Storage::image_key(const std::string& name, const std::string& encoding,
                                                                  bool by_file_rules,
                                                                  const SourceLocation& where) const {
@@ -44,14 +44,14 @@ TextureTable::Storage::ImageKey TextureTable::Storage::image_key(const std::stri
     return {path.lexically_normal().string(), by_file_rules ? by_rules : encoding};
 }
 
-// Numbers (roughness, alpha, eta) are never colours, and an encoding in the scene is the artist's word.
+// Numbers (roughness, alpha, eta) are never colours, and an encoding in the scene takes precedence.
 bool TextureTable::Storage::by_file_rules(const SceneTexture& source, const std::string& encoding,
                                           SpectrumRole role) const {
     return color.file_color && source.spectrum && role != SpectrumRole::unbounded && encoding.empty();
 }
 
 void TextureTable::Storage::read_ahead(const SceneDescription& scene, int threads, LoadingProgress* progress) {
-    std::map<ImageKey, bool> wanted;  // and whether it is filtered
+    std::map<ImageKey, bool> wanted;  // the value: whether the image is filtered
     for (const SceneTexture& source : sources) {
         const std::string file = string_of(source.parameters, "filename"),
                           encoding = string_of(source.parameters, "encoding"),
@@ -88,7 +88,7 @@ Result<const Image*> TextureTable::Storage::load_image(const std::string& name, 
         return error_at(where, "image texture '" + name + "': " + inner.message, inner.hint);
     }
     if (image->width <= 0 || image->height <= 0 || image->channels <= 0)
-        return error_at(where, "image texture '" + name + "' holds no pixels");
+        return error_at(where, "image texture '" + name + "' contains no pixels");
     if (result.warning) warnings.push_back(error_at(where, "image texture '" + name + "': " + *result.warning));
     if (!image->warning.empty()) warnings.push_back(error_at(where, "image texture '" + name + "': " + image->warning));
     if (by_file_rules) {
@@ -104,7 +104,7 @@ Result<const Image*> TextureTable::Storage::load_image(const std::string& name, 
     return &images.back();
 }
 
-/// An unknown one is taken for EWA, as by pbrt-v4, with a warning.
+/// The filter of a texture; an unknown name means EWA, as in pbrt-v4, with a warning.
 TextureFilter TextureTable::Storage::filter_of(const SceneTexture& source, ParameterReader& reader) {
     const std::string name = reader.string("filter", "bilinear");
     constexpr std::pair<const char*, TextureFilter> known[] = {{"bilinear", TextureFilter::bilinear},
@@ -118,7 +118,7 @@ TextureFilter TextureTable::Storage::filter_of(const SceneTexture& source, Param
     if (reader.error()) return TextureFilter::ewa;
     warnings.push_back(
         error_at(reader.where(*source.parameters.find("filter")),
-                 "'filter' is '" + name + "'; expected bilinear, point, trilinear, EWA or unfiltered. EWA is taken",
+                 "'filter' is '" + name + "'; expected bilinear, point, trilinear, EWA or unfiltered. EWA is used",
                  near_miss(name, {"bilinear", "point", "trilinear", "EWA", "unfiltered"})));
     return TextureFilter::ewa;
 }

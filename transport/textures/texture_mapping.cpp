@@ -13,7 +13,7 @@ namespace raylex::transport {
 
 namespace {
 
-/// In the order of TextureMapping::Kind.
+/// The names in the order of TextureMapping::Kind.
 const std::vector<std::string>& mapping_names() {
     static const std::vector<std::string> names{"uv", "spherical", "cylindrical", "planar"};
     return names;
@@ -31,7 +31,7 @@ Vec2 TextureMapping::map(const TexturePoint& at) const {
     return {theta * inv_pi, (phi < 0 ? phi + 2 * pi : phi) * (0.5f * inv_pi)};
 }
 
-/// Derivatives of map() along a vector of the world.
+/// The derivatives of map() along a vector of the world.
 Vec2 TextureMapping::change(const TexturePoint& at, const Vec3& along, const Vec2& along_uv) const {
     if (kind == Kind::uv) return {scale_u * along_uv.x, scale_v * along_uv.y};
     const Vec3 d = texture_from_world.vector(along);
@@ -64,12 +64,12 @@ Vec3 read_vector(ParameterReader& reader, std::string_view name, const Vec3& fal
 std::vector<ParameterDescription> with_mapping(std::vector<ParameterDescription> parameters) {
     using enum ParameterType;
     parameters.insert(parameters.end(), {{"mapping", string, "uv", "uv, spherical, cylindrical or planar"},
-                                         {"uscale", real, "1", "times u, for uv"},
-                                         {"vscale", real, "1", "times v, for uv"},
+                                         {"uscale", real, "1", "factor on u, for uv"},
+                                         {"vscale", real, "1", "factor on v, for uv"},
                                          {"udelta", real, "0", "added to u, for uv and planar"},
                                          {"vdelta", real, "0", "added to v, for uv and planar"},
-                                         {"v1", vector3, "1 0 0", "u grows along it, for planar"},
-                                         {"v2", vector3, "0 1 0", "v grows along it, for planar"}});
+                                         {"v1", vector3, "1 0 0", "direction of u, for planar"},
+                                         {"v2", vector3, "0 1 0", "direction of v, for planar"}});
     return parameters;
 }
 
@@ -81,7 +81,7 @@ std::optional<Error> mend_mapping(ParameterSet& parameters) {
         if (std::find(known.begin(), known.end(), name) != known.end()) continue;
         Error warning = error_at(p.location.line != 0 ? p.location : parameters.location,
                                  "parameter 'mapping' is '" + name +
-                                     "'; expected uv, spherical, cylindrical or planar, and it is taken as uv, as in "
+                                     "'; expected uv, spherical, cylindrical or planar. It is read as uv, as in "
                                      "pbrt-v4",
                                  near_miss(name, known));
         name = known.front();

@@ -1,4 +1,4 @@
-// From a surface point to texture coordinates, as pbrt-v4 maps them (book, 4th edition, 10.2).
+// Maps a surface point to texture coordinates, as pbrt-v4 does (book, 4th edition, 10.2).
 #pragma once
 
 #include <optional>
@@ -24,21 +24,21 @@ struct TextureMapping {
     Transform texture_from_world;           ///< all but uv
 
     [[nodiscard]] Vec2 map(const TexturePoint& at) const;
-    /// Of the footprint at a point, which it has.
+    /// The footprint in (s, t) at a point with a footprint.
     [[nodiscard]] TexelFootprint footprint(const TexturePoint& at) const;
 
   private:
     [[nodiscard]] Vec2 change(const TexturePoint& at, const Vec3& along, const Vec2& along_uv) const;
 };
 
-/// One vector3, or `fallback` when absent; errors stay in `reader`.
+/// Reads one vector3, or returns `fallback` if it is absent; errors are stored in `reader`.
 Vec3 read_vector(ParameterReader& reader, std::string_view name, const Vec3& fallback);
-/// `parameters` and those that read_mapping() reads, for catalogues.
+/// Returns `parameters` and those that read_mapping() reads, for catalogues.
 std::vector<ParameterDescription> with_mapping(std::vector<ParameterDescription> parameters);
-/// Reads "mapping", "uscale", "vscale", "udelta", "vdelta", "v1", "v2"; errors stay in `reader`.
+/// Reads "mapping", "uscale", "vscale", "udelta", "vdelta", "v1", "v2"; errors are stored in `reader`.
 TextureMapping read_mapping(ParameterReader& reader, const Transform& world_from_texture);
-/// Makes a "mapping" of an unknown name uv, as pbrt-v4 takes it; the warning, where it did. Apart from read_mapping(),
-/// which is called for every role of a texture.
+/// Replaces an unknown "mapping" by uv, as pbrt-v4 does, and returns a warning if it did. Separate from read_mapping(),
+/// which runs for every role of a texture.
 std::optional<Error> mend_mapping(ParameterSet& parameters);
 
 }  // namespace raylex::transport

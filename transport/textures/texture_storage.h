@@ -1,4 +1,4 @@
-// What a texture table is made of: a graph of nodes, each compiled from one texture. Private to transport/materials.
+// The data of a texture table: a graph of nodes, each compiled from one texture. Private to transport/textures.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 
 namespace raylex::transport {
 
-/// What an image's values go through after interpolation.
+/// The processing of an image's values after interpolation.
 struct ImageStage {
     ImageSampler sampler;
     ImageFilter filter;
@@ -51,20 +51,20 @@ struct ImageStage {
     }
 };
 
-/// One compiled texture: a node of the graph, its children by index.
+/// A compiled texture: a node of the graph; its children are indices.
 struct TextureNode {
     enum class Kind : std::uint8_t { constant, scale, mix, checkerboard, solid_checkerboard, image, pattern };
     Kind kind = Kind::constant;
-    Rgb value;                 ///< constant (a float texture's in all three)
+    Rgb value;                 ///< constant (for a float texture: in all three components)
     TextureId a = 0, b = 0;    ///< scale: a; mix, checkerboards: a and b
     TextureId amount = 0;      ///< scale, mix: a float texture
     std::int32_t mapping = 0;  ///< checkerboard, image
-    std::int32_t stage = 0;    ///< image: its stage; pattern: which
+    std::int32_t stage = 0;    ///< image: its stage; pattern: its index
 };
 
-/// What one look-up costs at most, its inputs included: textures that use one twice each grow like powers of two.
+/// The maximum cost of one look-up including its inputs. Textures that use another one twice each grow exponentially.
 struct LookupCost {
-    double work = 1;  ///< textures looked up; a double does not overflow
+    double work = 1;  ///< number of textures; a double does not overflow
     std::uint64_t depth = 1;
 
     LookupCost& operator+=(const LookupCost& input) {
@@ -79,11 +79,11 @@ inline bool odd(Real x) {
     return half != std::floor(half);
 }
 
-/// An image as it was read, before anybody asked for it.
+/// An image that was read ahead of its first use.
 struct ReadImage {
     Result<Image> image = Image{};
     std::optional<std::string> warning;
-    std::optional<ImagePyramid> pyramid;  ///< of images that are filtered
+    std::optional<ImagePyramid> pyramid;  ///< for images that are filtered
 };
 
 struct TextureTable::Storage final : TextureLookup {
@@ -91,16 +91,16 @@ struct TextureTable::Storage final : TextureLookup {
     std::vector<LookupCost> costs;  // parallel to nodes
     std::vector<std::unique_ptr<Pattern>> patterns;
     std::vector<LookupCost> pattern_costs;  // parallel to patterns
-    bool looks_ahead = false;               // some pattern does
+    bool looks_ahead = false;               // some pattern uses look_ahead()
     std::vector<TextureMapping> mappings;
     std::vector<ImageStage> stages;
     using ImageKey = std::pair<std::string, std::string>;  // path, encoding
-    std::deque<Image> images;                              // addresses stay
+    std::deque<Image> images;                              // a deque keeps addresses valid
     std::map<ImageKey, const Image*> image_by_file;
-    std::map<ImageKey, ReadImage> images_ahead;     // taken out when they are asked for
-    std::map<const Image*, ImagePyramid> pyramids;  // of those that are filtered
+    std::map<ImageKey, ReadImage> images_ahead;     // removed at their first use
+    std::map<const Image*, ImagePyramid> pyramids;  // for images that are filtered
 
-    std::vector<SceneTexture> sources;                                             // to_world: to render space
+    std::vector<SceneTexture> sources;                                             // to_world leads to render space
     std::map<std::string, std::vector<std::size_t>, std::less<>> sources_by_name;  // ascending
     std::map<std::pair<std::size_t, SpectrumRole>, TextureId> compiled;
     ColorContext color;
@@ -123,9 +123,9 @@ struct TextureTable::Storage final : TextureLookup {
                                     const SourceLocation& where);
     [[nodiscard]] ImageKey image_key(const std::string& name, const std::string& encoding, bool by_file_rules,
                                      const SourceLocation& where) const;
-    /// Whether the colours of an image texture's file are read by rules (ColorContext::file_color).
+    /// Whether the colours of an image texture's file are converted by rules (ColorContext::file_color).
     [[nodiscard]] bool by_file_rules(const SceneTexture& source, const std::string& encoding, SpectrumRole role) const;
-    /// Reads what textures and normal maps name, in parallel.
+    /// Reads the files of textures and normal maps in parallel.
     void read_ahead(const SceneDescription& scene, int threads, LoadingProgress* progress);
 
     TextureId add(const TextureNode& node) {
@@ -139,7 +139,7 @@ struct TextureTable::Storage final : TextureLookup {
     [[nodiscard]] LookupCost cost_of(const TextureNode& node) const;
     [[nodiscard]] Status check_cost(const TextureNode& node, const SceneTexture& source) const;
 
-    /// T is Rgb or float. Graphs are trees of a few nodes without cycles: textures see only those before them.
+    /// T is Rgb or float. Graphs are trees of a few nodes without cycles: textures use only those before them.
     template <class T>
     [[nodiscard]] T evaluate(TextureId id, const TexturePoint& at) const {
         const TextureNode& n = node(id);
@@ -171,7 +171,7 @@ struct TextureTable::Storage final : TextureLookup {
                 TexelFootprint room;
                 const TexelFootprint* footprint = nullptr;
                 if (at.footprint != nullptr && stage.filter.pyramid != nullptr) {
-                    room = mapping.footprint(at);  // the image's rows go down
+                    room = mapping.footprint(at);  // the rows of the image run downwards
                     room = {{room.first.x, -room.first.y}, {room.second.x, -room.second.y}};
                     footprint = &room;
                 }

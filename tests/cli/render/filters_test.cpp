@@ -83,7 +83,7 @@ TEST_CASE("the sample filter 'none' works with every integrator", "[filters]") {
         CHECK(plane(folder, "with.exr", "beauty", "G") == plane(folder, "without.exr", "beauty", "G"));
     }
     check_render_refused(folder, "render room.pbrt --integrator lighttracer --sample-filter none --sample-filter clamp",
-                         {"takes no sample filters ('clamp')"});
+                         {"supports no sample filters ('clamp')"});
 }
 
 TEST_CASE("a filter that changes one layer of a partition removes the partition, with a warning", "[filters][law1]") {

@@ -123,7 +123,7 @@ TEST_CASE("checkpoints that do not match are refused with exit code 2 and kept",
         CHECK(folder.names() == before);
     };
     refused("--resume", "out.exr.checkpoint: there is no checkpoint to resume from");
-    refused("--resume", "leave out --resume to begin");
+    refused("--resume", "leave out --resume to start a new render");
     refused("--checkpoint 5x", "'5x' is not a time between checkpoints; expected for example 60s, 5m or 1h");
     refused("--checkpoint 0", "at least 0.01s");
     refused("--checkpoint 60s --deep d.exr", "--deep: a deep image is not saved in checkpoints");
@@ -264,7 +264,7 @@ TEST_CASE("--time ends a render, and --spp with the number of samples gives the 
         CHECK(bad.err.find(word) != std::string::npos);
     };
     refused("--time soon", "--time: 'soon' is not a render time; expected for example 60s, 5m or 1h");
-    refused("--time 5s --until-error 1%", "--until-error: adaptive sampling in a render that ends by itself");
+    refused("--time 5s --until-error 1%", "--until-error: adaptive sampling in a render with a time or error limit");
     folder.write("bad.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\ntime = \"0s\"\n");
     const Outcome bad = run_raylex(folder, "render bad.toml");
     CHECK(bad.code == 2);

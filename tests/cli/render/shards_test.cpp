@@ -154,7 +154,7 @@ TEST_CASE("a shard that was killed at any time resumes with the same bits", "[la
         REQUIRE(folder.has(record + ".checkpoint"));
         const Outcome other = run_raylex(folder, shard + part_of(1, 2) + " --seed 3");
         CHECK(other.code == 2);
-        CHECK(contains(other.err, "the checkpoint is of another render"));
+        CHECK(contains(other.err, "the checkpoint belongs to another render"));
         CHECK(contains(other.err, "seed: 0 there, 3 here"));
         REQUIRE(folder.has(record + ".checkpoint"));
         run_well(folder, shard + part_of(1, 2));

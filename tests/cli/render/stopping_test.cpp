@@ -122,14 +122,14 @@ TEST_CASE("Values out of range are named and never end the program by a signal",
         std::string scene, expected;
     } cases[] = {
         {instance("Scale 1e-18 1e-18 1e-18"),
-         "scene.pbrt:10:1: the instance's transform is beyond what single precision inverts"},
+         "scene.pbrt:10:1: the instance's transform cannot be inverted in single precision"},
         {instance("Scale 1e-10 1 1e10 Scale 1e-10 1 1e10"), "scene.pbrt:10:1: the instance reaches to 1e+20"},
         {instance("Scale 1e18 1e-18 1"), "the instance"},
         // Invertible only in double: in float the determinant is 0, or its first digit is a rounding error.
         {instance("ConcatTransform [1 1 0 0  1 1.00000001 0 0  0 0 1 0  0 0 0 1]"),
-         "scene.pbrt:10:1: the instance's transform is beyond what single precision inverts"},
+         "scene.pbrt:10:1: the instance's transform cannot be inverted in single precision"},
         {instance("ConcatTransform [1 1 1 0  1 1 1.0000001 0  1 1.0000001 1 0  0 0 0 1]"),
-         "scene.pbrt:10:1: the instance's transform is beyond what single precision inverts"},
+         "scene.pbrt:10:1: the instance's transform cannot be inverted in single precision"},
         {head + camera("1e19") + sky + ball, "scene.pbrt:3:1: the camera stands at"},
         {head + camera("4e18") + sky + "Shape \"sphere\" \"float radius\" 1e18\n",
          "scene.pbrt:6:1: the shape reaches to 1e+18 from the origin; expected at most 2.5e+17"},

@@ -95,7 +95,7 @@ TEST_CASE("a crop has the bits of the whole image in its window, with all output
     check_refused(folder, "render room.pbrt -o x.exr --crop 0,0,17,4", {"crop 0,0,17,4", "16 x 16"});
     check_refused(folder, "render room.pbrt -o x.exr --crop 4,0,4,4", {"--crop", "X0 < X1"});
     check_refused(folder, "render room.pbrt -o x.exr --crop 1,2,3", {"--crop", "X0,Y0,X1,Y1"});
-    check_refused(folder, "render room.pbrt -o x.exr --crop 0,0,4,4 --until-error 5%", {"depends on the whole image"});
+    check_refused(folder, "render room.pbrt -o x.exr --crop 0,0,4,4 --until-error 5%", {"depend on the whole image"});
     check_refused(folder, "render room.pbrt -o x.exr --crop 0,0,4,4 --filter-mode splat", {"filter mode splat"});
     check_refused(folder, "render room.pbrt -o x.exr --crop 0,0,4,4 --integrator lighttracer", {"land anywhere"});
     folder.write("bad.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\ncrop = [3, 5]\n");

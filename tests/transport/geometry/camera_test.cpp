@@ -1,4 +1,4 @@
-// Cameras agree with themselves, and come in by their registry.
+// The functions of a camera agree, and the registry makes cameras.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -29,7 +29,7 @@ transport::CameraPlacement aside() {
 
 }  // namespace
 
-TEST_CASE("a camera sees a point of its ray where the ray began, one by one and in batches", "[camera]") {
+TEST_CASE("a camera connects a point of its ray to the ray's raster position, singly and in batches", "[camera]") {
     std::vector<Error> warnings;
     const auto camera = transport::make_camera(thin_lens(), aside(), warnings);
     REQUIRE(camera.ok());
@@ -56,7 +56,7 @@ TEST_CASE("a camera sees a point of its ray where the ray began, one by one and 
     }
 }
 
-TEST_CASE("rays have directions however far the focus is and whatever the camera's unit of length", "[camera]") {
+TEST_CASE("rays have valid directions for every focal distance and unit of length", "[camera]") {
     const auto rays_of = [](double focus, double unit) {
         transport::SceneEntity entity = thin_lens();
         entity.parameters.parameters.back().numbers = {focus};
@@ -85,7 +85,7 @@ TEST_CASE("rays have directions however far the focus is and whatever the camera
     }
 }
 
-TEST_CASE("cameras that cannot be are refused by name, and unknown parameters are warnings", "[camera]") {
+TEST_CASE("invalid cameras are errors that name the cause, and unknown parameters are warnings", "[camera]") {
     std::vector<Error> warnings;
     transport::SceneEntity entity = thin_lens();
     entity.parameters.parameters[2].name = "focaldistence";

@@ -31,7 +31,7 @@ SceneEntity camera_of(const std::string& type, std::initializer_list<Parameter> 
     return entity;
 }
 
-/// Turned, mirrored and stretched: 1.5 x 2 x 0.7.
+/// A camera transform that rotates, mirrors and stretches by 1.5 x 2 x 0.7.
 Transform crooked() {
     return Transform::look_at({1, 2, 3}, {0, 0.5, -1}, {0, 1, 0}).inverse() * Transform::scale(-1.5, 2, 0.7);
 }
@@ -66,7 +66,7 @@ class TextFile {
     std::string path_;
 };
 
-TEST_CASE("cameras see a point of their ray where it began, and know how much raster it covers", "[camera]") {
+TEST_CASE("cameras connect a point of a ray to its raster position, with the raster area that it covers", "[camera]") {
     const SceneEntity kinds[] = {
         camera_of("orthographic", {typed::real("frameaspectratio", 1.5)}),
         camera_of("orthographic", {typed::real("lensradius", 0.3), typed::real("focaldistance", 4)}),
@@ -86,13 +86,14 @@ TEST_CASE("cameras see a point of their ray where it began, and know how much ra
                 const Vec3 point = ray.origin + ray.direction * distance;
                 CameraConnection seen;
                 REQUIRE(camera->connect(point, lens, 0, seen));
-                // 1e-4 of a pixel a unit: positions of float's rounding; at poles angles are loose by the sine.
+                // 1e-4 of a pixel per unit: raster positions are rounded to float; at poles angles are less accurate by
+                // the sine.
                 const Vec3 back = camera->generate({seen.x, seen.y, lens}).direction;
                 CHECK(length(back - ray.direction) < 2e-5);
                 CHECK(length(seen.position - ray.origin) < 2e-5f * (1 + length(point)));
                 CHECK(camera->importance(point, seen.position, 0) ==
                       Approx(seen.importance).epsilon(1e-4));  // the position was rounded
-                // Two steps across the ray: the raster area that their parallelogram covers.
+                // Two steps across the ray span a parallelogram, whose raster area is computed.
                 const Frame frame = Frame::from_normal(ray.direction);
                 const Real step = 0.01f;
                 CameraConnection s1, s2, t1, t2;
@@ -102,7 +103,7 @@ TEST_CASE("cameras see a point of their ray where it began, and know how much ra
                     !camera->connect(point - frame.t * step, lens, 0, t1))
                     continue;
                 const double sx = s2.x - s1.x, sy = s2.y - s1.y, tx = t2.x - t1.x, ty = t2.y - t1.y;
-                // Folds of the octahedral layout and the seam of the other lie within some steps.
+                // The folds of the octahedral layout and the seam of the other mapping are within some steps.
                 if (std::abs(sx) + std::abs(sy) + std::abs(tx) + std::abs(ty) > 12) continue;
                 const double area = std::abs(sx * ty - sy * tx) / (4 * double{step} * double{step});
                 if (kind.type == "spherical" && std::abs(area / double{seen.importance} - 1) > 0.02) {
@@ -113,8 +114,8 @@ TEST_CASE("cameras see a point of their ray where it began, and know how much ra
                            seen.y < 6 || seen.y > 42));
                     continue;
                 }
-                // Central differences of steps of 0.01 at distances of 1 and more; differences of raster positions of
-                // 24 bits over steps.
+                // Central differences with steps of 0.01 at distances of 1 and more; raster positions have 24 bits, so
+                // differences over steps are less accurate.
                 CHECK(area == Approx(seen.importance).epsilon(0.02));
             }
             CameraConnection seen;
@@ -126,7 +127,7 @@ TEST_CASE("cameras see a point of their ray where it began, and know how much ra
         }
 }
 
-TEST_CASE("spherical cameras look where pbrt's do, and cover the sphere", "[camera]") {
+TEST_CASE("spherical cameras have pbrt's directions and cover the sphere", "[camera]") {
     const auto equirectangular =
         made(camera_of("spherical", {typed::text("mapping", "equirectangular")}), {{}, 40, 20});
     // theta from +y down, phi from +x to +z.
@@ -139,7 +140,7 @@ TEST_CASE("spherical cameras look where pbrt's do, and cover the sphere", "[came
     const auto equal_area = made(camera_of("spherical", {}), {{}, 32, 32});
     CHECK(length(equal_area->generate({16, 16, {}}).direction - Vec3{0, 1, 0}) < 1e-6f);
     CHECK(length(equal_area->generate({0, 0, {}}).direction - Vec3{0, -1, 0}) < 1e-3f);
-    // Beside the image it goes on: over the left edge at a quarter is the left edge at three quarters.
+    // Outside the image the sphere continues: beyond the left edge at a quarter is the left edge at three quarters.
     CHECK(length(equal_area->generate({-0.5f, 8, {}}).direction - equal_area->generate({0.5f, 24, {}}).direction) <
           1e-5f);
     // The mean of pixels / importance over the raster is the whole solid angle.
@@ -156,7 +157,7 @@ TEST_CASE("spherical cameras look where pbrt's do, and cover the sphere", "[came
     }
 }
 
-TEST_CASE("methods that begin at the lights find the path tracer's image through every camera",
+TEST_CASE("integrators that trace paths from lights find the path tracer's image with every camera",
           "[camera][bdpt][lighttracer][render][statistical]") {
     const std::string integrator = GENERATE("bdpt", "lighttracer");
     const std::string camera = GENERATE(
@@ -181,16 +182,16 @@ AttributeBegin Translate 0 0.3 0 Shape "sphere" "float radius" 0.5 AttributeEnd
                                    {"C<RD>L", "C<RD><RD>L", "C.*L"});
 }
 
-TEST_CASE("a film behind a hole has the irradiance of its solid angle", "[camera][render]") {
-    // A stop of radius r at distance z before the film, and a white sky: E = pi r^2 / (r^2 + z^2) in the middle, and
-    // elsewhere pi/2 (1 - (a^2 + z^2 - r^2) / sqrt((a^2 + z^2 + r^2)^2 - 4 a^2 r^2)), a from the middle (a disk's
+TEST_CASE("the irradiance of a film behind a hole is that of the hole's solid angle", "[camera][render]") {
+    // A stop of radius r at distance z before the film, and a white sky. In the middle E = pi r^2 / (r^2 + z^2). At
+    // distance a from the middle E = pi/2 (1 - (a^2 + z^2 - r^2) / sqrt((a^2 + z^2 + r^2)^2 - 4 a^2 r^2)) (a disk's
     // configuration factor, Howell C-13).
     const TextFile lens("# a hole\n0 40 1 20\n");
     std::vector<Error> warnings;
     auto hole = LensSystem::read(lens.path(), 0, {}, {"test.pbrt", 1, 1}, warnings);
     REQUIRE(hole.ok());
     CHECK_FALSE(hole->focus(1, {"test.pbrt", 1, 1}).ok());  // a hole focuses nothing
-    // So a weak lens stands before the hole: 2 mm of index 1.0001, flat but for a radius of 100 m.
+    // So a weak lens is placed before the hole: 2 mm of index 1.0001, flat except for a radius of 100 m.
     const TextFile weak("100000 2 1.0001 60\n0 1 1 20\n0 40 1 200\n");
     CHECK(LensSystem::read(weak.path(), 0, {}, {"test.pbrt", 1, 1}, warnings).ok());
     for (const char* shape : {"circular", "square", "pentagon", "star", "gaussian"}) {
@@ -200,11 +201,11 @@ TEST_CASE("a film behind a hole has the irradiance of its solid angle", "[camera
         constexpr int n = 400;
         for (int y = 0; y < n; ++y)
             for (int x = 0; x < n; ++x) sum += aperture->transmittance((x + 0.5) * 2 / n - 1, (y + 0.5) * 2 / n - 1);
-        // As much as the disk: pi/4 of the square, to the edges' cells.
+        // The same transmittance as the disk: pi/4 of the square, up to the cells at the edges.
         CHECK(sum / (n * n) == Approx(pi_d / 4).epsilon(0.01));
     }
     CHECK_FALSE(Aperture::named("no such.png", {"test.pbrt", 1, 1}).ok());
-    // Turned as pbrt's: the pentagon stands on a corner, and the star points to the left.
+    // The orientation is pbrt's: the pentagon stands on a corner, and the star points to the left.
     const auto open_at = [](const char* shape, double x, double y) {
         return Aperture::named(shape, {"test.pbrt", 1, 1})->transmittance(x, y) > 0;
     };
@@ -216,22 +217,23 @@ TEST_CASE("a film behind a hole has the irradiance of its solid angle", "[camera
 // A biconvex lens of 50 mm radii, 6 mm thick, index 1.5, and a stop behind it.
 const char* const biconvex = "50 6 1.5 30  # front\n-50 2 1 30\n0 40 0 20\n";
 
-TEST_CASE("a lens in focus brings rays of a film point together", "[camera]") {
+TEST_CASE("a lens in focus makes the rays of a film point converge", "[camera]") {
     const TextFile file(biconvex);
     std::vector<Error> warnings;
     for (const double distance : {0.25, 0.5, 2.0, 50.0}) {
         auto lens = LensSystem::read(file.path(), 4e-3, {}, {"test.pbrt", 1, 1}, warnings);
         REQUIRE(lens.ok());
         REQUIRE(lens->focus(distance, {"test.pbrt", 1, 1}).ok());
-        // Rays near the axis from the film's middle meet the axis at the focus; spherical aberration of 0.1 mm of
-        // height is (0.1 / 50)^2 of the distance's curvature, below 1e-3 of it up to 2 m, 1 / f that of the far one.
+        // Rays near the axis from the film's middle meet the axis at the focus. A height of 0.1 mm has a spherical
+        // aberration of (0.1 / 50)^2 of the distance's curvature: below 1e-3 of it up to 2 m, and 1 / f of the farther
+        // one.
         for (const double height : {1e-4, -2e-4}) {
             LensRay ray{{0, 0, 0}, normalize(DVec3{height, 0, lens->rear_z()})};
             REQUIRE(lens->trace(ray) == 1);
             const double z = ray.origin.z - ray.origin.x / ray.direction.x * ray.direction.z;
             CHECK(1 / z == Approx(1 / distance).margin(2e-3));
         }
-        // The stop of 4 mm, not the file's 20 mm.
+        // The stop of 4 mm is used, not the file's 20 mm.
         LensRay outside{{0, 0, 0}, normalize(DVec3{2.1e-3, 0, lens->rear_z()})},
             within{{0, 0, 0}, normalize(DVec3{1.9e-3, 0, lens->rear_z()})};
         CHECK(lens->trace(outside) == 0);
@@ -246,7 +248,7 @@ TEST_CASE("a lens in focus brings rays of a film point together", "[camera]") {
     REQUIRE(warnings.size() == 1);  // more than the file's stop
 }
 
-TEST_CASE("a realistic camera's film has the lens's irradiance, and its pupils miss nothing", "[camera]") {
+TEST_CASE("the irradiance on a realistic camera's film is the lens's, and its pupils contain all rays", "[camera]") {
     const TextFile file(biconvex);
     const SceneEntity entity = camera_of(
         "realistic",
@@ -270,7 +272,7 @@ TEST_CASE("a realistic camera's film has the lens's irradiance, and its pupils m
             CHECK((weights[i] > 0) == (rays[i].t_max > 0));
             CHECK(is_finite(rays[i].direction));
         }
-        // By a grid over all of the plane of the last element, not by pupils.
+        // Computed with a grid over the whole plane of the last element, without pupils.
         const double film_x = 0.03 / std::sqrt(1 + 4.0 / 9), film_y = film_x * 2 / 3;
         const DVec3 from{(0.5 - double{at.x} / 60) * film_x, (double{at.y} / 40 - 0.5) * film_y, 0};
         double expected = 0;
@@ -284,7 +286,7 @@ TEST_CASE("a realistic camera's film has the lens's irradiance, and its pupils m
                 expected += lens->trace(ray) * std::pow(cosine, 4) * cell * cell / (lens->rear_z() * lens->rear_z());
             }
         CAPTURE(at.x, at.y);
-        // The edges of the pupil, of 300 cells across, and of 2^14 points: 3e-3.
+        // The discretised edge of a pupil 300 cells across, and 2^14 points: 3e-3.
         CHECK(mean == Approx(expected).epsilon(3e-3));
         if (at.x == 30 && at.y == 20) {
             // The stop is the last element: pi r^2 / (r^2 + z^2).
@@ -294,7 +296,7 @@ TEST_CASE("a realistic camera's film has the lens's irradiance, and its pupils m
     }
 }
 
-TEST_CASE("a realistic camera renders a white sky to its lens's irradiance, upright, by path alone",
+TEST_CASE("a realistic camera renders a white sky with its lens's irradiance, upright, and supports only path",
           "[camera][render]") {
     const TextFile file(biconvex);
     const std::string scene = R"(
@@ -309,9 +311,10 @@ Camera "realistic" "float aperturediameter" 12 "float focusdistance" 2 "string l
     const auto sky =
         render_test::render_of(render_test::scene_of(scene + "LightSource \"infinite\" \"rgb L\" [2 2 2]"));
     const std::vector<double> image = sky.frame_buffer.resolve(sky.beauty);
-    // 256 Sobol' points of a disk in its square: an error of about sqrt(4 / pi - 1) / 256^(3/4) = 0.8 %, four of it.
+    // 256 Sobol' points of a disk in its square have an error of about sqrt(4 / pi - 1) / 256^(3/4) = 0.8 %; four times
+    // that.
     CHECK(image[3 * (6 * 12 + 6)] == Approx(2 * middle).epsilon(0.035));
-    // Left half of the world white: at +z the camera's left is -x.
+    // The left half of the world is white: at +z the camera's left is -x.
     const auto left = render_test::render_of(
         render_test::scene_of(scene + "AreaLightSource \"diffuse\" \"rgb L\" [2 2 2] \"bool twosided\" true\n"
                                       "Shape \"bilinearmesh\" \"point3 P\" [-9 0 2 0 0 2 -9 9 2 0 9 2]"));
@@ -324,12 +327,12 @@ Camera "realistic" "float aperturediameter" 12 "float focusdistance" 2 "string l
         const auto refused =
             transport::render(render_test::scene_of(scene + "LightSource \"infinite\" \"rgb L\" [2 2 2]"), settings);
         REQUIRE_FALSE(refused.ok());
-        CHECK(refused.error().message.find("camera 'realistic' does not go with") != std::string::npos);
+        CHECK(refused.error().message.find("camera 'realistic' cannot be used with") != std::string::npos);
         CHECK(refused.error().line == 4);
     }
 }
 
-TEST_CASE("cameras and lens files name what is wrong with them", "[camera][law7]") {
+TEST_CASE("errors of cameras and lens files name the cause", "[camera][law7]") {
     struct Case {
         std::string lens, message;
     };

@@ -1,4 +1,4 @@
-// Curves against closed forms: what they cover, where rays meet them, and that rays leave them.
+// Curves against closed forms: their coverage, the places of hits, and rays that leave them.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -56,7 +56,7 @@ CurveFound find_curve(const EmbreeScene& scene, const Vec3& origin, const Vec3& 
     return f;
 }
 
-/// From z = 5 downwards.
+/// Shoots a ray from z = 5 downwards.
 CurveFound straight_down(const EmbreeScene& scene, float x, float y) {
     return find_curve(scene, {x, y, 5}, {0, 0, -1});
 }
@@ -65,7 +65,7 @@ const std::string line_points = "\"point3 P\" [0 -1 0  0 -0.333333333 0  0 0.333
 
 }  // namespace
 
-TEST_CASE("a straight curve covers its width, and says where across and along it was met", "[curves]") {
+TEST_CASE("a straight curve covers its width, and hits contain the place across and along it", "[curves]") {
     CurveRandom random(1);
     struct Case {
         const char* text;
@@ -92,14 +92,14 @@ TEST_CASE("a straight curve covers its width, and says where across and along it
             worst_v = std::max(worst_v, std::abs(double{f.point.v} - (1 + h) / 2));
         }
         CHECK(wrong == 0);
-        // u and v are solved in double and rounded to float; x and y are floats, and so is the tilted normal (1e-7
-        // of a radius, over cos 60).
+        // u and v are solved in double and rounded to float. x and y are floats, and so is the tilted normal (1e-7 of a
+        // radius, over cos 60).
         CHECK(worst_u < 2e-7);
         CHECK(worst_v < 5e-7);
     }
 }
 
-TEST_CASE("widths go linearly from one end of a curve to the other, over all its segments", "[curves]") {
+TEST_CASE("widths are linear from one end of a curve to the other, across all segments", "[curves]") {
     CurveRandom random(2);
     const EmbreeScene scene = built_of(
         "Shape \"curve\" \"float width0\" 0.4 \"float width1\" 0 \"integer degree\" 2 "
@@ -115,7 +115,7 @@ TEST_CASE("widths go linearly from one end of a curve to the other, over all its
 }
 
 TEST_CASE("a bent flat curve covers its length times its width", "[curves]") {
-    // As long as the width stays below the radius of curvature, the strip about a line has the area length x width.
+    // While the width is below the radius of curvature, the strip about a line has the area length x width.
     const EmbreeScene scene =
         built_of("Shape \"curve\" \"float width\" 0.1 \"point3 P\" [-1 0 0  -1 1 0  1 1 0  1 0 0]");
     const int n = 1200;
@@ -129,7 +129,7 @@ TEST_CASE("a bent flat curve covers its length times its width", "[curves]") {
     CurveSegment segment;
     segment.points[0] = {-1, 0, 0}, segment.points[1] = {-1, 1, 0}, segment.points[2] = {1, 1, 0};
     segment.points[3] = {1, 0, 0};
-    // Embree takes 16 straight pieces; the area of each is half the cross product of its diagonals.
+    // Embree uses 16 straight pieces; the area of each is half the cross product of its diagonals.
     double pieces = 0, length_of = 0;
     for (int i = 0; i < 16; ++i) {
         const auto side = [&](double u) { return normalize(cross({0, 0, 1}, segment.derivative(u))) * 0.05; };
@@ -138,10 +138,10 @@ TEST_CASE("a bent flat curve covers its length times its width", "[curves]") {
         pieces += 0.5 * length(cross((q + side(b)) - (p - side(a)), (q - side(b)) - (p + side(a))));
     }
     for (int i = 0; i < 1000; ++i) length_of += length(segment.derivative((i + 0.5) * 1e-3)) * 1e-3;
-    // 1200 points a side count the 2.8 long edges of the strip to half a point each at worst, and on average to a
-    // tenth.
+    // With 1200 points a side, the 2.8 long edges of the strip are counted to half a point each at worst, and to a
+    // tenth on average.
     CHECK(covered == Approx(pieces).epsilon(2e-4));
-    // What is lost is where pieces turn by up to 0.3: (0.3)^2 / 24 in length, and as much and more in width.
+    // The loss is where pieces turn by up to 0.3: (0.3)^2 / 24 in length, and at least as much in width.
     CHECK(covered == Approx(0.1 * length_of).epsilon(1e-2));
 }
 
@@ -164,17 +164,17 @@ TEST_CASE("bent tubes and ribbons cover their length times their width", "[curve
                 hits += straight_down(scene, -1.2f + 2.4f * (static_cast<float>(i) + 0.5f) / n,
                                       -0.2f + 1.2f * (static_cast<float>(j) + 0.5f) / n)
                             .hit.valid();
-        // Tubes: the grid as above, twice its error. Ribbons are narrower by what Embree makes of their edges between
-        // the ends of parts: of the second order in how far a part turns, 1.1 % of 0.4 radians and 0.3 % of the 0.2
-        // here.
+        // Tubes: the grid above, with twice its error. Ribbons are narrower, since Embree approximates their edges
+        // between the ends of parts. The error is of second order in the turn of a part: 1.1 % for 0.4 radians and 0.3
+        // % for the 0.2 here.
         const double tolerance = std::string(type) == "cylinder" ? 4e-4 : 3.5e-3;
         CHECK(hits * 2.4 * 1.2 / (n * n) == Approx(0.1 * length_of).epsilon(tolerance));
     }
 }
 
-TEST_CASE("hair that is thinner than its bends are exact is met evenly across", "[curves]") {
+TEST_CASE("hair thinner than the error of its bends is hit evenly across", "[curves]") {
     CurveRandom random(6);
-    // 16 straight pieces are off by up to 6 |P0 - 2 P1 + P2| / (8 x 256) = 0.0066: some 13 times the width.
+    // 16 straight pieces are off by up to 6 |P0 - 2 P1 + P2| / (8 x 256) = 0.0066, 13 times the width.
     for (const char* type : {"\"flat\"", "\"ribbon\" \"normal N\" [0 0 1 0 0 1]"}) {
         const EmbreeScene scene = built_of(
             std::string(
@@ -199,11 +199,11 @@ TEST_CASE("hair that is thinner than its bends are exact is met evenly across", 
         // h is uniform over -1..1: means 0 and 1/3, variances 1/3 and 4/45; four standard errors.
         CHECK(std::abs(sum / n) < 4 * std::sqrt(1.0 / 3 / n));
         CHECK(std::abs(squares / n - 1.0 / 3) < 4 * std::sqrt(4.0 / 45 / n));
-        CHECK(along < 0.02);  // of a sixteenth that a piece is, a third
+        CHECK(along < 0.02);  // a piece is a sixteenth; a third of it
     }
 }
 
-TEST_CASE("a cylinder of curves is a cylinder", "[curves]") {
+TEST_CASE("a cylinder made of curves equals a cylinder", "[curves]") {
     CurveRandom random(3);
     const std::string place = "Rotate 40 1 2 3 Scale 2 2 2 ";
     const EmbreeScene curve = built_of(place +
@@ -217,13 +217,13 @@ TEST_CASE("a cylinder of curves is a cylinder", "[curves]") {
         const Vec3 origin = random.direction() * 8.0f;
         const Vec3 direction = normalize(random.direction() * 0.6f - origin);
         const CurveFound a = find_curve(curve, origin, direction), b = find_curve(shape, origin, direction);
-        // From within, where only the cylinder's ends let rays in, both are met as well: neither has caps.
+        // Rays from inside, which enter only at the ends, hit both as well: neither has caps.
         different += a.hit.valid() != b.hit.valid();
         if (!a.hit.valid() || !b.hit.valid() || a.point.u < 0.01f || a.point.u > 0.99f) continue;
         const Real grazing = abs_dot(b.point.geometric_normal, direction);
         if (grazing < 0.05f) continue;
         ++both;
-        if (b.hit.t < a.hit.t - 0.01f) {  // the curve's near side was missed, and its far side met
+        if (b.hit.t < a.hit.t - 0.01f) {  // the near side of the curve was missed, and the far side was hit
             ++missed;
             continue;
         }
@@ -232,16 +232,16 @@ TEST_CASE("a cylinder of curves is a cylinder", "[curves]") {
     }
     CHECK(both > 10000);
     CHECK(different <= 25);  // within 1e-4 of a silhouette or of an end, of 5e4 rays
-    // Embree 3.13 finds the near side of all rays with AVX-512 and misses it for 1 of them with AVX2 (ray 40520, where
-    // the curve is met 12 degrees off grazing).
+    // Embree 3.13 finds the near side of all rays with AVX-512 and misses it for 1 ray with AVX2 (ray 40520, where the
+    // curve is hit 12 degrees off grazing).
     CHECK(missed <= 1);
-    // Points are floats of size 4 that the ray's float direction (6e-8 over 8) moves by 5e-7, 20 times that along a
-    // surface that is met at a sine of 0.05; normals turn by that over the radius, 0.3.
+    // Points are floats of size 4. The ray's float direction (6e-8 over 8) moves them by 5e-7, and by 20 times that
+    // along a surface that is hit at a sine of 0.05. Normals turn by that over the radius, 0.3.
     CHECK(off < 2e-5);
     CHECK(turned < 5e-5);
 }
 
-TEST_CASE("rays that leave a curve do not find it again, instanced or not", "[curves]") {
+TEST_CASE("rays that leave a curve do not hit it again, with and without instances", "[curves]") {
     CurveRandom random(4);
     for (const char* type : {"flat", "cylinder", "ribbon"})
         for (const float scale : {1e-3f, 1.0f, 1e3f})
@@ -249,7 +249,7 @@ TEST_CASE("rays that leave a curve do not find it again, instanced or not", "[cu
                 const std::string size = std::to_string(scale);
                 const std::string place =
                     "Translate " + size + " 0 0 Rotate 31 1 2 3 Scale " + size + " " + size + " " + size + "\n";
-                // A ribbon that bends out of its plane is met again, and rightly.
+                // A ribbon that bends out of its plane can be hit again correctly.
                 const bool ribbon = type == std::string("ribbon");
                 const std::string curve = std::string("Shape \"curve\" \"string type\" \"") + type +
                                           "\" \"float width0\" 0.05 \"float width1\" 0.02 "
@@ -267,7 +267,7 @@ TEST_CASE("rays that leave a curve do not find it again, instanced or not", "[cu
                     const CurveFound f = find_curve(scene, origin, normalize(target - origin));
                     if (!f.hit.valid() || f.point.u < 0.02f || f.point.u > 0.98f) continue;
                     const Vec3 leaving = random.direction();
-                    // Along the curve the next bend may be met, and rightly.
+                    // Along the curve, the next bend can be hit correctly.
                     if (abs_dot(leaving, normalize(f.point.dpdu)) > 0.7f) continue;
                     ++tested;
                     again += find_curve(scene,
@@ -282,8 +282,7 @@ TEST_CASE("rays that leave a curve do not find it again, instanced or not", "[cu
             }
 }
 
-TEST_CASE("what a ray hits among curves, to the bit, is its own affair, and other instruction sets agree",
-          "[curves][law3]") {
+TEST_CASE("a ray's hit on curves depends on the ray alone, to the bit, and instruction sets agree", "[curves][law3]") {
     CurveRandom random(5);
     std::string text = "WorldBegin\n";
     for (int i = 0; i < 300; ++i) {
@@ -320,13 +319,13 @@ TEST_CASE("what a ray hits among curves, to the bit, is its own affair, and othe
     }
     CHECK(single == 0);
     CHECK(missed == 0);
-    // Which curve is Embree's choice; where on it is ours but for hits that Newton's method leaves to Embree: a few at
-    // the silhouettes of tubes.
+    // Embree chooses the curve. The place on it is ours, except for hits that Newton's method leaves to Embree: a few
+    // at the silhouettes of tubes.
     CHECK(choice <= 4);
     CHECK(moved <= rays.size() / 200);
 }
 
-TEST_CASE("curves made in code are those of a file", "[curves][scene-builder]") {
+TEST_CASE("curves made in code equal curves of a file", "[curves][scene-builder]") {
     CurveData data{CurveType::ribbon,
                    {{0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0, 3, 0}, {1, 0, 0}, {1, 1, 0}, {1, 2, 0}, {1, 3, 0}},
                    {0, 4},
@@ -354,7 +353,7 @@ TEST_CASE("curves made in code are those of a file", "[curves][scene-builder]") 
     };
     const CurveData good = data;
     data.first_points = {0, 3};
-    refused("curve 0 has no whole number of segments");
+    refused("curve 0 has a number of positions that is not 3 n + 1");
     data = good, data.widths[1].y = -1;
     refused("a width of curve 1 is negative");
     data = good, data.normals.pop_back();
@@ -367,7 +366,7 @@ TEST_CASE("curves made in code are those of a file", "[curves][scene-builder]") 
     refused("0 pairs of widths for 2 curves");
 }
 
-TEST_CASE("curves written as pbrt read back as the same curves", "[curves][pbrt-writer]") {
+TEST_CASE("curves written to a pbrt file are read as the same curves", "[curves][pbrt-writer]") {
     const import_test::Folder folder;
     const SceneDescription scene = scene_of(R"(
         Camera "perspective"
@@ -397,7 +396,7 @@ TEST_CASE("curves written as pbrt read back as the same curves", "[curves][pbrt-
     CHECK(scene_hash(*again) == scene_hash(scene));
 }
 
-TEST_CASE("a cylinder of curves renders as the cylinder does", "[curves][render]") {
+TEST_CASE("a cylinder made of curves renders like a cylinder", "[curves][render]") {
     const std::string scene = R"(
 Film "rgb" "integer xresolution" 32 "integer yresolution" 32
 PixelFilter "box" "float xradius" 0.5 "float yradius" 0.5
@@ -421,11 +420,11 @@ Rotate 90 1 0 0
     for (std::size_t i = 0; i < a.size(); ++i)
         worst = std::max(worst, std::abs(a[i] - b[i])), brightest = std::max(brightest, b[i]);
     CHECK(brightest > 0.1);
-    // The same rays: what is left is a sample or two of 64 that meet a silhouette or a terminator within rounding.
+    // The rays are equal: a sample or two of 64 hit a silhouette or a terminator within rounding.
     CHECK(worst < 2.0 / 64 * brightest);
 }
 
-TEST_CASE("ribbons wider than Embree traces are refused, others are not", "[curves][law7]") {
+TEST_CASE("ribbons too wide for Embree are refused, others are not", "[curves][law7]") {
     const auto built = [](const std::string& curve) {
         return BuiltScene::build(scene_of("WorldBegin\nTranslate 0 0 5\nShape \"curve\" " + curve));
     };
@@ -437,13 +436,13 @@ TEST_CASE("ribbons wider than Embree traces are refused, others are not", "[curv
     CHECK(contains(refused.error().message,
                    "segment 0 of ribbon 0 is more than 10^5 times as wide (1e+06) as it is long (2)"));
     CHECK(built(ribbon + normals + points + " \"float width\" 1e5").ok());
-    CHECK(built(points + " \"float width\" 1e6").ok());  // flat, which Embree has no trouble with
+    CHECK(built(points + " \"float width\" 1e6").ok());  // flat, which Embree handles
     const auto dot = built(ribbon + normals + " \"point3 P\" [1 1 0 1 1 0 1 1 0 1 1 0]");
     REQUIRE(dot.ok());
     CHECK(contains((*dot)->warnings.front().message, "have no length"));
 }
 
-TEST_CASE("under a transform that mirrors v is that of the object's own space, by shape or by instance", "[curves]") {
+TEST_CASE("under a mirroring transform v is that of the object's own space, for shapes and instances", "[curves]") {
     CurveRandom random(2);
     for (const std::string type : {"\"string type\" \"flat\"", "\"string type\" \"cylinder\"",
                                    "\"string type\" \"ribbon\" \"normal N\" [0 0 1 0 0 1]"}) {
@@ -463,15 +462,15 @@ TEST_CASE("under a transform that mirrors v is that of the object's own space, b
                 worst = std::max(
                     {worst, std::abs(double{a.point.v} - own.point.v), std::abs(double{b.point.v} - own.point.v)});
             }
-            // Each is rounded to float, and instances' rays on their way there.
+            // Each is rounded to float, and so are instances' rays.
             CHECK(worst < 2e-6);
         }
     }
 }
 
-TEST_CASE("hair under a transform that mirrors is hair of mirrored points, by shape and by instance",
+TEST_CASE("hair under a mirroring transform equals hair with mirrored points, for shapes and instances",
           "[curves][hair][render]") {
-    // A strand lit and seen from the side, across which R, TT and TRT differ; as wide as the image.
+    // A strand lit and seen from the side, across which R, TT and TRT differ; it is as wide as the image.
     const std::string view =
         "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 4\n"
         "Sampler \"independent\" \"integer pixelsamples\" 16\nIntegrator \"path\" \"integer maxdepth\" 1\n"
@@ -498,8 +497,8 @@ TEST_CASE("hair under a transform that mirrors is hair of mirrored points, by sh
         off_instanced = std::max(off_instanced, std::abs(by_hand[i] - instanced[i]));
         off_unturned = std::max(off_unturned, std::abs(by_hand[i] - unturned[i]));
     }
-    CHECK(off_unturned > 0.05 * brightest);  // or nothing would be seen
-    // Points of the same numbers; through an instance rays are rounded to float in another place: 1e-5 of an h.
+    CHECK(off_unturned > 0.05 * brightest);  // otherwise the test would detect nothing
+    // The points have the same numbers; with an instance, rays are rounded to float elsewhere: 1e-5 of an h.
     CHECK(off_direct <= 1e-6 * brightest);
     CHECK(off_instanced <= 1e-3 * brightest);
 }

@@ -59,7 +59,7 @@ double longest_edge(const SceneShape& mesh) {
 
 }  // namespace
 
-TEST_CASE("displacement by a constant is an offset, on short edges, without holes", "[displacement]") {
+TEST_CASE("displacement by a constant is an offset, with short edges and without holes", "[displacement]") {
     const import_test::Folder folder;
     const SceneDescription scene =
         displaced_scene(folder,
@@ -77,7 +77,7 @@ TEST_CASE("displacement by a constant is an offset, on short edges, without hole
         CHECK(mesh->normals[i] == StoredVec3{0, 0, 1});
         CHECK(mesh->uvs[i] == StoredVec2{mesh->positions[i].x, mesh->positions[i].y});  // halves are exact
     }
-    // No hole: an inner edge has two faces that go along it either way, the others lie on the square's boundary.
+    // No holes: an inner edge has two faces with opposite directions; other edges lie on the square's boundary.
     std::multiset<std::pair<std::uint32_t, std::uint32_t>> edges;
     for (std::size_t i = 0; i < mesh->indices.size(); ++i)
         edges.insert({mesh->indices[i], mesh->indices[i % 3 == 2 ? i - 2 : i + 1]});
@@ -89,10 +89,11 @@ TEST_CASE("displacement by a constant is an offset, on short edges, without hole
         const StoredVec3 &p = mesh->positions[a], &q = mesh->positions[b];
         CHECK(((p.x == q.x && (p.x == 0 || p.x == 1)) || (p.y == q.y && (p.y == 0 || p.y == 1))));
     }
-    CHECK(alone == 4 * 16);  // sides of 1, halved until at most 0.1
+    CHECK(alone == 4 * 16);  // sides of 1, halved to at most 0.1
 }
 
-TEST_CASE("displacement follows the file's normals, is measured in the object and cut in the world", "[displacement]") {
+TEST_CASE("displacement follows the file's normals, in object units; edges are measured in the world",
+          "[displacement]") {
     const import_test::Folder folder;
     for (const bool reverse : {false, true}) {
         const SceneDescription scene = displaced_scene(
@@ -101,7 +102,7 @@ TEST_CASE("displacement follows the file's normals, is measured in the object an
                         "Shape \"plymesh\" \"string filename\" \"a.ply\" \"texture displacement\" \"up\"");
         const auto mesh = displaced_of(scene);
         REQUIRE(mesh);
-        CHECK(longest_edge(*mesh) == Approx(0.25).epsilon(0.42));  // of 4 sqrt 2 by halves: at most 1 in the world
+        CHECK(longest_edge(*mesh) == Approx(0.25).epsilon(0.42));  // 4 sqrt 2 halved repeatedly: at most 1 in the world
         CHECK(longest_edge(*mesh) <= 0.25);
         for (std::size_t i = 0; i < mesh->positions.size(); ++i) {
             CHECK(mesh->positions[i].z == 0.25f);
@@ -110,7 +111,7 @@ TEST_CASE("displacement follows the file's normals, is measured in the object an
     }
 }
 
-TEST_CASE("normals of a displaced mesh are those of what the texture makes", "[displacement]") {
+TEST_CASE("normals of a displaced mesh are those of the displaced surface", "[displacement]") {
     const import_test::Folder folder;
     const SceneDescription scene = displaced_scene(
         folder,
@@ -119,7 +120,8 @@ TEST_CASE("normals of a displaced mesh are those of what the texture makes", "[d
         "Shape \"plymesh\" \"string filename\" \"a.ply\" \"texture displacement\" \"high\" \"float edgelength\" 0.05");
     const auto mesh = displaced_of(scene);
     REQUIRE(mesh);
-    // Inside the unit square the checkerboard is one tile, its edges at 1 belong to others: a table with two slopes.
+    // Inside the unit square the checkerboard is one tile, and its edges at 1 belong to others: a table with two
+    // slopes.
     std::size_t table = 0, slope = 0;
     for (std::size_t i = 0; i < mesh->positions.size(); ++i) {
         const StoredVec2 uv = mesh->uvs[i];
@@ -136,7 +138,7 @@ TEST_CASE("normals of a displaced mesh are those of what the texture makes", "[d
     CHECK(slope > 20);
 }
 
-TEST_CASE("displacement: what cannot be meant is an error at its line, too much one of the budget",
+TEST_CASE("displacement: mistakes are errors at their line, and too many triangles exceed a budget",
           "[displacement][law7]") {
     const import_test::Folder folder;
     folder.write("a.ply", displaced_square);
@@ -178,7 +180,7 @@ TEST_CASE("displacement: what cannot be meant is an error at its line, too much 
     CHECK(contains(refused.error().message, "edges of at most 1e-09 ('edgelength')"));
 }
 
-TEST_CASE("a displaced mesh that is written reads back as it was", "[displacement][pbrt-writer]") {
+TEST_CASE("a displaced mesh that is written is read as the same mesh", "[displacement][pbrt-writer]") {
     const import_test::Folder folder;
     const SceneDescription scene =
         displaced_scene(folder,

@@ -74,7 +74,7 @@ SceneShape quad(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 
 }  // namespace
 
-TEST_CASE("rays that leave axis-aligned planes through zero do not find them again", "[geometry]") {
+TEST_CASE("rays that leave axis-aligned planes through zero do not hit them again", "[geometry]") {
     RandomPoints random(2);
     SceneDescription scene = empty_scene();
     scene.shapes.push_back(quad({-1, 0, 1}, {1, 0, 1}, {1, 0, -1}, {-1, 0, -1}));
@@ -95,7 +95,8 @@ TEST_CASE("rays that leave axis-aligned planes through zero do not find them aga
     CHECK(again == 0);
 }
 
-TEST_CASE("what a ray hits, to the bit, is its own affair: batches of any size and order", "[geometry][law3][law4]") {
+TEST_CASE("a ray's hit depends on the ray alone, to the bit, for batches of any size and order",
+          "[geometry][law3][law4]") {
     RandomPoints random(7);
     SceneDescription scene = empty_scene();
     for (int i = 0; i < 12; ++i)
@@ -113,7 +114,7 @@ TEST_CASE("what a ray hits, to the bit, is its own affair: batches of any size a
         ray.origin = random.point(3);
         ray.direction = random.direction();
     }
-    // Straight at an edge, where hits are moved inwards.
+    // Aimed at an edge, where hits are moved inwards.
     for (std::size_t i = 0; i < rays.size(); i += 7)
         rays[i].direction = normalize(Vec3(scene.shapes[i % 12].positions[0]) - rays[i].origin);
     for (std::size_t i = 0; i < rays.size(); i += 5) rays[i].direction = normalize(random.point(0.5f) - rays[i].origin);
@@ -150,12 +151,12 @@ TEST_CASE("what a ray hits, to the bit, is its own affair: batches of any size a
     CHECK(different == 0);
 }
 
-TEST_CASE("whether a shadow ray is blocked is its own affair: streams of any size and order, on every instruction set",
+TEST_CASE("occlusion depends on the ray alone: streams of any size and order, with every instruction set",
           "[geometry][law3][law4]") {
     const std::string isa = GENERATE("", "sse2", "avx", "avx2", "avx512");
     RandomPoints random(11);
     SceneDescription scene = empty_scene();
-    // A bumpy sheet seen edge on and from above, a soup, and what Embree asks us about.
+    // A bumpy sheet seen edge-on and from above, random triangles, and user geometry.
     SceneShape sheet;
     sheet.material = 0;
     constexpr std::uint32_t side = 24;
@@ -188,7 +189,7 @@ TEST_CASE("whether a shadow ray is blocked is its own affair: streams of any siz
     REQUIRE(started.ok());
     const EmbreeScene& built = *started;
 
-    // Neighbours begin close to each other and aim at points along the same edges.
+    // Neighbours begin close to each other and aim at points on the same edges.
     std::vector<Ray> rays(60001);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Vec3 from = i % 64 == 0 || i % 3 == 0 ? random.point(3) : rays[i - 1].origin;
@@ -198,7 +199,7 @@ TEST_CASE("whether a shadow ray is blocked is its own affair: streams of any siz
         rays[i].direction = (i % 4 == 0 ? random.point(2) : a + (b - a) * random()) - from;
         rays[i].t_max = i % 2 == 0 ? infinity : 1 - 0x1p-20f;
     }
-    rays[17].origin.x = infinity;  // what is no ray counts as blocked and leaves its neighbours alone
+    rays[17].origin.x = infinity;  // an invalid ray counts as blocked and does not affect its neighbours
     std::vector<std::uint8_t> blocked(rays.size(), 2);
     built.occluded(rays, blocked);
     CHECK(blocked[17] == 1);
@@ -216,7 +217,7 @@ TEST_CASE("whether a shadow ray is blocked is its own affair: streams of any siz
     CHECK(unlike_hits == 0);
     CHECK(count > 10000);
     CHECK(count < 55000);
-    // Shuffled within reach, then with two of three left out.
+    // Shuffled locally, then with two of three rays omitted.
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < rays.size(); ++i) order.push_back(i);
     for (std::size_t i = 0; i + 100 < order.size(); ++i)
@@ -233,7 +234,7 @@ TEST_CASE("whether a shadow ray is blocked is its own affair: streams of any siz
     }
 }
 
-TEST_CASE("a ray that goes straight on gets further, wherever rounding puts its hit", "[geometry]") {
+TEST_CASE("a pass-through ray makes progress, wherever rounding puts its hit", "[geometry]") {
     RandomPoints random(5);
     int stuck = 0;
     for (int i = 0; i < 100000; ++i) {
@@ -241,7 +242,7 @@ TEST_CASE("a ray that goes straight on gets further, wherever rounding puts its 
         Ray ray;
         ray.origin = random.point(scale);
         ray.direction = random.direction();
-        // Before and behind the origin, by as much as rounding and by more; a normal that is nearly across.
+        // Before and behind the origin, by as much as rounding and by more; the normal is almost perpendicular.
         const Vec3 hit = ray.origin + ray.direction * (scale * random.signed_unit() * (i % 2 == 0 ? 1e-7f : 1e-2f));
         const Vec3 n =
             normalize(cross(ray.direction, random.direction()) + ray.direction * (1e-7f * static_cast<float>(i % 3)));
@@ -253,7 +254,7 @@ TEST_CASE("a ray that goes straight on gets further, wherever rounding puts its 
     CHECK(stuck == 0);
 }
 
-TEST_CASE("rays that leave a quadric or patch outwards do not find it again, instanced or not", "[geometry]") {
+TEST_CASE("rays that leave a quadric or patch outwards do not hit it again, with and without instances", "[geometry]") {
     RandomPoints random(3);
     for (const float scale : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f})
         for (const bool instanced : {false, true}) {
@@ -303,8 +304,8 @@ TEST_CASE("rays that leave a quadric or patch outwards do not find it again, ins
         }
 }
 
-TEST_CASE("a distant sphere is hit exactly when the line passes it", "[geometry]") {
-    // Row 47: up to 1e7 radii away. The oracle is the distance of the line, built so that it is known to 1e-9.
+TEST_CASE("a distant sphere is hit exactly if the line passes through it", "[geometry]") {
+    // Row 47: up to 1e7 radii away. The reference is the distance of the line, constructed to an accuracy of 1e-9.
     RandomPoints random(5);
     const Quadric sphere(quadric(ShapeKind::sphere, Transform()), Transform());
     int wrong = 0;
@@ -392,7 +393,7 @@ TEST_CASE("partial quadrics end where their parameters say", "[geometry]") {
     Ray ray;
     ray.origin = {0.1f, -5, 0};
     ray.direction = {0, 1, 0};
-    const Found f = find(built, ray);  // the near half is missing: the ray meets the far one from inside
+    const Found f = find(built, ray);  // the near half is missing: the ray hits the far half from inside
     REQUIRE(f.hit.valid());
     CHECK(f.hit.t > 5);
     ray.origin = {10.2f, 0, 5};
@@ -402,7 +403,7 @@ TEST_CASE("partial quadrics end where their parameters say", "[geometry]") {
     CHECK(find(built, ray).hit.valid());
 }
 
-TEST_CASE("instances move shapes and lend them their label", "[geometry]") {
+TEST_CASE("instances move shapes and override their label", "[geometry]") {
     SceneDescription scene = empty_scene();
     SceneShape sphere = quadric(ShapeKind::sphere, Transform());
     sphere.label = "ball";

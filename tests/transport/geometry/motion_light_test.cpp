@@ -1,4 +1,4 @@
-// Light among what moves: integrators against one another, threads, files, errors.
+// Light in scenes with motion: integrators compared with one another, threads, files, errors.
 #include "tests/transport/replicates.h"
 #include "transport/import/builder/scene_builder.h"
 #include "transport/import/pbrt/pbrt_importer.h"
@@ -10,9 +10,9 @@ using namespace render_test;
 
 namespace {
 
-/// A camera with a lens that comes nearer, turns and zooms (its transform scales), a ball that moves as a shape, a
-/// glossy box and a curve that turn as an instance, a cutout that moves, under three kinds of lights. The curve is not
-/// near the box: what leaves a curve starts behind it, so that paths there depend on which way they are made.
+/// A camera with a lens that comes nearer, turns and zooms (its transform scales); a ball that moves as a shape; a
+/// glossy box and a curve that turn as an instance; a moving cutout; three kinds of lights. The curve is not near the
+/// box: rays that leave a curve start behind it, so paths there depend on their direction.
 const std::string moving_room = plain_film + R"(
 PixelFilter "box" "float xradius" 0.5 "float yradius" 0.5
 TransformTimes 0.1 0.9
@@ -106,9 +106,9 @@ TEST_CASE("motion: the image does not depend on the number of threads", "[motion
     }
 }
 
-TEST_CASE("motion: rays leave what moves as they leave what stands", "[motion][render]") {
-    // Inside a closed white-hot furnace of a sphere that turns, moves and is stretched, every path of any length brings
-    // 1: a ray that finds the surface that it left, or slips through it, would not.
+TEST_CASE("motion: rays leave moving shapes as they leave fixed ones", "[motion][render]") {
+    // In a closed furnace, a sphere of radiance 1 that turns, moves and is stretched, every path of any length
+    // contributes 1. A ray that hits the surface that it left, or passes through it, would not.
     const std::string text = plain_film + R"(
 Camera "perspective" "float fov" 60
 WorldBegin
@@ -136,15 +136,15 @@ AttributeEnd
     settings.paths.integrator = path_with(flag_parameter("roulette", false));
     const transport::RenderOutput output = render_of(scene_of(camera), settings);
     const std::vector<double> image = output.frame_buffer.resolve(output.beauty);
-    // A path of albedo 1 that ends brings 1 exactly; what is longer than 40 brings less, which is rare outside. A wrong
-    // self-intersection of one ray in a thousand would leave light behind in a mean of a hundred thousand bounces.
+    // A path of albedo 1 that ends contributes exactly 1. Paths longer than 40 contribute less, which is rare outside.
+    // A wrong self-intersection of one ray in a thousand would lose light in a mean of a hundred thousand bounces.
     double sum = 0;
     for (const double value : image) sum += value / static_cast<double>(image.size());
     CHECK(sum <= 1 + 1e-6);
     CHECK(sum >= 1 - 1e-3);
 }
 
-TEST_CASE("motion: scenes that move come back from files as they were", "[motion][pbrt-writer]") {
+TEST_CASE("motion: scenes with motion are read from files unchanged", "[motion][pbrt-writer]") {
     const import_test::Folder folder;
     const transport::SceneDescription scene = scene_of(moving_room);
     const auto written = transport::write_pbrt(scene, folder.path("again.pbrt"));
@@ -155,13 +155,13 @@ TEST_CASE("motion: scenes that move come back from files as they were", "[motion
     REQUIRE(twin.ok());
     CHECK(twin->moved_to.size() == 3);
     CHECK(transport::scene_hash(*twin) == transport::scene_hash(scene));
-    // What moves is part of what a scene is.
+    // The motion is part of the scene's hash.
     transport::SceneDescription other = scene_of(moving_room);
     other.moved_to[1] = other.moved_to[0];
     CHECK(transport::scene_hash(other) != transport::scene_hash(scene));
 }
 
-TEST_CASE("motion: scenes made in code move as those of files", "[motion][scene-builder]") {
+TEST_CASE("motion: scenes made in code equal those of files", "[motion][scene-builder]") {
     namespace typed = raylex::transport::typed;  // other tests have a real() of their own
     using transport::Transform;
     const Transform view = Transform::translate(0, 0, 5), later = Transform::translate(0.5, 0, 4);
@@ -196,7 +196,7 @@ ObjectInstance "ball"
     CHECK(import_test::contains(backwards.error().message, "expected the earlier one first"));
 }
 
-TEST_CASE("motion: what stands still in pbrt too is said once, at its place", "[motion][law7]") {
+TEST_CASE("motion: one warning at its position for objects that pbrt does not move either", "[motion][law7]") {
     const transport::SceneDescription scene = scene_of(
         "WorldBegin\nActiveTransform EndTime Translate 1 0 0 ActiveTransform All\nLightSource \"point\"\n"
         "Texture \"t\" \"float\" \"checkerboard\"\n");

@@ -1,4 +1,5 @@
-// Motion: the way between two transforms, what Embree is given of it, and images of what moves against closed forms.
+// Motion: interpolation between two transforms, its steps for Embree, and images of moving objects against closed
+// forms.
 #include "display/services/elementary.h"
 #include "tests/transport/replicates.h"
 #include "transport/geometry/shapes/instance_motion.h"
@@ -27,7 +28,7 @@ double distance(const Transform& a, const Transform& b, const DVec3& p) {
     return length(Matrix34(a.matrix()).point(p) - Matrix34(b.matrix()).point(p));
 }
 
-/// A black thing before a white sky, seen straight on by a camera 100 away whose film is 2 x 2 at the thing's depth.
+/// A black object before a white sky, seen straight on by a camera 100 away whose film is 2 x 2 at the object's depth.
 std::string silhouette(const std::string& thing, const std::string& camera = {}, int pixels = 16, int samples = 1024) {
     const double fov = 2 * std::atan(1.0 / 100) * 180 / exact_pi;
     return "Film \"rgb\" \"integer xresolution\" " + std::to_string(pixels) + " \"integer yresolution\" " +
@@ -41,12 +42,13 @@ std::string silhouette(const std::string& thing, const std::string& camera = {},
            thing;
 }
 
-/// Of the last column or pixel: how much of the sky is hidden, and the standard error of that many yes and no.
+/// The share of the sky that is hidden in a pixel of the last column, and the standard error of that many binary
+/// samples.
 double hidden(const std::vector<double>& image, int width, int x, int y) {
     return 1 - image[3 * static_cast<std::size_t>(y * width + x)];
 }
 
-// A plane that fills the film from x = -1 on, up to the right edge at x0; the film's x grows to the right.
+// A plane that fills the film from x = -1 to the edge at x0; the film's x grows to the right.
 const std::string wall =
     "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" "
     "[-9 -9 0 0 -9 0 0 9 0 -9 9 0]\n";
@@ -56,12 +58,12 @@ std::string moving(const std::string& start, const std::string& end, const std::
            "\nActiveTransform All\n" + what + "AttributeEnd\n";
 }
 
-/// Binomial counts lie within this many standard errors of their mean but once in 3.5 million.
+/// Binomial counts are within this many standard errors of their mean except once in 3.5 million.
 constexpr double quantile = 5.1;
 
 }  // namespace
 
-TEST_CASE("motion: transforms on their way are at both ends to the bit", "[motion]") {
+TEST_CASE("motion: interpolated transforms are exact at both ends", "[motion]") {
     const Transform start = Transform::translate(1, 2, 3) * Transform::rotate(20, 1, 2, -1) * Transform::scale(1, 2, 3),
                     end = Transform::translate(-1, 0, 3) * Transform::rotate(120, 0, 1, 0) * Transform::scale(2, 2, 1);
     const AnimatedTransform way = way_between(start, end);
@@ -69,14 +71,14 @@ TEST_CASE("motion: transforms on their way are at both ends to the bit", "[motio
     CHECK(way.at(1).matrix() == end.matrix());
     CHECK(way.at(-3).matrix() == start.matrix());
     CHECK(way.at(3).matrix() == end.matrix());
-    // And near them: nothing jumps. The way is 10 long at most, so 1e-9 of it is 1e-8, and 1e-14 is rounding.
+    // Near the ends nothing jumps. The way is at most 10 long, so 1e-9 of it is 1e-8, and 1e-14 is rounding.
     for (const DVec3& p : {DVec3(1, 0, 0), DVec3(0, 1, 0), DVec3(0, 0, 1)}) {
         CHECK(distance(way.at(1e-9), start, p) < 1.1e-8);
         CHECK(distance(way.at(1 - 1e-9), end, p) < 1.1e-8);
     }
 }
 
-TEST_CASE("motion: translation, rotation and scale go their own ways, the shorter way round", "[motion]") {
+TEST_CASE("motion: translation, rotation and scale are interpolated separately, the shorter way round", "[motion]") {
     const auto near = [](const Transform& a, const Transform& b) {
         for (const DVec3& p : {DVec3(1, 2, 3), DVec3(-1, 1, 0)})
             if (!(distance(a, b, p) < 1e-13)) return false;  // of numbers of a few units: some hundred roundings
@@ -94,20 +96,20 @@ TEST_CASE("motion: translation, rotation and scale go their own ways, the shorte
                     Transform::translate(4, 0, 2) * Transform::rotate(90, 0, 1, 0) * Transform::scale(3, 3, 3));
     CHECK(
         near(all.at(0.5), Transform::translate(2, 0, 2) * Transform::rotate(60, 0, 1, 0) * Transform::scale(2, 2, 2)));
-    // Mirrored at both ends: mirrored all the way.
+    // Mirrored at both ends: mirrored in between.
     const AnimatedTransform mirrored =
         way_between(Transform::scale(-1, 1, 1), Transform::rotate(90, 0, 0, 1) * Transform::scale(-1, 1, 1));
     CHECK(near(mirrored.at(0.5), Transform::rotate(45, 0, 0, 1) * Transform::scale(-1, 1, 1)));
 }
 
-TEST_CASE("motion: what would be flat on its way is refused", "[motion][law7]") {
+TEST_CASE("motion: objects that would become flat in between are refused", "[motion][law7]") {
     const auto mirror = AnimatedTransform::between(Transform(), Transform::scale(-1, 1, 1), {"here.pbrt", 3, 1});
     REQUIRE_FALSE(mirror.ok());
     CHECK(import_test::contains(mirror.error().to_string(), "here.pbrt:3:1"));
     CHECK(import_test::contains(mirror.error().message, "mirrors"));
 }
 
-TEST_CASE("motion: Embree's steps keep within the bound that they say", "[motion]") {
+TEST_CASE("motion: Embree's steps stay within their bound", "[motion]") {
     const raylex::transport::DBounds box{{-1, -0.5, 2}, {1, 0.5, 3}};
     const auto check = [&](const Transform& start, const Transform& end, std::size_t most) {
         const AnimatedTransform way = way_between(start, end);
@@ -130,8 +132,8 @@ TEST_CASE("motion: Embree's steps keep within the bound that they say", "[motion
             }
             longest = std::max(longest, gone);
         }
-        // Beside the bound: keys are rounded to float, 2^-24 of coordinates below 8 in three terms and a shift. The
-        // longest way is measured in chords here and there, whose lengths differ by 1e-4 at most.
+        // In addition to the bound, keys are rounded to float: 2^-24 of coordinates below 8, in three terms and a
+        // shift. Here and there the longest way is measured in chords, whose lengths differ by at most 1e-4.
         CHECK(off <= raylex::transport::InstanceMotion::tolerance * longest * 1.0002 + 4 * 8 * 0x1p-24);
         CHECK(inverse_off < 1e-13);  // in double, of matrices near rotations
         return motion.keys().size() - 1;
@@ -143,14 +145,14 @@ TEST_CASE("motion: Embree's steps keep within the bound that they say", "[motion
     check(Transform::rotate(30, 1, 2, 3), Transform::rotate(-140, 3, 1, 0) * Transform::scale(2, 3, 0.5), 128);
 }
 
-TEST_CASE("motion: the edge of what moves covers pixels by the share of time", "[motion][render]") {
+TEST_CASE("motion: the edge of a moving object covers pixels by the share of time", "[motion][render]") {
     const int pixels = 16, samples = 4096;
     const double x0 = -0.7, x1 = 0.55;
     const auto image_of = [&](const std::string& text) {
         const transport::RenderOutput output = render_of(scene_of(text));
         return output.frame_buffer.resolve(output.beauty);
     };
-    // A shape, an instance, and a camera that goes the other way.
+    // A shape, an instance, and a camera that moves the opposite way.
     const std::string there = "Translate " + std::to_string(x1) + " 0 0",
                       here = "Translate " + std::to_string(x0) + " 0 0";
     const std::vector<std::string> scenes{
@@ -183,7 +185,7 @@ TEST_CASE("motion: the edge of what moves covers pixels by the share of time", "
     }
 }
 
-TEST_CASE("motion: half a disk that turns by half a turn covers each direction by its share of time",
+TEST_CASE("motion: half a disk that turns by 180 degrees covers each direction by its share of time",
           "[motion][render]") {
     const int pixels = 24, samples = 1024;
     const std::string disk = "Shape \"disk\" \"float radius\" 9 \"float phimax\" 180\n";
@@ -206,18 +208,19 @@ TEST_CASE("motion: half a disk that turns by half a turn covers each direction b
             for (int y = 0; y < 4; ++y)
                 for (int x = 0; x < 4; ++x) mean += hidden(image, pixels, 4 * bx + x, 4 * by + y) / 16;
             CAPTURE(bx, by, expected);
-            // 16,384 yes and no a block; the sum over fine x fine points is off by less than their step, 1/(6 x 64) of
-            // a turn at the middle; the turn is short of a half by 1e-3 degrees, and steps move it by 1e-4 of the way.
+            // 16,384 binary samples per block. The sum over fine x fine points is off by less than its step, 1/(6 x 64)
+            // of a turn at the middle; the turn is 1e-3 degrees short of 180, and steps move it by 1e-4 of the way.
             CHECK(std::abs(mean - expected) <=
                   quantile * 0.5 / std::sqrt(16.0 * samples) + 1.0 / (6 * fine * 8) + 1e-4);
         }
 }
 
-TEST_CASE("motion: the shutter and the transformations' times choose what is seen of the way", "[motion][render]") {
+TEST_CASE("motion: the shutter and the transformation times select the visible part of the motion",
+          "[motion][render]") {
     const auto covered = [&](const std::string& times, const std::string& shutter) {
         std::string text = silhouette(moving("Translate -1 0 0", "Translate 1 0 0", wall), times, 16, 256);
         text.replace(text.find("\"float fov\""), 0, shutter + " ");
-        // As much light whatever the shutter's time.
+        // The amount of light does not depend on the shutter.
         text.replace(text.find("\"integer xresolution\""), 0, "\"float exposuretime\" 1 ");
         const transport::RenderOutput output = render_of(scene_of(text));
         const std::vector<double> image = output.frame_buffer.resolve(output.beauty);
@@ -233,12 +236,12 @@ TEST_CASE("motion: the shutter and the transformations' times choose what is see
     CHECK(covered("", "\"float shutteropen\" 1 \"float shutterclose\" 2") == 1);
     CHECK(covered("", "\"float shutteropen\" -2 \"float shutterclose\" 0") == 0);
     CHECK(std::abs(covered("TransformTimes 0.25 0.75", "") - 0.5) <= error);
-    // Half of the time at the start, half on the way: 0 and then 1/2 on average.
+    // Half of the time at the start, half in motion: 0 and then 1/2 on average.
     CHECK(std::abs(covered("TransformTimes 0.5 1", "") - 0.25) <= error);
     CHECK(std::abs(covered("TransformTimes 0 4", "\"float shutterclose\" 4") - 0.5) <= error);
 }
 
-TEST_CASE("motion: a shutter that closes before it opens is turned round, with a word", "[motion]") {
+TEST_CASE("motion: a shutter that closes before it opens is swapped, with a warning", "[motion]") {
     const auto built = [](const std::string& shutter) {
         auto scene = transport::BuiltScene::build(
             scene_of("LookAt 0 0 -9  0 0 0  0 1 0\nCamera \"perspective\"\n" + shutter + "\nWorldBegin\n"));
@@ -255,7 +258,7 @@ TEST_CASE("motion: a shutter that closes before it opens is turned round, with a
     CHECK(built("\"float shutteropen\" 1").empty());
 }
 
-TEST_CASE("motion: stopped, all stands halfway", "[motion][effects]") {
+TEST_CASE("motion: stopped, everything stands in the middle of its motion", "[motion][effects]") {
     using raylex::transport::Effect;
     transport::SceneDescription scene =
         scene_of(silhouette(moving("Translate -1 0 0", "Translate 0.5 0 0", wall), {}, 16, 4));
@@ -268,8 +271,8 @@ TEST_CASE("motion: stopped, all stands halfway", "[motion][effects]") {
     for (int x = 0; x < 16; ++x) CHECK(hidden(image, 16, x, 3) == (x < 6 ? 1 : 0));  // the edge at -0.25
 }
 
-TEST_CASE("motion: positions and normals are those at each sample's time", "[motion][render][aovs]") {
-    // A wall that goes away from the camera by 2 and turns about the view's axis.
+TEST_CASE("motion: positions and normals are those of each sample's time", "[motion][render][aovs]") {
+    // A wall that moves away from the camera by 2 and turns about the view's axis.
     const std::string everywhere =
         "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" "
         "[-9 -9 0 9 -9 0 9 9 0 -9 9 0]\n";
@@ -290,8 +293,8 @@ TEST_CASE("motion: positions and normals are those at each sample's time", "[mot
     double depth = 0;
     for (std::size_t i = 0; i < position.size(); i += 3) {
         depth += position[i + 2] / 64;
-        CHECK(std::abs(normal[i + 2] + 1) < 1e-6);  // towards the camera, whatever the time
+        CHECK(std::abs(normal[i + 2] + 1) < 1e-6);  // towards the camera at all times
     }
-    // Times are even: a mean of 2 with a variance of 2^2 / 12 a sample.
+    // Times are uniform: a mean of 2 with a variance of 2^2 / 12 per sample.
     CHECK(std::abs(depth - 2) <= quantile * 2 / std::sqrt(12.0 * 64 * samples));
 }

@@ -1,4 +1,4 @@
-// Times and cones along rays: nothing reads them yet, so only this says that they arrive.
+// Times and cones along rays: no renderer reads them yet, so only this test checks that they are passed on.
 #include <catch2/catch.hpp>
 #include <utility>
 #include <vector>
@@ -10,7 +10,7 @@
 
 using namespace raylex;
 
-TEST_CASE("hits and the rays that leave them keep the time and widen the cone by the distance", "[geometry]") {
+TEST_CASE("hits and leaving rays keep the time, and the cone widens with the distance", "[geometry]") {
     auto scene = transport::import_pbrt_text(R"(
 WorldBegin
 Shape "sphere" "float radius" 1
@@ -38,7 +38,7 @@ Shape "sphere" "float radius" 1
     }
 }
 
-TEST_CASE("camera rays begin with a pixel's angle", "[camera]") {
+TEST_CASE("camera rays begin with the angle of a pixel", "[camera]") {
     // 90 degrees over 64 pixels: 2 / 64 on the plane at distance 1.
     std::vector<Error> warnings;
     const auto camera = transport::make_camera({}, {transport::Transform(), 64, 64}, warnings);

@@ -1,4 +1,4 @@
-// Curves in scene files: what they become, and what is refused or said of them.
+// Curves in scene files: their shapes, errors and warnings.
 #include <catch2/catch.hpp>
 
 #include "transport/embree/embree_scene.h"
@@ -21,7 +21,7 @@ EmbreeScene embree_of(const SceneDescription& scene) {
 
 }  // namespace
 
-TEST_CASE("curves that share all but their points are one shape", "[curves][import]") {
+TEST_CASE("curves that differ only in their points are one shape", "[curves][import]") {
     const std::string curve = "Shape \"curve\" \"point3 P\" [0 0 0 0 1 0 0 2 0 0 3 0]\n";
     const SceneDescription scene = scene_of(
         "WorldBegin\nMakeNamedMaterial \"hair\" \"string type\" \"diffuse\"\n"
@@ -37,7 +37,7 @@ TEST_CASE("curves that share all but their points are one shape", "[curves][impo
     CHECK(built.shapes()[3].curves.reversed);
 }
 
-TEST_CASE("B-splines and quadratic curves become the Bezier segments that they are", "[curves][import]") {
+TEST_CASE("B-splines and quadratic curves become equivalent Bezier segments", "[curves][import]") {
     const auto points = [](const std::string& text) {
         return scene_of("WorldBegin\nShape \"curve\" " + text).shapes.at(0).positions;
     };
@@ -58,7 +58,7 @@ TEST_CASE("B-splines and quadratic curves become the Bezier segments that they a
     CHECK(cubic[6] == StoredVec3{1, 5, 0});
 }
 
-TEST_CASE("curves that cannot be meant are errors at their line", "[curves][import][law7]") {
+TEST_CASE("invalid curves are errors at their line", "[curves][import][law7]") {
     const auto error = [](const std::string& text) { return error_of("WorldBegin\nShape \"curve\" " + text); };
     const std::string four = "\"point3 P\" [0 0 0 0 1 0 0 2 0 0 3 0] ";
     struct Case {
@@ -95,11 +95,11 @@ TEST_CASE("a curve of an unknown type is a cylinder, as in pbrt", "[curves][impo
     CHECK(scene.shapes[0].curve_type == CurveType::cylinder);
     REQUIRE(scene.warnings.size() == 1);
     CHECK(contains(scene.warnings[0].message,
-                   "'type' of a curve is 'round'; expected flat, cylinder or ribbon, and it is taken as cylinder"));
+                   "'type' of a curve is 'round'; expected flat, cylinder or ribbon. It is read as cylinder"));
     CHECK(scene.warnings[0].line == 3);
 }
 
-TEST_CASE("what of curves is left out or means nothing is said, once", "[curves][import]") {
+TEST_CASE("omitted parts and unused parameters of curves give one warning each", "[curves][import]") {
     const std::string four = "Shape \"curve\" \"integer splitdepth\" 2 \"point3 P\" [0 0 0 0 1 0 0 2 0 0 3 0]\n";
     const SceneDescription scene = scene_of("WorldBegin\n" + four + four +
                                             "Shape \"curve\" \"point3 P\" [1 1 1 1 1 1 1 1 1 1 1 1]\n"

@@ -1,4 +1,4 @@
-// The colour space of image files: what an OpenEXR file says of it, and what lights and textures make of that.
+// The colour space of image files: its declaration in OpenEXR files, and its use in lights and textures.
 #include <catch2/catch.hpp>
 
 #include <string>
@@ -54,7 +54,7 @@ Rgb texture_colour(const std::string& file, ColorSpace space, SpectrumRole role)
     return table->rgb(*id, {0.5f, 0.5f, {}, {}, nullptr, {}});
 }
 
-/// Expected values are of matrices from the chromaticities above; ours integrate the whites' spectra, whose
+/// Expected values use matrices from the chromaticities above. raylex integrates the whites' spectra, whose
 /// chromaticities are those rounded to four digits: 2e-4 of a colour.
 void check_colour(const Rgb& found, const Rgb& expected) {
     CAPTURE(found.r, found.g, found.b);
@@ -65,7 +65,7 @@ void check_colour(const Rgb& found, const Rgb& expected) {
 
 using namespace image_colours;
 
-TEST_CASE("an OpenEXR image says in which space its colours are", "[image]") {
+TEST_CASE("an OpenEXR image declares the space of its colours", "[image]") {
     const raylex::test::Folder folder;
     const auto space_of = [&](const char* name, const Imf::Chromaticities* chromaticities) {
         const auto image = read_image(write(folder, name, Rgb(1), chromaticities));
@@ -89,7 +89,7 @@ TEST_CASE("an OpenEXR image says in which space its colours are", "[image]") {
     CHECK(warned.warnings[0].message.find("taken as sRGB") != std::string::npos);
 }
 
-TEST_CASE("an unknown space is warned of where colours are used, and nowhere else", "[image]") {
+TEST_CASE("an unknown space gives a warning only where colours are used", "[image]") {
     const raylex::test::Folder folder;
     const std::string file = write(folder, "acescg.exr", Rgb(1), &acescg);
     const auto warnings = [](SceneTexture texture) {
@@ -108,13 +108,13 @@ TEST_CASE("an unknown space is warned of where colours are used, and nowhere els
     CHECK(lit("LightSource \"goniometric\" \"string filename\" \"" + file + "\" Shape \"sphere\"").warnings.empty());
 }
 
-TEST_CASE("a light without a colour shines in the white of its own colour space", "[import][lights]") {
+TEST_CASE("a light without a colour emits the white of its own colour space", "[import][lights]") {
     const auto emission = [](const std::string& film, const std::string& block, const std::string& light) {
         const Lit scene = lit("AttributeBegin ColorSpace \"" + block + "\" " + light + " AttributeEnd Shape \"sphere\"",
                               "ColorSpace \"" + film + "\" Film \"rgb\" ");
         return scene.lights.lights()[0].emission;
     };
-    // D60 at Y = 1 in sRGB, and D65 in ACES2065-1: by the chromaticities above.
+    // D60 at Y = 1 in sRGB, and D65 in ACES2065-1, by the chromaticities above.
     const std::string area = "AreaLightSource \"diffuse\" Shape \"disk\"";
     for (const std::string& light :
          {std::string("LightSource \"point\""), std::string("LightSource \"infinite\""), area})
@@ -133,7 +133,7 @@ TEST_CASE("a light without a colour shines in the white of its own colour space"
     check_colour(by_attribute.lights.environment_radiance(0, {}, {0, 0, 1}), Rgb(2));
 }
 
-TEST_CASE("the mean that takes an image's place has its colour, and its sign", "[image][effects]") {
+TEST_CASE("the mean that replaces an image has its colour and its sign", "[image][effects]") {
     const raylex::test::Folder folder;
     const std::string wall = write(folder, "wall.exr", {Real(.5), Real(.4), Real(.3)}, &aces),
                       pit = write(folder, "pit.exr", {Real(-1), Real(-2), Real(-3)}, nullptr);
@@ -142,7 +142,7 @@ TEST_CASE("the mean that takes an image's place has its colour, and its sign", "
         raylex::test::colour_texture("imagemap", "wall", {raylex::test::string("filename", wall)}), color);
     REQUIRE(mean.ok());
     const Rgb shown = texture_colour(wall, ColorSpace::srgb, SpectrumRole::albedo);
-    for (std::size_t c = 0; c < 3; ++c)  // a constant image is its mean, to a rounding of float
+    for (std::size_t c = 0; c < 3; ++c)  // a constant image equals its mean, to a rounding of float
         CHECK(mean->at(c) == Approx(static_cast<double>(shown[static_cast<int>(c)])).epsilon(1e-6));
     const auto depth =
         mean_of_image(raylex::test::real_texture("imagemap", "pit", {raylex::test::string("filename", pit)}), color);
@@ -150,7 +150,7 @@ TEST_CASE("the mean that takes an image's place has its colour, and its sign", "
     CHECK(depth->at(0) == Approx(-2));
 }
 
-TEST_CASE("an image's light keeps its colour whatever the scene's space, and an albedo its grey", "[image][lights]") {
+TEST_CASE("light of an image keeps its colour in every scene space, and an albedo keeps its grey", "[image][lights]") {
     const raylex::test::Folder folder;
     const std::string file = write(folder, "aces.exr", {Real(.5), Real(.2), Real(.1)}, &aces),
                       white = write(folder, "white.exr", Rgb(1), &aces),
@@ -168,7 +168,7 @@ TEST_CASE("an image's light keeps its colour whatever the scene's space, and an 
     CHECK(texture_colour(wall, ColorSpace::aces2065_1, SpectrumRole::albedo) == Rgb(Real(.5), Real(.4), Real(.3)));
 }
 
-TEST_CASE("what a goniometric light averages stays as it is stored", "[image][lights]") {
+TEST_CASE("a goniometric light averages values as they are stored", "[image][lights]") {
     const raylex::test::Folder folder;
     const auto radiance = [&](const Imf::Chromaticities* chromaticities) {
         const std::string file = write(folder, chromaticities == nullptr ? "a.exr" : "b.exr",

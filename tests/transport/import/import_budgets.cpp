@@ -1,5 +1,5 @@
-// Law 7 for what is made to hurt: scenes that grow like powers, files that unpack without end, numbers that do not fit.
-// Budgets are lowered, so that what exceeds them is quick to make.
+// Law 7 for hostile input: scenes that grow exponentially, files that unpack to any size, numbers out of range. Budgets
+// are lowered, so that input that exceeds them is quick to make.
 #include <catch2/catch.hpp>
 
 #include <sys/stat.h>
@@ -65,7 +65,7 @@ std::string number(int i) {
 
 }  // namespace
 
-TEST_CASE("a mesh that unpacks to much more than its size is refused by its ratio, wherever the filling stands",
+TEST_CASE("a mesh that unpacks to much more than its size is refused by its ratio, wherever the padding is",
           "[law7][budget]") {
     const Folder folder;
     const BudgetGuard guard("unpack_floor=1K");
@@ -79,7 +79,7 @@ TEST_CASE("a mesh that unpacks to much more than its size is refused by its rati
     CHECK(read_ply(folder.write("a.ply.gz", packed(ply() + filling))).ok());
 }
 
-TEST_CASE("a PLY element count that no integer holds is an error and no count of 0", "[law7][budget]") {
+TEST_CASE("a PLY element count beyond all integers is an error, not a count of 0", "[law7][budget]") {
     for (const char* count :
          {"18446744073709551616", "99999999999999999999999", "9223372036854775808", "-1", "1e3", "3x", ""}) {
         std::string text = ply();
@@ -115,10 +115,10 @@ TEST_CASE("normals that are not finite are computed from the faces, with a warni
     CHECK(inline_scene.shapes[0].normals[1] == Vec3{0, 0, -1});
 }
 
-TEST_CASE("zero normals, numbers as Windows wrote them and broken texture coordinates do not stop a mesh",
+TEST_CASE("zero normals, numbers in Windows spelling and invalid texture coordinates do not prevent loading a mesh",
           "[law7][import]") {
     const Folder folder;
-    // Normals against the way the face goes around: the computed one goes with its neighbours.
+    // The normals oppose the orientation of the face: the computed normal agrees with its neighbours.
     folder.write("a.ply",
                  "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
                  "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n"
@@ -136,7 +136,7 @@ TEST_CASE("zero normals, numbers as Windows wrote them and broken texture coordi
     CHECK(scene->shapes[0].uvs[1] == StoredVec2{0, 0});
 }
 
-TEST_CASE("a number beyond float is an error where it stands", "[law7][import]") {
+TEST_CASE("a number beyond float is an error at its position", "[law7][import]") {
     for (const char* text : {"WorldBegin\nLightSource \"point\" \"rgb I\" [1e39 1 1]",
                              "WorldBegin\nLightSource \"point\" \"float scale\" 1e39",
                              "WorldBegin\nMaterial \"conductor\" \"float roughness\" -1e40",
@@ -150,7 +150,7 @@ TEST_CASE("a number beyond float is an error where it stands", "[law7][import]")
     }
 }
 
-TEST_CASE("a text may begin with a byte order mark", "[import]") {
+TEST_CASE("a file may begin with a byte order mark", "[import]") {
     const Folder folder;
     folder.write("part.pbrt", "\xef\xbb\xbfShape \"plymesh\" \"string filename\" \"a.ply\"\n");
     folder.write("a.ply", "\xef\xbb\xbf" + ply());
@@ -160,7 +160,7 @@ TEST_CASE("a text may begin with a byte order mark", "[import]") {
     CHECK(scene->shapes.size() == 1);
 }
 
-TEST_CASE("files that each include the next twice end at a budget, soon", "[law7][budget]") {
+TEST_CASE("files that each include the next twice soon exceed a budget", "[law7][budget]") {
     const Folder folder;
     for (int i = 0; i < 29; ++i) {
         const std::string next = "Include \"" + number(i + 1) + ".pbrt\"\n";
@@ -175,7 +175,7 @@ TEST_CASE("files that each include the next twice end at a budget, soon", "[law7
     CHECK(contains(message_of(import_pbrt(folder.path("0.pbrt"))), "the budget include_depth is 5"));
 }
 
-TEST_CASE("what a scene names must be a regular file", "[law7][budget]") {
+TEST_CASE("files of a scene must be regular files", "[law7][budget]") {
     const Folder folder;
     REQUIRE(mkfifo(folder.path("pipe").c_str(), 0600) == 0);
     for (const std::string name : {"pipe", "/dev/zero", "."}) {
@@ -194,7 +194,7 @@ TEST_CASE("what a scene names must be a regular file", "[law7][budget]") {
     }
 }
 
-TEST_CASE("mixes of mixes share their parts: each material is looked at once", "[budget]") {
+TEST_CASE("mixes of mixes share their parts: each material is visited once", "[budget]") {
     std::string text = "WorldBegin MakeNamedMaterial \"m0\" \"string type\" \"diffuse\"\n";
     for (int i = 1; i < 40; ++i)
         text += "MakeNamedMaterial \"m" + number(i) + "\" \"string type\" \"mix\" \"string materials\" [\"m" +
@@ -208,12 +208,12 @@ TEST_CASE("mixes of mixes share their parts: each material is looked at once", "
     materials->material(scene.materials.size() - 1)->append_lobes(lobes);
     CHECK(lobes.size() == 1);
     CHECK(materials->material(scene.materials.size() - 1)->interior() ==
-          nullptr);  // asked of each once, not 2^39 times
+          nullptr);  // each is visited once, not 2^39 times
     const BudgetGuard guard("material_depth=38");
     CHECK(contains(message_of(build(scene)), "the budget material_depth is 38"));
 }
 
-TEST_CASE("textures that each use the one before end at a budget, by depth or by work, in linear time",
+TEST_CASE("textures that each use the previous one exceed a budget of depth or work, in linear time",
           "[law7][budget]") {
     const auto chain = [](int count, const std::string& type, const std::string& inputs) {
         std::string text = "WorldBegin Texture \"t0\" \"float\" \"checkerboard\"\n";
@@ -228,7 +228,7 @@ TEST_CASE("textures that each use the one before end at a budget, by depth or by
     const auto start = std::chrono::steady_clock::now();
     const SceneDescription deep = scene_of(chain(20'000, "scale", "\"texture tex\" \"@\" \"float scale\" .5"));
     CHECK(contains(message_of(build(deep)), "the budget texture_depth is 512"));
-    // 0.1 s here; each texture against all before it took 20 s.
+    // 0.1 s here; comparing each texture with all earlier ones took 20 s.
     CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < 5);
     CHECK(build(scene_of(chain(500, "scale", "\"texture tex\" \"@\" \"float scale\" .5"))).ok());
     const SceneDescription wide = scene_of(chain(39, "mix", "\"texture tex1\" \"@\" \"texture tex2\" \"@\""));
@@ -237,13 +237,13 @@ TEST_CASE("textures that each use the one before end at a budget, by depth or by
     CHECK(refused.error().line > 1);
 }
 
-TEST_CASE("blocks inside one another end at a budget", "[law7][budget]") {
+TEST_CASE("nested blocks have a budget", "[law7][budget]") {
     std::string text = "WorldBegin\n";
     for (int i = 0; i < 5'000; ++i) text += "AttributeBegin\n";
     CHECK(contains(error_of(text).to_string(), "the budget block_depth is 4096"));
 }
 
-TEST_CASE("parameters of one directive end at a budget", "[law7][budget]") {
+TEST_CASE("parameters of one directive have a budget", "[law7][budget]") {
     std::string distinct = "WorldBegin\nShape \"sphere\"\n", repeated = distinct;
     for (int i = 0; i < 5'000; ++i) {
         distinct += "\"float r" + std::to_string(i) + "\" 1 ";
@@ -256,8 +256,7 @@ TEST_CASE("parameters of one directive end at a budget", "[law7][budget]") {
     }
 }
 
-TEST_CASE("parameters set by Attribute end at a budget, and cost each shape no more than their number",
-          "[law7][budget]") {
+TEST_CASE("parameters set by Attribute have a budget and linear cost per shape", "[law7][budget]") {
     const auto attributes = [](int count) {
         std::string text = "WorldBegin\nAttribute \"shape\"";
         for (int i = 0; i < count; ++i)
@@ -271,11 +270,11 @@ TEST_CASE("parameters set by Attribute end at a budget, and cost each shape no m
     for (int i = 0; i < 500; ++i) text += "Shape \"sphere\"\n";
     const auto start = std::chrono::steady_clock::now();
     CHECK(scene_of(text).shapes.size() == 500);
-    // 0.5 s here; those that mean nothing to spheres, taken out one by one, took minutes.
+    // 0.5 s here; removing those unknown to spheres one by one took minutes.
     CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < 20);
 }
 
-TEST_CASE("what shapes use of thousands of textures and materials is found in linear time", "[budget]") {
+TEST_CASE("the textures and materials in use are found among thousands in linear time", "[budget]") {
     std::string text = "WorldBegin\n", shapes;
     for (int i = 0; i < 30'000; ++i) {
         text += "Texture \"t" + number(i) + "\" \"spectrum\" \"constant\"\n";
@@ -284,11 +283,11 @@ TEST_CASE("what shapes use of thousands of textures and materials is found in li
     const SceneDescription scene = scene_of(text + shapes);
     const auto start = std::chrono::steady_clock::now();
     CHECK(UsedSurfaces(scene).textures().size() == 30'000);
-    // 0.02 s here; each name against all took 16 s.
+    // 0.02 s here; comparing each name with all took 16 s.
     CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < 5);
 }
 
-TEST_CASE("an image of more pixels than its bytes can mean is refused before it is unpacked", "[law7][budget]") {
+TEST_CASE("an image with more pixels than its bytes can encode is refused before it is unpacked", "[law7][budget]") {
     const Folder folder;
     const auto be = [](unsigned value) {
         std::string bytes;
@@ -303,7 +302,7 @@ TEST_CASE("an image of more pixels than its bytes can mean is refused before it 
                std::string(1'000, '\0');
     };
     const std::string png = png_of(30'000, 20'000);
-    // libpng would have memory for a row of 2 GB before it says how many bytes a row has.
+    // libpng would allocate a row of 2 GB before it reports the number of bytes in a row.
     CHECK(contains(message_of(read_image(folder.write("row.png", png_of(0x7fffffff, 1)))),
                    "the budget image_pixels is 268435456"));
     CHECK(contains(message_of(read_image(folder.write("a.png", png))), "the budget image_pixels is 268435456"));
@@ -323,7 +322,7 @@ TEST_CASE("an image of more pixels than its bytes can mean is refused before it 
     CHECK_FALSE(read_image(folder.write("a.tga", tga)));
 }
 
-TEST_CASE("an HDR image whose runs do not fill its lines is an error and not a wait without end", "[law7]") {
+TEST_CASE("an HDR image whose runs do not fill its lines is an error, not an endless loop", "[law7]") {
     const Folder folder;
     const std::string header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 8\n", start("\x02\x02\x00\x08", 4);
     const std::string line = start + "\x88\x80\x88\x80\x88\x80\x88\x80";

@@ -1,4 +1,4 @@
-// Every directive of pbrt-v4, by what it does to the scene.
+// Every directive of pbrt-v4, tested by its effect on the scene.
 #include <catch2/catch.hpp>
 
 #include <zlib.h>
@@ -62,7 +62,7 @@ TEST_CASE("settings before WorldBegin are kept as written", "[import]") {
     CHECK(scene.warnings[0].line == 2);
 }
 
-TEST_CASE("materials, textures, lights and shapes are kept with their surroundings", "[import]") {
+TEST_CASE("materials, textures, lights and shapes are kept with their graphics state", "[import]") {
     const SceneDescription scene = scene_of(R"(WorldBegin
         Texture "grain" "float" "constant" "float value" 0.5
         Translate 1 2 3
@@ -112,7 +112,7 @@ TEST_CASE("materials, textures, lights and shapes are kept with their surroundin
     CHECK(scene.shapes[3].indices == std::vector<std::uint32_t>{0, 1, 2, 3});
 }
 
-TEST_CASE("Attribute fills what a directive leaves open, until its block ends", "[import]") {
+TEST_CASE("Attribute sets parameters that a directive does not give, until its block ends", "[import]") {
     const SceneDescription scene = scene_of(R"(WorldBegin
         AttributeBegin
           Attribute "shape" "float radius" 3
@@ -135,7 +135,7 @@ TEST_CASE("Attribute fills what a directive leaves open, until its block ends", 
     CHECK(scene.warnings.empty());
 }
 
-TEST_CASE("objects hold shapes in their own space and instances carry the transform", "[import]") {
+TEST_CASE("objects contain shapes in their own space and instances contain the transform", "[import]") {
     const SceneDescription scene = scene_of(
         "WorldBegin ObjectInstance \"tree\"\n"
         "AttributeBegin Translate 5 0 0 ObjectBegin \"tree\" Scale 2 2 2\n" +
@@ -143,16 +143,16 @@ TEST_CASE("objects hold shapes in their own space and instances carry the transf
     REQUIRE(scene.objects.size() == 1);
     REQUIRE(scene.objects[0].shapes.size() == 1);
     CHECK(placed(scene.objects[0].shapes[0]).positions[1] ==
-          Vec3{7, 0, 0});  // the transform at the definition acts inside
+          Vec3{7, 0, 0});  // the transform at the definition is part of the object
     REQUIRE(scene.instances.size() == 2);
     CHECK(scene.instances[0].object == 0);
     CHECK(scene.instances[0].to_world.is_identity());
-    CHECK(scene.instances[1].to_world.point({0, 0, 0}) == Vec3{5, 1, 0});  // ObjectEnd took the scale away again
+    CHECK(scene.instances[1].to_world.point({0, 0, 0}) == Vec3{5, 1, 0});  // ObjectEnd restored the scale
     REQUIRE(scene.shapes.size() == 1);
     CHECK(placed(scene.shapes[0]).positions[1] == Vec3{1, 0, 0});
 }
 
-TEST_CASE("an area light inside an object stays dark, as in pbrt, and says so", "[import]") {
+TEST_CASE("an area light inside an object emits nothing, as in pbrt, with a warning", "[import]") {
     const SceneDescription scene =
         scene_of("WorldBegin ObjectBegin \"o\"\nAreaLightSource \"diffuse\"\n" + triangle_line + "ObjectEnd");
     CHECK(scene.objects[0].shapes[0].area_light == -1);
@@ -160,7 +160,7 @@ TEST_CASE("an area light inside an object stays dark, as in pbrt, and says so", 
     CHECK(contains(scene.warnings[0].message, "do not emit"));
 }
 
-TEST_CASE("Include continues the state, Import does not leak it, and both read gzip files", "[import]") {
+TEST_CASE("Include shares the graphics state, Import has its own, and both read gzip files", "[import]") {
     const Folder folder;
     folder.write("parts/inner.pbrt", triangle_line);
     folder.write("parts/included.pbrt.gz", gzip("Translate 1 0 0 Include \"parts/inner.pbrt\"\n"));
@@ -179,7 +179,7 @@ TEST_CASE("Include continues the state, Import does not leak it, and both read g
     CHECK(scene->shapes[1].label == "m");
     CHECK(placed(scene->shapes[2]).positions[0] == Vec3{1, 0, 0});  // the import's translation ended with it
     CHECK(scene->shapes[2].label.empty());
-    CHECK(scene->shapes[4].label == "m");  // its named material did not
+    CHECK(scene->shapes[4].label == "m");  // the import's named material remains
 }
 
 TEST_CASE("file names become absolute, the scene's folder before the including file's", "[import]") {
@@ -215,7 +215,7 @@ TEST_CASE("a parameter given twice keeps the last value", "[import]") {
     CHECK(contains(scene.warnings[0].message, "given twice"));
 }
 
-TEST_CASE("rgb values under another colour space move to the film's", "[import]") {
+TEST_CASE("rgb values in another colour space are converted to the film's", "[import]") {
     const SceneDescription scene = scene_of(R"(Film "rgb"
         WorldBegin ColorSpace "rec2020"
         Material "diffuse" "rgb reflectance" [1 1 1]
@@ -225,7 +225,7 @@ TEST_CASE("rgb values under another colour space move to the film's", "[import]"
     const auto numbers = [](const SceneEntity& entity, const char* name) {
         return entity.parameters.find(name)->numbers;
     };
-    // Both spaces share D65; 1e-9 is the rounding of two matrix products.
+    // Both spaces share D65; 1e-9 covers the rounding of two matrix products.
     for (const double c : numbers(scene.materials[1], "reflectance")) CHECK(c == Approx(1).margin(1e-9));
     for (const double c : numbers(scene.lights[0], "L")) CHECK(c == Approx(2).margin(1e-9));
     // BT.2087: linear Rec. 2020 to Rec. 709; 2e-3 covers its rounded white point.
@@ -233,7 +233,7 @@ TEST_CASE("rgb values under another colour space move to the film's", "[import]"
     CHECK(rgb[0] == Approx(1.6605 * 0.5 - 0.5876 * 0.2 - 0.0728 * 0.1).margin(2e-3));
     CHECK(rgb[1] == Approx(-0.1246 * 0.5 + 1.1329 * 0.2 - 0.0083 * 0.1).margin(2e-3));
     CHECK(rgb[2] == Approx(-0.0182 * 0.5 - 0.1006 * 0.2 + 1.1187 * 0.1).margin(2e-3));
-    CHECK(numbers(scene.materials[3], "eta") == std::vector<double>{0.2, 0.9, 1.1});  // no colour: untouched
+    CHECK(numbers(scene.materials[3], "eta") == std::vector<double>{0.2, 0.9, 1.1});  // not a colour: unchanged
 }
 
 TEST_CASE("a million numbers in one list parse in linear time", "[import]") {
@@ -259,7 +259,7 @@ TEST_CASE("the scenes that ship with the project are read without a warning", "[
     }
 }
 
-TEST_CASE("media stand on the sides that MediumInterface names, and around the camera", "[import]") {
+TEST_CASE("media are on the sides that MediumInterface names, and around the camera", "[import]") {
     const SceneDescription scene = scene_of(R"(
         MakeNamedMedium "a" "string type" "homogeneous" "rgb sigma_s" [2 3 4]
         MakeNamedMedium "b" "string type" "homogeneous" "string preset" "Skin1"
@@ -299,7 +299,7 @@ TEST_CASE("media stand on the sides that MediumInterface names, and around the c
     CHECK((*media)[1].sigma_a == raylex::Rgb(0.032f, 0.17f, 0.48f));
 }
 
-TEST_CASE("media that cannot be are refused where they are written", "[import][law7]") {
+TEST_CASE("invalid media are errors at their position", "[import][law7]") {
     struct Slip {
         const char *text, *message, *hint;
     };
@@ -330,10 +330,11 @@ TEST_CASE("media that cannot be are refused where they are written", "[import][l
         "\"rgb sigma_a\" [1 1 1] MediumInterface \"fog\"\nCamera \"perspective\"\nWorldBegin\nShape \"sphere\"");
     REQUIRE(MediumTable::build(odd, warnings).ok());
     REQUIRE(warnings.size() == 1);
-    CHECK(contains(warnings[0].message, "'sigma_a' means nothing to medium 'fog'"));
+    CHECK(contains(warnings[0].message, "'sigma_a' has no effect on medium 'fog'"));
 }
 
-TEST_CASE("a medium of an unknown preset has its coefficients, and an asymmetry is bounded, as in pbrt", "[import]") {
+TEST_CASE("a medium with an unknown preset uses its coefficients, and the asymmetry is clamped, as in pbrt",
+          "[import]") {
     const SceneDescription scene = scene_of(
         "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\n\"string preset\" \"Skin\"\n\"float g\" -1\n"
         "\"rgb sigma_s\" [2 3 4] MediumInterface \"fog\"\nCamera \"perspective\"\nWorldBegin\nShape \"sphere\"");
@@ -344,8 +345,8 @@ TEST_CASE("a medium of an unknown preset has its coefficients, and an asymmetry 
     CHECK((*media)[0].sigma_a == raylex::Rgb(1));
     CHECK((*media)[0].g == Real(-0.99));
     REQUIRE(warnings.size() == 2);
-    CHECK(contains(warnings[0].message, "no medium was measured under the name 'Skin'; expected one of: Apple"));
-    CHECK(contains(warnings[0].message, "'sigma_a' and 'sigma_s' count instead"));
+    CHECK(contains(warnings[0].message, "there is no measured medium 'Skin'; expected one of: Apple"));
+    CHECK(contains(warnings[0].message, "'sigma_a' and 'sigma_s' are used instead"));
     CHECK(contains(warnings[0].hint, "'Skin1'"));
     CHECK(warnings[0].line == 2);
     CHECK(contains(warnings[1].message, "'g' is -1; expected an asymmetry above -1 and below 1"));

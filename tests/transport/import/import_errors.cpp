@@ -1,4 +1,4 @@
-// Law 7 for scene files: every slip is named with file, line, column, what was found and what was expected.
+// Law 7 for scene files: every error names file, line, column, what was found and what was expected.
 #include <catch2/catch.hpp>
 
 #include "tests/transport/import_support.h"
@@ -177,7 +177,7 @@ void check(const Slip& slip) {
     CHECK(error.column == slip.column);
     CHECK(contains(error.message, slip.message));
     CHECK(contains(error.hint, slip.hint));
-    // The excerpt is the line itself, so that the caret stands under the slip.
+    // The excerpt is the line itself, so that the caret is below the mistake.
     std::string line = slip.text;
     for (int i = 1; i < slip.line; ++i) line.erase(0, line.find('\n') + 1);
     CHECK(error.excerpt == line.substr(0, line.find('\n')));
@@ -189,7 +189,7 @@ TEST_CASE("a syntax error names line, column, what was found and what was expect
     for (const Slip& slip : syntax) check(slip);
 }
 
-TEST_CASE("an error of meaning names line, column and near misses", "[law7][import]") {
+TEST_CASE("a semantic error names line, column and close matches", "[law7][import]") {
     for (const Slip& slip : meaning) check(slip);
 }
 
@@ -204,7 +204,7 @@ TEST_CASE("an error inside an included file names that file", "[law7][import]") 
     CHECK(scene.error().column == 3);
 }
 
-TEST_CASE("a file that includes itself by a detour is an error", "[law7][import]") {
+TEST_CASE("a file that includes itself indirectly is an error", "[law7][import]") {
     const Folder folder;
     folder.write("a.pbrt", "# a comment\n  Include \"parts/../b.pbrt\"");
     folder.write("b.pbrt", "Include \"a.pbrt\"");
@@ -230,7 +230,7 @@ TEST_CASE("a missing scene, a folder and a truncated gzip file are errors that n
     CHECK(contains(truncated.error().message, "truncated gzip"));
 }
 
-TEST_CASE("a long line is cut in the excerpt and the message still names the slip", "[law7][import]") {
+TEST_CASE("a long line is cut in the excerpt and the message still names the mistake", "[law7][import]") {
     std::string text = "WorldBegin Shape \"trianglemesh\" \"point3 P\" [";
     for (int i = 0; i < 1000; ++i) text += "1 2 3 ";
     const raylex::Error error = error_of(text + "x ]");

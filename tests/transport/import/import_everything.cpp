@@ -1,4 +1,4 @@
-// Every parameter of every type that pbrt-v4 reads, in the notations that public scenes have them in: none is an error.
+// Every parameter of every type that pbrt-v4 reads, in the notations of public scenes: none is an error.
 #include <catch2/catch.hpp>
 
 #include "tests/transport/import_support.h"
@@ -198,7 +198,7 @@ NamedMaterial "nobody"
 
 }  // namespace
 
-TEST_CASE("every directive and parameter that pbrt-v4 reads is understood", "[import]") {
+TEST_CASE("every directive and parameter that pbrt-v4 reads is supported", "[import]") {
     const Folder folder;
     folder.write("a.pfm", "PF\n1 1\n-1\n" + std::string(12, '\0'));
     folder.write("a.ply",
@@ -216,7 +216,7 @@ TEST_CASE("every directive and parameter that pbrt-v4 reads is understood", "[im
     CHECK(scene.textures.size() == 17);
     CHECK(scene.media.size() == 7);
     CHECK(scene.shapes.size() == 15);
-    CHECK(scene.objects.size() == 3);  // the shape that moves is one
+    CHECK(scene.objects.size() == 3);  // including the shape that moves
     CHECK(scene.instances.size() == 3);
 }
 

@@ -1,4 +1,4 @@
-// Mutated scene, mesh and image texts: every one ends in a scene or an error, in bounded time.
+// Mutated scenes, meshes and images: each gives a scene or an error, in bounded time.
 #include <catch2/catch.hpp>
 
 #include <random>
@@ -75,7 +75,7 @@ void fuzz(const std::string& seed_text, int rounds, Check check) {
 
 }  // namespace
 
-TEST_CASE("mutated scenes end in a scene or in an error with a place", "[import][fuzz][law7]") {
+TEST_CASE("mutated scenes give a scene or an error with a position", "[import][fuzz][law7]") {
     REQUIRE(import_pbrt_text(scene_text, "fuzz.pbrt"));
     int accepted = 0, refused = 0;
     fuzz(scene_text, 20000, [&](const std::string& text) {
@@ -89,7 +89,7 @@ TEST_CASE("mutated scenes end in a scene or in an error with a place", "[import]
     CHECK(refused > 100);
 }
 
-TEST_CASE("mutated PLY files end in a mesh of valid indices or in an error", "[import][ply][fuzz][law7]") {
+TEST_CASE("mutated PLY files give a mesh with valid indices or an error", "[import][ply][fuzz][law7]") {
     REQUIRE(parse_ply(ply_text, "fuzz.ply"));
     std::string binary = ply_text.substr(0, ply_text.find("end_header\n") + 11);
     binary.replace(binary.find("ascii"), 5, "binary_little_endian");

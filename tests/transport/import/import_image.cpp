@@ -1,4 +1,4 @@
-// Image files: orientation, byte order, encodings, and files cut short.
+// Image files: orientation, byte order, encodings, and truncated files.
 #include <catch2/catch.hpp>
 
 #include <zlib.h>
@@ -48,8 +48,8 @@ std::string deflated(const std::string& bytes) {
     return packed;
 }
 
-/// `rows`: filter byte 0 and big-endian samples per row. color: 0 grey, 2 RGB, 3 palette, 4 grey with alpha, 6 RGBA.
-/// `chunks` stand before the pixels.
+/// Makes a PNG. `rows`: filter byte 0 and big-endian samples for each row. color: 0 grey, 2 RGB, 3 palette, 4 grey with
+/// alpha, 6 RGBA. `chunks` precede the pixels.
 std::string png(std::uint32_t width, std::uint32_t height, int depth, int color, const std::string& rows,
                 const std::string& chunks = {}, int interlacing = 0) {
     std::string header = big_endian(width);
@@ -70,7 +70,7 @@ std::string float_bytes(std::initializer_list<float> values, std::endian order) 
     return bytes;
 }
 
-/// Every proper prefix of `content` must be refused with the file's name, from `least` bytes up.
+/// Checks that every proper prefix of `content` of at least `least` bytes is refused with the file's name.
 void check_truncation(const Folder& folder, const std::string& name, const std::string& content, std::size_t step = 1) {
     for (std::size_t size = 0; size < content.size(); size += step) {
         const auto image = read_image(folder.write(name, content.substr(0, size)));
@@ -106,7 +106,7 @@ TEST_CASE("an 8-bit PNG is sRGB by default, linear or gamma on demand, row 0 on 
     }
 }
 
-TEST_CASE("a 16-bit PNG keeps its precision, and alpha is decoded as colours are", "[image]") {
+TEST_CASE("a 16-bit PNG keeps its precision, and alpha is decoded like colours", "[image]") {
     const Folder folder;
     using namespace std::string_literals;
     const Image grey = read(folder.write("g.png", png(2, 1, 16, 0, "\0\x80\x01\xff\xff"s)), "linear");
@@ -151,8 +151,8 @@ TEST_CASE("JPEG is read top-down", "[image]") {
     CHECK(image.at(8, 14, 2) > 0.9f);
 }
 
-TEST_CASE("JPEG may be progressive, grey or in four inks", "[image]") {
-    // 3 / 255: what quantisation at a quality of 95 leaves of one colour (steps of 1 to 3 for the mean of a block).
+TEST_CASE("JPEG may be progressive, grey or CMYK", "[image]") {
+    // 3 / 255: the quantisation error of one colour at quality 95 (steps of 1 to 3 for the mean of a block).
     const float step = 3 / 255.0f;
     CHECK(read(data_folder + "progressive.jpg").at(4, 4, 0) > 0.9f);
     const Image grey = read(data_folder + "grey.jpg", "linear");
@@ -167,7 +167,7 @@ TEST_CASE("JPEG may be progressive, grey or in four inks", "[image]") {
     }
 }
 
-TEST_CASE("a JPEG that is cut short is what there is of it, with a warning", "[image]") {
+TEST_CASE("the existing part of a truncated JPEG is read, with a warning", "[image]") {
     const Folder folder;
     const std::string whole = raylex::test::read_bytes(data_folder + "halves.jpg"), scan = "\xff\xda";
     const std::size_t header = whole.rfind(scan), data = header + 14;
@@ -188,16 +188,16 @@ TEST_CASE("a JPEG that is cut short is what there is of it, with a warning", "[i
     }
 }
 
-TEST_CASE("a JPEG that is damaged is an error with the decoder's reason", "[law7][image]") {
+TEST_CASE("a damaged JPEG is an error with the decoder's reason", "[law7][image]") {
     const Folder folder;
-    // The next scan's table cannot be read, after a warning that the file ends: there is an error, and no picture.
+    // The next scan's table cannot be read, after a warning that the file ends: the result is an error, not an image.
     const std::string progressive = raylex::test::read_bytes(data_folder + "progressive.jpg"), table = "\xff\xc4";
     const std::size_t next = progressive.find(table, progressive.find("\xff\xda"));
     const auto broken = read_image(folder.write("p.jpg", progressive.substr(0, next + 6)));
     REQUIRE_FALSE(broken);
     CHECK(contains(broken.error().message, "JPEG: "));
     CHECK(read(folder.write("p.jpg", progressive.substr(0, next))).warning.find("Premature end") != std::string::npos);
-    // Found by fuzzing: Huffman tables of more codes than any decoder keeps.
+    // Found by fuzzing: Huffman tables with more codes than any decoder stores.
     const std::string tables = std::string("\xff\xd8\xff\xff\xc4\x02\x13\x00", 8) + std::string(16, '\x20') +
                                std::string(512, '\0') + "\xff\xda\xff\xd9";
     const auto image = read_image(folder.write("d.jpg", tables));
@@ -205,7 +205,7 @@ TEST_CASE("a JPEG that is damaged is an error with the decoder's reason", "[law7
     CHECK(contains(image.error().message, "JPEG: "));
 }
 
-TEST_CASE("a PNG may be interlaced, have a palette, bits for samples and a transparent colour", "[image]") {
+TEST_CASE("a PNG may be interlaced, and have a palette, 1-bit samples and a transparent colour", "[image]") {
     const Folder folder;
     using namespace std::string_literals;
     // Adam7 of 2 x 2: pass 1 is the pixel (0, 0), pass 6 is (1, 0), pass 7 is the second row.
@@ -218,14 +218,14 @@ TEST_CASE("a PNG may be interlaced, have a palette, bits for samples and a trans
     CHECK(transparent.pixels == std::vector<float>{1, 0, 0, 128 / 255.0f, 0, 1, 0, 1});
     const Image bits = read(folder.write("b.png", png(4, 1, 2, 0, "\0\x1b"s)), "linear");
     CHECK(bits.pixels == std::vector<float>{0, 85 / 255.0f, 170 / 255.0f, 1});
-    // The scene says how values are encoded, not the file.
+    // The scene decides how values are encoded, not the file.
     const std::string gamma = png_chunk("gAMA", big_endian(100'000));
     const Image marked = read(folder.write("g.png", png(1, 1, 8, 0, "\0\x80"s, gamma)), "linear");
     CHECK(marked.at(0, 0, 0) == 128 / 255.0f);
 }
 
 TEST_CASE("OpenEXR gives RGB, RGBA in its data window, luminance or a lone channel", "[image]") {
-    // Fixtures hold channel + 10 y + 100 x, exact in half.
+    // Fixtures contain channel + 10 y + 100 x, exact in half.
     const auto check = [](const Image& image, int channels) {
         REQUIRE(image.width == 3);
         REQUIRE(image.height == 2);
@@ -271,16 +271,16 @@ TEST_CASE("Radiance HDR keeps values above 1 and ignores the encoding", "[image]
     CHECK(read(folder.path("a.hdr")).pixels == image.pixels);
 }
 
-TEST_CASE("an image cut short anywhere is an error that names the file", "[image][law7]") {
+TEST_CASE("an image truncated anywhere is an error that names the file", "[image][law7]") {
     const Folder folder;
     using raylex::test::read_bytes;
     check_truncation(folder, "a.exr", read_bytes(data_folder + "rgb_half.exr"), 5);
     const std::string whole = read_bytes(raylex::test::source_dir() + "/experiments/scenes/still-life/leaf.png");
-    // The last 12 bytes are the empty end chunk: without it all pixels are there.
+    // The last 12 bytes are the empty end chunk; without it all pixels are complete.
     check_truncation(folder, "a.png", whole.substr(0, whole.size() - 12), 3);
 }
 
-TEST_CASE("what is no image is an error that lists the formats", "[image][law7]") {
+TEST_CASE("a file that is not an image is an error that lists the formats", "[image][law7]") {
     const Folder folder;
     const auto image = read_image(folder.write("a.png", "hello, I am text"));
     REQUIRE_FALSE(image);
@@ -288,6 +288,6 @@ TEST_CASE("what is no image is an error that lists the formats", "[image][law7]"
                    "unknown image format; expected PNG, JPEG, TGA, BMP, QOI, HDR, OpenEXR or PFM"));
     const auto gif = read_image(folder.write("a.gif", "GIF89a and the rest"));
     REQUIRE_FALSE(gif);
-    CHECK(contains(gif.error().message, "GIF images are not read; expected PNG"));
+    CHECK(contains(gif.error().message, "GIF images are not supported; expected PNG"));
     CHECK_FALSE(read_image(folder.path("missing.png")));
 }

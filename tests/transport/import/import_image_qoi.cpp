@@ -1,4 +1,4 @@
-// QOI images, put together by hand after the specification, and BMP: what every chunk means, and damaged files.
+// QOI images, written by hand from the specification, and BMP: the meaning of every chunk, and damaged files.
 #include <catch2/catch.hpp>
 
 #include <random>
@@ -36,14 +36,14 @@ Image read(const std::string& path, const std::string& encoding = {}) {
     return std::move(*image);
 }
 
-/// In 255ths.
+/// The values in units of 1/255.
 std::vector<int> values(const Image& image) {
     std::vector<int> all;
     for (const float value : image.pixels) all.push_back(static_cast<int>(std::lround(value * 255)));
     return all;
 }
 
-// (200, 10, 20) stands at place (600 + 50 + 140 + 2805) % 64 = 11.
+// (200, 10, 20) is at index (600 + 50 + 140 + 2805) % 64 = 11.
 const Bytes every_chunk{
     0xc1,  // a run of 2: black, opaque
     0xfe,
@@ -52,8 +52,8 @@ const Bytes every_chunk{
     20,                          // RGB
     0x40 | 3 << 4 | 0 << 2 | 2,  // differences of 1, -2 and 0
     0x80 | (32 - 9),
-    0x8f,  // green by -9, red by as much and 0 more, blue by 7 more
-    11,    // what was seen at place 11
+    0x8f,  // green by -9, red by the same, blue by 7 more
+    11,    // the pixel at index 11
     0xff,
     1,
     2,
@@ -65,17 +65,17 @@ const std::vector<int> every_pixel{0,  0,   0,   255, 0,  0,   0,   255, 200, 10
 
 }  // namespace
 
-TEST_CASE("a QOI image has the pixels that its chunks say", "[image]") {
+TEST_CASE("a QOI image has the pixels of its chunks", "[image]") {
     const Folder folder;
     const std::string whole = qoi(7, 1, 4, 1, every_chunk);
     const Image image = read(folder.write("a.qoi", whole));
     REQUIRE(image.channels == 4);
     CHECK(values(image) == every_pixel);
-    // Another name, and without alpha; a row is as long as the header says.
+    // With another name, and without alpha; the header sets the length of rows.
     const Image rgb = read(folder.write("a.png", qoi(1, 7, 3, 1, every_chunk)));
     CHECK((rgb.width == 1 && rgb.height == 7 && rgb.channels == 3));
     CHECK(rgb.at(0, 4, 1) == 1);
-    // The file says whether its values are linear, unless the scene does.
+    // The file declares whether its values are linear, unless the scene overrides it.
     const float half = 128 / 255.0f;
     CHECK(read(folder.write("l.qoi", qoi(1, 1, 3, 1, {0xfe, 128, 128, 128}))).pixels[0] == half);
     CHECK(read(folder.path("l.qoi"), "sRGB").pixels[0] == Approx(0.215861).margin(1e-6));  // IEC 61966-2-1 of 128/255
@@ -84,7 +84,7 @@ TEST_CASE("a QOI image has the pixels that its chunks say", "[image]") {
     CHECK(read(folder.path("s.qoi"), "linear").pixels[0] == half);
 }
 
-TEST_CASE("a QOI image that is cut short, damaged or absurd is an error that names the file", "[image][law7]") {
+TEST_CASE("a truncated, damaged or absurd QOI image is an error that names the file", "[image][law7]") {
     const Folder folder;
     const auto refused = [&](const std::string& content) {
         const auto image = read_image(folder.write("d.qoi", content));
@@ -95,18 +95,18 @@ TEST_CASE("a QOI image that is cut short, damaged or absurd is an error that nam
     const std::string whole = qoi(7, 1, 4, 1, every_chunk);
     for (std::size_t size = 4; size < whole.size(); ++size)
         CHECK(contains(refused(whole.substr(0, size)), "QOI is truncated"));
-    CHECK(contains(refused(qoi(8, 1, 4, 1, every_chunk)), "as many pixels as its header says"));
-    CHECK(contains(refused(qoi(1, 1, 4, 1, {0xc1})), "as many pixels as its header says"));  // a run of 2
-    CHECK(contains(refused(qoi(0, 1, 4, 1, every_chunk)), "QOI has no size"));
-    CHECK(contains(refused(qoi(0x80000000, 1, 4, 1, every_chunk)), "QOI has no size"));
+    CHECK(contains(refused(qoi(8, 1, 4, 1, every_chunk)), "as many pixels as its header states"));
+    CHECK(contains(refused(qoi(1, 1, 4, 1, {0xc1})), "as many pixels as its header states"));  // a run of 2
+    CHECK(contains(refused(qoi(0, 1, 4, 1, every_chunk)), "QOI header has no size"));
+    CHECK(contains(refused(qoi(0x80000000, 1, 4, 1, every_chunk)), "QOI header has no size"));
     CHECK(contains(refused(qoi(7, 1, 5, 1, every_chunk)), "other than 3 or 4 channels"));
     CHECK(contains(refused(qoi(7, 1, 4, 2, every_chunk)), "unknown colour space"));
-    // Refused by what the header says, before there is memory for it.
+    // Refused by the header, before memory is allocated.
     CHECK(contains(refused(qoi(0x7fffffff, 0x7fffffff, 4, 0, every_chunk)), "the image has 2147483647 x 2147483647"));
     CHECK(contains(refused(qoi(20000, 2000, 4, 0, every_chunk)), "the image has 20000 x 2000 pixels"));
 }
 
-TEST_CASE("a QOI image with bytes changed at random is read or refused", "[image][law7]") {
+TEST_CASE("a QOI image with random changes is read or refused", "[image][law7]") {
     const Folder folder;
     std::mt19937 random(7);
     const std::string whole = qoi(7, 1, 4, 1, every_chunk);
@@ -120,10 +120,10 @@ TEST_CASE("a QOI image with bytes changed at random is read or refused", "[image
         CHECK(image->pixels.size() ==
               std::size_t(image->width) * std::size_t(image->height) * std::size_t(image->channels));
     }
-    CHECK(read > 100);  // pixels are often all that differs
+    CHECK(read > 100);  // often only pixels differ
 }
 
-TEST_CASE("BMP is read from both ends, and refused where rows are missing", "[image]") {
+TEST_CASE("BMP is read from both ends, and refused if rows are missing", "[image]") {
     const Folder folder;
     const auto bmp = [](int height, int rows) {  // two pixels of 24 bits a row, padded to 8 bytes
         Bytes bytes{'B', 'M', 70, 0, 0, 0, 0, 0, 0, 0, 54, 0, 0, 0, 40, 0, 0, 0, 2, 0, 0, 0};

@@ -1,4 +1,4 @@
-// Labels and light groups for scenes that know nothing of them.
+// Labels and light groups for scenes that do not define any.
 #include <catch2/catch.hpp>
 
 #include "tests/transport/import_support.h"
@@ -60,14 +60,15 @@ TEST_CASE("the first rule that matches wins, over materials and mesh files alike
     CHECK(scene.objects[0].shapes[0].label == "rest");
 }
 
-TEST_CASE("instances go by their object's name and number", "[labels]") {
+TEST_CASE("instances are matched by their object's name and number", "[labels]") {
     SceneDescription scene = labelled_scene();
     apply(scene, {rule(Selector::instance, "tree:1", "second"), rule(Selector::instance, "tree", "all")});
     CHECK(scene.instances[0].label == "all");
     CHECK(scene.instances[1].label == "second");
 }
 
-TEST_CASE("lights go by kind and number in file order, area lights by their shape's material too", "[labels]") {
+TEST_CASE("lights are matched by kind and number in file order, area lights also by their shape's material",
+          "[labels]") {
     SceneDescription scene = labelled_scene();
     apply(scene, {rule(Selector::light, "spot:1", "rim"), rule(Selector::light, "spot", "key"),
                   rule(Selector::area_light_material, "la*", "practical"), rule(Selector::light, "area*", "area"),
@@ -83,7 +84,7 @@ TEST_CASE("lights go by kind and number in file order, area lights by their shap
     CHECK(other.area_lights[1].group.empty());
 }
 
-TEST_CASE("a rule that matches nothing is an error with near misses", "[labels][law7]") {
+TEST_CASE("a rule that matches nothing is an error with close matches", "[labels][law7]") {
     struct Case {
         LabelRule rule;
         const char* hint;
@@ -104,7 +105,7 @@ TEST_CASE("a rule that matches nothing is an error with near misses", "[labels][
     }
 }
 
-TEST_CASE("a rule whose objects are all taken is a warning, not an error", "[labels]") {
+TEST_CASE("a rule whose objects all have labels is a warning, not an error", "[labels]") {
     SceneDescription scene = labelled_scene();
     apply(scene, {rule(Selector::material, "*", "all"), rule(Selector::material, "wall", "late")});
     CHECK(scene.shapes[0].label == "all");

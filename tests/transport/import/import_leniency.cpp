@@ -1,4 +1,4 @@
-// What pbrt-v4 takes with a warning or without a word, and public scenes hold: it must load here, too.
+// Input that pbrt-v4 accepts with or without a warning and that occurs in public scenes: it must load here, too.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ bool warns(const SceneDescription& scene, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("options without a type, as pbrt writes them", "[import]") {
+TEST_CASE("options without a type, in pbrt's notation", "[import]") {
     const SceneDescription scene = scene_of(R"(Option "disable-pixel-jitter" true
         Option "seed" 3
         Option "MSEReferenceImage" "image.exr"
@@ -50,7 +50,7 @@ TEST_CASE("the edges of displaced meshes are scaled by an option", "[import]") {
     CHECK(edge("", "\"float displacement.edgelength\" 3") == 3);
 }
 
-TEST_CASE("an included file may end in the midst of a directive's parameters", "[import]") {
+TEST_CASE("an included file may end within a directive's parameters", "[import]") {
     const Folder folder;
     folder.write("parts/medium.pbrt",
                  "MakeNamedMedium \"smoke\" \"string type\" \"uniformgrid\" \"float density\" [1]\n");
@@ -66,7 +66,7 @@ TEST_CASE("an included file may end in the midst of a directive's parameters", "
     CHECK(scene.shapes.size() == 1);
 }
 
-TEST_CASE("a directive at the end of an included file looks for its files beside that file", "[import]") {
+TEST_CASE("files of a directive at the end of an included file are searched beside that file", "[import]") {
     const Folder folder;
     folder.write("parts/m.ply",
                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
@@ -89,7 +89,7 @@ TEST_CASE("names that no shape uses need not be defined, and media may be define
     CHECK(scene.shapes[0].outside_medium == -1);
 }
 
-TEST_CASE("area lights are dark on shapes that have no surface, as in pbrt", "[import]") {
+TEST_CASE("area lights emit nothing on shapes without a surface, as in pbrt", "[import]") {
     const SceneDescription scene = scene_of(R"(WorldBegin
         NamedMaterial "border" AreaLightSource "diffuse" "rgb L" [1 1 1]
         Shape "sphere"
@@ -117,7 +117,7 @@ TEST_CASE("lone ends of blocks and unknown coordinate systems are warnings", "[i
     CHECK(warns(scene, "no coordinate system is called 'there'"));
 }
 
-TEST_CASE("values of a mesh that are too many or too few are left out", "[import]") {
+TEST_CASE("values of a mesh are ignored if there are too many or too few", "[import]") {
     struct Case {
         std::string shape, values;
         const char* message;
@@ -173,7 +173,7 @@ TEST_CASE("quadrics of radius 0 have no area", "[import]") {
     }
 }
 
-TEST_CASE("quadrics of which their parameters leave nothing are left out", "[import]") {
+TEST_CASE("quadrics whose parameters leave no surface are omitted", "[import]") {
     const SceneDescription scene = scene_of(R"(WorldBegin
         Shape "disk" "float radius" 1 "float innerradius" 1
         Shape "disk" "float radius" 1 "float innerradius" 2
@@ -181,17 +181,17 @@ TEST_CASE("quadrics of which their parameters leave nothing are left out", "[imp
         Shape "sphere" "float radius" 2)");
     REQUIRE(scene.shapes.size() == 1);
     REQUIRE(scene.warnings.size() == 3);
-    CHECK(contains(scene.warnings[0].message, "'innerradius' leaves nothing"));
-    CHECK(contains(scene.warnings[1].message, "'innerradius' leaves nothing"));
-    CHECK(contains(scene.warnings[2].message, "'phimax' leaves nothing"));
+    CHECK(contains(scene.warnings[0].message, "'innerradius' leaves no surface"));
+    CHECK(contains(scene.warnings[1].message, "'innerradius' leaves no surface"));
+    CHECK(contains(scene.warnings[2].message, "'phimax' leaves no surface"));
 }
 
-TEST_CASE("an unknown colour space leaves the one before it", "[import]") {
+TEST_CASE("an unknown colour space keeps the previous one", "[import]") {
     const SceneDescription scene = scene_of("ColorSpace \"rec2020\"\nColorSpace \"rec2002\"\nFilm \"rgb\" WorldBegin");
     CHECK(scene.color.scene_space == ColorSpace::rec2020);
     REQUIRE(scene.warnings.size() == 1);
     CHECK(contains(scene.warnings[0].message, "unknown colour space 'rec2002'; expected srgb, dci-p3, rec2020 or"));
-    CHECK(contains(scene.warnings[0].message, "the one before it stays"));
+    CHECK(contains(scene.warnings[0].message, "The previous space stays in use"));
     CHECK(contains(scene.warnings[0].hint, "rec2020"));
     CHECK(scene.warnings[0].line == 2);
     CHECK(scene.warnings[0].column == 12);
@@ -201,13 +201,13 @@ TEST_CASE("lines of old Macintosh files", "[import]") {
     CHECK(scene_of("WorldBegin\r# a comment\rShape \"sphere\"\r").shapes.size() == 1);
 }
 
-TEST_CASE("what a declaration holds beside type and name is passed over", "[import]") {
+TEST_CASE("text after type and name in a declaration is ignored", "[import]") {
     const SceneDescription scene = scene_of("WorldBegin Shape \"sphere\" \" float radius  (old)\" 2");
     CHECK(scene.shapes[0].radius == 2);
-    CHECK(warns(scene, "what follows type and name"));
+    CHECK(warns(scene, "the text after type and name"));
 }
 
-TEST_CASE("shapes under transformations without inverse: meshes are flat, the rest has no area", "[import]") {
+TEST_CASE("shapes under transformations without inverse: meshes are flat, other shapes have no area", "[import]") {
     const SceneDescription scene = scene_of(R"(WorldBegin
         Translate 1 2 3
         Scale 2 0 1
@@ -223,11 +223,11 @@ TEST_CASE("shapes under transformations without inverse: meshes are flat, the re
     CHECK(scene.shapes[0].positions[2] == StoredVec3(1, 2, 4));
     CHECK(scene.instances.empty());
     CHECK(warns(scene, "the shape has no area and is left out"));
-    CHECK(warns(scene, "the shape is flat, and its normals are the faces'"));
+    CHECK(warns(scene, "the shape is flat and uses face normals"));
     CHECK(warns(scene, "the instance has no extent and is left out"));
 }
 
-TEST_CASE("a shape that moves in an object moves with every instance of it", "[import]") {
+TEST_CASE("a shape that moves in an object also moves with every instance", "[import]") {
     const SceneDescription scene = scene_of(R"(WorldBegin
         ObjectBegin "a"
         Shape "disk"
@@ -252,7 +252,7 @@ TEST_CASE("a shape that moves in an object moves with every instance of it", "[i
     CHECK(place(scene.moved_to[static_cast<std::size_t>(moving.motion)]) == std::array<double, 3>{1, 3, 5});
 }
 
-TEST_CASE("meshes from files keep their places among shapes and warnings, however many threads read them", "[import]") {
+TEST_CASE("meshes from files keep their order among shapes and warnings for any number of threads", "[import]") {
     const Folder folder;
     for (int i = 0; i < 9; ++i)
         folder.write("m" + std::to_string(i) + ".ply",
@@ -282,7 +282,7 @@ TEST_CASE("meshes from files keep their places among shapes and warnings, howeve
     }
 }
 
-TEST_CASE("the first of several broken meshes is the error, however many threads read them", "[import][law7]") {
+TEST_CASE("the first of several invalid meshes is the error for any number of threads", "[import][law7]") {
     const Folder folder;
     folder.write("a.ply", "no ply");
     folder.write("b.ply", "none either");

@@ -1,4 +1,4 @@
-// Lists of numbers: read in a row, without a token for each, and yet as any single number is read.
+// Lists of numbers: read without a token for each number, with the same results as single numbers.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -46,7 +46,7 @@ struct Number {
 
 }  // namespace
 
-TEST_CASE("Numbers in lists are the doubles nearest to what is written", "[import][numbers]") {
+TEST_CASE("Numbers in lists are the doubles nearest to their text", "[import][numbers]") {
     const Number numbers[] = {
         {"0", 0},
         {"-0", -0.0},
@@ -59,7 +59,7 @@ TEST_CASE("Numbers in lists are the doubles nearest to what is written", "[impor
         {"1E+3", 1000},
         {"25e-1", 2.5},
         {"0.1", 0.1},
-        {"16777217", 16777217},  // no float
+        {"16777217", 16777217},  // not a float
         {"0.100000001490116119384765625", 0.100000001490116119384765625},
         {"179769313486231570e-5", 179769313486231570e-5},
         {"3.4028234663852886e38", std::numeric_limits<float>::max()},
@@ -86,7 +86,7 @@ TEST_CASE("Numbers in lists are the doubles nearest to what is written", "[impor
     CHECK(*all == expected);
 }
 
-TEST_CASE("What stands between the numbers of a list does not matter", "[import][numbers]") {
+TEST_CASE("Text between the numbers of a list does not matter", "[import][numbers]") {
     const std::vector<double> expected{1, 2, 3};
     for (const char* text : {"1 2 3", "1\t2\r\n3\n", " 1 2 # ] 4 5\n3 ", "#\n1#2\n2#3\r3# end\n", "\v1\f2 +3",
                              "1 # a comment that holds ] and \"\n 2\n#\n#\n 3"}) {
@@ -95,20 +95,20 @@ TEST_CASE("What stands between the numbers of a list does not matter", "[import]
         REQUIRE(list);
         CHECK(*list == expected);
     }
-    // Strings among what may be either; numbers do not follow them.
+    // Strings where numbers or strings are allowed; numbers cannot follow them.
     const auto spectrum = directive_of("Material \"x\" \"spectrum s\" [\"a]b\"]");
     REQUIRE(spectrum);
     CHECK(spectrum->parameters.parameters[0].strings == std::vector<std::string>{"a]b"});
     const auto marked = directive_of("Material \"x\" \"spectrum s\" [\"a#b\"] \"float v\" [1 2 3]");
     REQUIRE(marked);
     CHECK(marked->parameters.parameters[0].strings == std::vector<std::string>{"a#b"});
-    CHECK(marked->parameters.parameters[0].numbers.capacity() == 0);  // '#' in a string begins no comment
+    CHECK(marked->parameters.parameters[0].numbers.capacity() == 0);  // '#' in a string does not begin a comment
     const auto pairs = directive_of("Material \"x\" \"spectrum s\" [400 .5 700 1.5]");
     REQUIRE(pairs);
     CHECK(pairs->parameters.parameters[0].numbers == std::vector<double>{400, 0.5, 700, 1.5});
 }
 
-TEST_CASE("A long list takes no more memory than its numbers", "[import][numbers]") {
+TEST_CASE("A long list uses no more memory than its numbers", "[import][numbers]") {
     std::string text;
     for (int i = 0; i < 10'000; ++i) text += std::to_string(i) + (i % 100 == 0 ? " # a comment\n" : " ");
     const auto directive = directive_of("Shape \"x\" \"float v\" [" + text + "]");
@@ -119,7 +119,7 @@ TEST_CASE("A long list takes no more memory than its numbers", "[import][numbers
     CHECK(numbers.capacity() == numbers.size());
 }
 
-TEST_CASE("What is no number ends a list with line, column and what was expected", "[import][numbers]") {
+TEST_CASE("A word that is not a number ends a list with line, column and what was expected", "[import][numbers]") {
     struct Slip {
         const char *list, *type;
         int line, column;
@@ -161,8 +161,7 @@ TEST_CASE("What is no number ends a list with line, column and what was expected
     CHECK(*limits == std::vector<double>{-2147483648., 2147483647., 1000, 2});
 }
 
-TEST_CASE("A list without its end is named where it begins, with its vertex where a vertex is wrong",
-          "[import][numbers]") {
+TEST_CASE("An unclosed list is an error at its beginning, and an invalid vertex names its index", "[import][numbers]") {
     const auto open = directive_of("Shape \"x\"\n \"point3 P\" [\n 1 2 3\n 4 5 6\n");
     REQUIRE_FALSE(open);
     CHECK(open.error().line == 2);
@@ -174,7 +173,7 @@ TEST_CASE("A list without its end is named where it begins, with its vertex wher
     CHECK(wrong.error().column == 4);
     CHECK(contains(wrong.error().message, "found 'oops'"));
     CHECK(contains(wrong.error().message, ", at vertex 2"));
-    // Normals that are no finite numbers are repaired where they are read.
+    // The readers of normals repair those that are not finite.
     const auto normals = directive_of("Shape \"x\" \"normal N\" [0 nan 1 inf 0 -inf 0 0 1]");
     REQUIRE(normals);
     const std::vector<double>& n = normals->parameters.parameters[0].numbers;

@@ -1,5 +1,5 @@
-// Parameters of a scene file: unknown ones are errors, ones that only pbrt reads are warnings, each named with its
-// place.
+// Parameters of a scene file: unknown ones are errors, and those that only pbrt reads are warnings; both name the
+// position.
 #include <catch2/catch.hpp>
 
 #include "tests/transport/import_support.h"
@@ -9,7 +9,7 @@ using namespace import_test;
 namespace {
 
 struct ParameterCase {
-    std::string text;     // the parameter in question stands at the start of line 2
+    std::string text;     // the parameter in question is at the start of line 2
     std::string message;  // of the error, or of the one warning
     std::string hint;
 };
@@ -55,7 +55,7 @@ const ParameterCase unknown[] = {
      "'scale'"},
 };
 
-// Each of them where pbrt-v4 reads it and raylex does not; `hint` is a value with which nothing is lost.
+// Each is read by pbrt-v4 and not by raylex; with the value `hint`, ignoring it changes nothing.
 const ParameterCase ignored[] = {
     {"Film \"rgb\"\n\"bool savefp16\" true WorldBegin", "parameter 'savefp16' of film 'rgb' is ignored", "false"},
     {"Integrator \"bdpt\"\n\"bool regularize\" true WorldBegin",
@@ -77,7 +77,7 @@ const ParameterCase ignored[] = {
 
 }  // namespace
 
-TEST_CASE("a parameter that pbrt-v4 does not know is an error with its place and the near miss", "[law7][import]") {
+TEST_CASE("a parameter unknown to pbrt-v4 is an error with its position and the closest match", "[law7][import]") {
     for (const ParameterCase& each : unknown) {
         CAPTURE(each.text);
         const raylex::Error error = error_of(each.text);
@@ -90,7 +90,7 @@ TEST_CASE("a parameter that pbrt-v4 does not know is an error with its place and
     }
 }
 
-TEST_CASE("a parameter that only pbrt-v4 reads is one warning, and none with a value that loses nothing",
+TEST_CASE("a parameter that only pbrt-v4 reads is one warning, and none if ignoring its value changes nothing",
           "[law7][import]") {
     for (const ParameterCase& each : ignored) {
         CAPTURE(each.text);
@@ -106,13 +106,13 @@ TEST_CASE("a parameter that only pbrt-v4 reads is one warning, and none with a v
         const std::string rest = end == std::string::npos ? std::string() : each.text.substr(end);
         CHECK(scene_of(each.text.substr(0, value + 1) + each.hint + rest).warnings.empty());
     }
-    // Once for a type, however many directives say it; another type is another matter.
+    // Once for a type in any number of directives; another type gives another warning.
     const std::string lit = "\"vector3 S\" [1 0 0 1 0 0 1 0 0]\n", again = triangle_text.substr(11) + lit;
     CHECK(scene_of(triangle_text + lit + again + again).warnings.size() == 1);
     CHECK(scene_of("Film \"rgb\" \"bool savefp16\" true\n" + triangle_text + lit).warnings.size() == 2);
 }
 
-TEST_CASE("an image's filters are read without a word", "[import]") {
+TEST_CASE("an image's filters are read without a warning", "[import]") {
     const Folder folder;
     folder.write("a.png", "");  // not read by the import
     for (const char* filter : {"bilinear", "point", "trilinear", "EWA", "unfiltered"}) {
@@ -125,7 +125,7 @@ TEST_CASE("an image's filters are read without a word", "[import]") {
     }
 }
 
-TEST_CASE("what Attribute sets may mean nothing to a type, as in pbrt", "[import]") {
+TEST_CASE("parameters from Attribute may be unknown to a type, as in pbrt", "[import]") {
     const auto scene = scene_of(
         "WorldBegin Attribute \"shape\" \"float radius\" 3 Attribute \"material\" \"float roughness\" 0.5\n"
         "Attribute \"light\" \"float coneangle\" 20 Material \"diffuse\" LightSource \"point\"\n"
@@ -134,10 +134,10 @@ TEST_CASE("what Attribute sets may mean nothing to a type, as in pbrt", "[import
     REQUIRE(scene.shapes.size() == 2);
     CHECK(scene.shapes[1].radius == 3);
     REQUIRE(scene.lights.size() == 1);
-    CHECK(scene.lights[0].parameters.unused().empty());  // no warning later either
+    CHECK(scene.lights[0].parameters.unused().empty());  // no later warning either
 }
 
-TEST_CASE("the scenes that come with raylex say nothing that is not read", "[import]") {
+TEST_CASE("the scenes that come with raylex contain no unused parameters", "[import]") {
     std::size_t count = 0;
     for (const auto& entry : fs::directory_iterator(fs::path(raylex::test::source_dir()) / "experiments/scenes")) {
         const fs::path file = entry.path() / "scene.pbrt";
@@ -154,7 +154,7 @@ TEST_CASE("the scenes that come with raylex say nothing that is not read", "[imp
     CHECK(count >= 11);
 }
 
-TEST_CASE("what pbrt-v4 reads and makes no use of is taken without a word", "[import]") {
+TEST_CASE("parameters that pbrt-v4 reads and does not use give no warning", "[import]") {
     CHECK(scene_of("Camera \"spherical\" \"float lensradius\" 1 \"float focaldistance\" 2 \"float frameaspectratio\" 1 "
                    "\"float screenwindow\" [-1 1 -1 1] WorldBegin")
               .warnings.empty());

@@ -1,4 +1,4 @@
-// PLY files in every encoding, written here, and every way they can be broken.
+// PLY files in every encoding, written here, and invalid in every way.
 #include <catch2/catch.hpp>
 
 #include <bit>
@@ -53,7 +53,7 @@ class PlyWriter {
     Order order_;
 };
 
-/// A triangle, a quadrilateral and a pentagon over five vertices, with normals, texture coordinates and things to skip.
+/// A triangle, a quadrilateral and a pentagon over five vertices, with normals, texture coordinates and parts to skip.
 std::string full_file(Order order, const std::string& u = "u", const std::string& v = "v",
                       const std::string& list = "vertex_indices") {
     std::string text = std::string("ply\nformat ") + format_name(order) +
@@ -95,7 +95,7 @@ std::string full_file(Order order, const std::string& u = "u", const std::string
     return text + w.data;
 }
 
-/// One triangle with these vertex coordinates and indices, in the given order of bytes.
+/// One triangle with these vertex coordinates and indices, in the given byte order.
 std::string small_file(Order order, float bad = 1, std::int32_t index = 2) {
     PlyWriter w(order);
     for (const float c : {0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, bad, 0.0f}) {
@@ -126,7 +126,7 @@ const std::string face_lines = "element face 1\nproperty list uchar int vertex_i
 
 }  // namespace
 
-TEST_CASE("ASCII, little- and big-endian files give the same mesh; quads stay patches and polygons are left out",
+TEST_CASE("ASCII, little- and big-endian files give the same mesh; quads stay patches and polygons are omitted",
           "[import][ply]") {
     for (const Order order : {Order::ascii, Order::little, Order::big}) {
         INFO(format_name(order));
@@ -142,7 +142,7 @@ TEST_CASE("ASCII, little- and big-endian files give the same mesh; quads stay pa
     }
 }
 
-TEST_CASE("all customary names of texture coordinates and index lists are known", "[import][ply]") {
+TEST_CASE("all common names of texture coordinates and index lists are supported", "[import][ply]") {
     for (const auto& [u, v] : {std::pair{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}})
         CHECK(parse_ply(full_file(Order::little, u, v), "m.ply")->uvs.size() == 5);
     CHECK(parse_ply(full_file(Order::little, "p", "q"), "m.ply")->uvs.empty());
@@ -157,7 +157,7 @@ TEST_CASE("carriage returns and blank lines do not matter", "[import][ply]") {
     CHECK(parse_ply(text, "m.ply")->triangles.size() == 3);
 }
 
-TEST_CASE("faces of neither three nor four vertices are left out and counted, whatever they refer to",
+TEST_CASE("faces with neither three nor four vertices are omitted and counted, whatever their indices",
           "[import][ply]") {
     std::string text =
         header("format ascii 1.0\n" + xyz_lines + "element face 4\nproperty list uchar int vertex_indices\n") +
@@ -169,11 +169,11 @@ TEST_CASE("faces of neither three nor four vertices are left out and counted, wh
     CHECK(mesh->quads.empty());
 }
 
-TEST_CASE("a file that ends early is an error wherever it ends", "[law7][import][ply]") {
+TEST_CASE("a file that is truncated anywhere is an error", "[law7][import][ply]") {
     for (const Order order : {Order::ascii, Order::little, Order::big}) {
         const std::string whole = full_file(order);
-        // The last element is skipped but must be there too. In ASCII a number cut short is another number, so cuts go
-        // from blank to blank.
+        // The last element is skipped but must be complete. In ASCII a truncated number is another number, so cuts are
+        // at blanks.
         for (std::size_t size = 0; size + 1 < whole.size(); ++size) {
             if (order == Order::ascii && size > whole.find("end_header") && whole[size] != ' ' && whole[size] != '\n')
                 continue;
@@ -190,7 +190,7 @@ TEST_CASE("a file that ends early is an error wherever it ends", "[law7][import]
     CHECK(contains(binary.message, "at byte "));
 }
 
-TEST_CASE("an index out of range names the face, the index and the place", "[law7][import][ply]") {
+TEST_CASE("an index out of range names the face, the index and the position", "[law7][import][ply]") {
     for (const std::int32_t index : {3, -1}) {
         const raylex::Error ascii = ply_error(small_file(Order::ascii, 1, index));
         CHECK(contains(ascii.message,
@@ -202,7 +202,7 @@ TEST_CASE("an index out of range names the face, the index and the place", "[law
     }
 }
 
-TEST_CASE("a vertex that is not finite names the vertex and the place", "[law7][import][ply]") {
+TEST_CASE("a vertex that is not finite names the vertex and the position", "[law7][import][ply]") {
     for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
         CHECK(contains(ply_error(small_file(Order::little, bad)).message,
                        "vertex 2 has a 'y' that is not a finite float"));
@@ -222,8 +222,8 @@ TEST_CASE("a header that does not parse names its line", "[law7][import][ply]") 
         const char* message;
     };
     const Case cases[] = {
-        {"", 0, "no PLY file"},
-        {"obj\n", 1, "no PLY file"},
+        {"", 0, "not a PLY file"},
+        {"obj\n", 1, "not a PLY file"},
         {"ply\nformat ascii 1.0\n", 2, "truncated; expected 'end_header'"},
         {header("element vertex 1\n"), 3, "no 'format' line"},
         {header("format ascii 2.0\n"), 2, "expected 'format"},
@@ -250,7 +250,7 @@ TEST_CASE("a header that does not parse names its line", "[law7][import][ply]") 
     }
 }
 
-TEST_CASE("a count that the file cannot hold is refused before memory is asked for", "[law7][import][ply]") {
+TEST_CASE("a count that does not fit into the file is refused before memory is allocated", "[law7][import][ply]") {
     for (const char* format : {"ascii", "binary_little_endian"}) {
         const std::string start = std::string("format ") + format + " 1.0\n";
         CHECK(contains(
@@ -261,7 +261,7 @@ TEST_CASE("a count that the file cannot hold is refused before memory is asked f
                 .message,
             "claims 500000000 rows"));
     }
-    // A list may not run past the end either.
+    // A list must not extend past the end either.
     PlyWriter w(Order::little);
     w.put<float>(0).put<float>(0).put<float>(0).put<std::uint32_t>(4000000000U).put<std::int32_t>(0);
     CHECK(contains(ply_error(header("format binary_little_endian 1.0\n" + xyz_lines +
@@ -271,7 +271,8 @@ TEST_CASE("a count that the file cannot hold is refused before memory is asked f
                    "ends early"));
 }
 
-TEST_CASE("a plymesh becomes shapes that remember their file; triangles and quads part ways", "[import][ply]") {
+TEST_CASE("a plymesh becomes shapes that store their file name; triangles and quads are separate shapes",
+          "[import][ply]") {
     const Folder folder;
     folder.write("meshes/all.ply", full_file(Order::big));
     const auto scene = import_pbrt(folder.write(

@@ -59,7 +59,7 @@ double reflectance(double eta, double k) {
 
 }  // namespace
 
-TEST_CASE("the colour matching functions have the sums that CIE 15 gives for them", "[spectrum]") {
+TEST_CASE("the colour matching functions have the sums of CIE 15", "[spectrum]") {
     const MatchingFunctions& f = matching_functions();
     double x = 0, y = 0, z = 0;
     for (std::size_t i = 0; i < visible_samples; i += 5) x += f.x[i], y += f.y[i], z += f.z[i];
@@ -74,7 +74,7 @@ TEST_CASE("standard illuminants have their published chromaticities", "[spectrum
         const char* name;
         double x, y;
     };
-    // CIE 15:2004, tables T.3 and 11.2. Our daylight series is interpolated from 10 nm components: 1e-4 covers that.
+    // CIE 15:2004, tables T.3 and 11.2. Our daylight series is interpolated from 10 nm components, within 1e-4.
     for (const Case& c : {Case{"stdillum-A", 0.44758, 0.40745}, Case{"stdillum-D50", 0.34567, 0.35851},
                           Case{"stdillum-D55", 0.33243, 0.34744}, Case{"stdillum-D65", 0.31272, 0.32903},
                           Case{"stdillum-D75", 0.29903, 0.31488}, Case{"stdillum-E", 0.33331, 0.33331}}) {
@@ -92,7 +92,7 @@ TEST_CASE("the sRGB matrix is the published one and white is exactly grey in eve
         {{3.2404542, -1.5371385, -0.4985314}, {-0.9692660, 1.8760108, 0.0415560}, {0.0556434, -0.2040259, 1.0572252}}};
     for (std::size_t r = 0; r < 3; ++r)
         for (std::size_t c = 0; c < 3; ++c)
-            // The published matrix rounds D65 to (0.3127, 0.3290); ours integrates it: 5e-4 apart.
+            // The published matrix rounds D65 to (0.3127, 0.3290); ours integrates it: they differ by 5e-4.
             CHECK(rgb_from_xyz(ColorSpace::srgb)[r][c] == Approx(published[r][c]).margin(5e-4));
     for (const ColorSpace space : {ColorSpace::srgb, ColorSpace::dci_p3, ColorSpace::rec2020, ColorSpace::aces2065_1}) {
         ColorContext context;
@@ -112,15 +112,15 @@ TEST_CASE("a flat spectrum is exactly grey as a reflectance and as an index of r
     CHECK(resolved(parameter_of(ParameterType::integer, {2}), SpectrumRole::illuminant) == Rgb(2));
 }
 
-TEST_CASE("every light spectrum that the space can show has luminance 1, whatever its scale", "[spectrum]") {
+TEST_CASE("every light spectrum inside the space has luminance 1 for every scale", "[spectrum]") {
     const auto luminance_of = [](const Parameter& p) { return xyz_of(resolved(p, SpectrumRole::illuminant))[1]; };
     // 1e-6: a float holds each channel to 6e-8, and saturated spectra have channels of 10.
     for (const double scale : {1.0, 7.0})
         CHECK(luminance_of(parameter_of(ParameterType::spectrum, {300, scale, 800, scale})) == Approx(1).margin(1e-6));
     for (const double kelvin : {2856.0, 6500.0, 20000.0})
         CHECK(luminance_of(parameter_of(ParameterType::blackbody, {kelvin})) == Approx(1).margin(1e-6));
-    // Outside of the space negative channels are 0 and the others what they are: XYZ by IEC 61966-2-1's inverse, of
-    // (x, y) of 501 nm and Y = 1 as CIE 15 has them, (0.0082, 0.5573) within 0.01.
+    // Outside of the space negative channels are 0 and the others unchanged: XYZ by IEC 61966-2-1's inverse, from CIE
+    // 15's (x, y) of 501 nm, (0.0082, 0.5573) within 0.01, and Y = 1.
     const Rgb line =
         resolved(parameter_of(ParameterType::spectrum, {500, 0, 501, 1, 502, 0}), SpectrumRole::illuminant);
     const double x = 0.0082 / 0.5573, z = (1 - 0.0082 - 0.5573) / 0.5573;
@@ -130,7 +130,7 @@ TEST_CASE("every light spectrum that the space can show has luminance 1, whateve
     CHECK(resolved(parameter_of(ParameterType::blackbody, {1200}), SpectrumRole::illuminant).b == 0);
     CHECK(resolved(parameter_of(ParameterType::spectrum, {300, 0, 800, 0}), SpectrumRole::illuminant).is_black());
     const Rgb rgb = resolved(parameter_of(ParameterType::rgb, {15, 2, 0}), SpectrumRole::illuminant);
-    CHECK(rgb == Rgb(15, 2, 0));  // an rgb light means its numbers
+    CHECK(rgb == Rgb(15, 2, 0));  // an rgb light keeps its numbers
 }
 
 TEST_CASE("blackbodies lie on the Planckian locus", "[spectrum]") {
@@ -141,7 +141,7 @@ TEST_CASE("blackbodies lie on the Planckian locus", "[spectrum]") {
     for (const Case& c : {Case{2000, 0.5267, 0.4133}, Case{2855.5, 0.4476, 0.4074}, Case{4000, 0.3805, 0.3768},
                           Case{6500, 0.3135, 0.3237}, Case{10000, 0.2807, 0.2884}}) {
         ColorContext wide;
-        wide.scene_space = ColorSpace::rec2020;  // holds the locus from 2000 K on
+        wide.scene_space = ColorSpace::rec2020;  // contains the locus from 2000 K
         const auto xy =
             chromaticity(resolved(parameter_of(ParameterType::blackbody, {c.kelvin}), SpectrumRole::illuminant, wide),
                          ColorSpace::rec2020);
@@ -209,7 +209,7 @@ TEST_CASE("glasses have their catalogue indices at the helium d line", "[spectru
         const char* name;
         double nd;
     };
-    // SCHOTT data sheets, 587.56 nm; our samples stand at 587 and 588 nm, 1e-4 apart at most.
+    // SCHOTT data sheets, 587.56 nm; our samples are at 587 and 588 nm, which differ by at most 1e-4.
     for (const Case& c : {Case{"glass-BK7", 1.51680}, Case{"glass-BAF10", 1.67003}, Case{"glass-FK51A", 1.48656},
                           Case{"glass-LASF9", 1.85025}, Case{"glass-F5", 1.67270}, Case{"glass-F10", 1.72825},
                           Case{"glass-F11", 1.78472}}) {
@@ -223,7 +223,7 @@ TEST_CASE("glasses have their catalogue indices at the helium d line", "[spectru
     }
 }
 
-TEST_CASE("reflectances and lights move to the rendering space, indices do not", "[spectrum]") {
+TEST_CASE("reflectances and lights are converted to the rendering space, indices are not", "[spectrum]") {
     ColorContext context;
     context.rendering_from_scene = {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}};
     const Parameter rgb = parameter_of(ParameterType::rgb, {0.25, 0.5, 0.75});
@@ -232,7 +232,7 @@ TEST_CASE("reflectances and lights move to the rendering space, indices do not",
     CHECK(resolved(rgb, SpectrumRole::unbounded, context) == Rgb(0.25f, 0.5f, 0.75f));
 }
 
-TEST_CASE("a spectrum file is read, and its slips are named", "[spectrum][law7]") {
+TEST_CASE("a spectrum file is read, and its mistakes are reported", "[spectrum][law7]") {
     const Folder folder;
     const auto file = [&](const std::string& content) {
         return parameter_of(ParameterType::spectrum, {}, {folder.write("s.spd", content)});
@@ -250,7 +250,7 @@ TEST_CASE("a spectrum file is read, and its slips are named", "[spectrum][law7]"
     CHECK(contains(unsorted.error().message, "wavelength 300 follows 400"));
 }
 
-TEST_CASE("what is no colour is an error that says what was expected", "[spectrum][law7]") {
+TEST_CASE("a parameter that is not a colour is an error that names what was expected", "[spectrum][law7]") {
     using T = ParameterType;
     CHECK(contains(error_message(parameter_of(T::rgb, {0.5, 1.5, 0}), SpectrumRole::albedo), "above 1"));
     CHECK(contains(error_message(parameter_of(T::rgb, {0.5, -0.5, 0}), SpectrumRole::illuminant), "negative"));
@@ -259,7 +259,7 @@ TEST_CASE("what is no colour is an error that says what was expected", "[spectru
     CHECK(contains(error_message(parameter_of(T::blackbody, {6500, 2}), SpectrumRole::illuminant), "one temperature"));
     CHECK(contains(error_message(parameter_of(T::spectrum, {400, 1, 500}), SpectrumRole::albedo), "3 numbers"));
     CHECK(contains(error_message(parameter_of(T::spectrum, {500, 1, 400, 1}), SpectrumRole::albedo), "increasing"));
-    CHECK(contains(error_message(parameter_of(T::point3, {1, 1, 1}), SpectrumRole::albedo), "is no colour"));
+    CHECK(contains(error_message(parameter_of(T::point3, {1, 1, 1}), SpectrumRole::albedo), "is not a colour"));
     CHECK(contains(error_message(parameter_of(T::spectrum, {}, {"metal-Cu-et"}), SpectrumRole::unbounded),
                    "did you mean 'metal-Cu-eta'? Known spectra: glass-BK7"));
     CHECK_FALSE(resolve_named_spectrum("metal-Xx-eta", SpectrumRole::unbounded, {}));

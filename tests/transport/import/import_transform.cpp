@@ -69,14 +69,14 @@ TEST_CASE("CoordSysTransform returns to the camera's and to a named system", "[t
     CHECK(placed(scene.shapes[2]).positions[0] == Vec3{0, 0, 0});
 }
 
-TEST_CASE("a transform that moves and moves back is no motion", "[transform]") {
+TEST_CASE("a transform that moves and moves back is not a motion", "[transform]") {
     const SceneDescription scene = scene_of(
         "WorldBegin ActiveTransform StartTime Translate 1 0 0 ActiveTransform EndTime Translate 1 0 0\n"
         "ActiveTransform All Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
     CHECK(placed(scene.shapes[0]).positions[0] == Vec3{1, 0, 0});
 }
 
-TEST_CASE("the surface turns under ReverseOrientation xor a mirror", "[transform]") {
+TEST_CASE("the surface side flips under ReverseOrientation xor mirroring", "[transform]") {
     const auto flipped = [](const std::string& before) {
         const SceneDescription scene = scene_of(
             "WorldBegin " + before + " Shape \"sphere\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
@@ -91,7 +91,7 @@ TEST_CASE("the surface turns under ReverseOrientation xor a mirror", "[transform
     CHECK_FALSE(flipped("ReverseOrientation ReverseOrientation"));
 }
 
-TEST_CASE("shading normals go by the inverse transpose and turn with ReverseOrientation alone", "[transform]") {
+TEST_CASE("shading normals use the inverse transpose and flip with ReverseOrientation only", "[transform]") {
     const std::string mesh = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"normal N\" [1 1 0 1 1 0 1 1 0]";
     CHECK(placed(scene_of("WorldBegin Scale 2 1 1 " + mesh).shapes[0]).normals[0] == Vec3{0.5f, 1, 0});
     CHECK(placed(scene_of("WorldBegin ReverseOrientation " + mesh).shapes[0]).normals[0] == Vec3{-1, -1, 0});
@@ -108,11 +108,11 @@ TEST_CASE("the inverse undoes the transform, and products agree with applying on
         const Transform identity = a * a.inverse();
         for (std::size_t r = 0; r < 4; ++r)
             for (std::size_t c = 0; c < 4; ++c)
-                // Condition numbers of these matrices reach 1e4: 1e4 * 1e-16 with room.
+                // Condition numbers of these matrices reach 1e4: 1e4 * 1e-16 with a margin.
                 CHECK(identity.matrix()[r][c] == Approx(r == c ? 1 : 0).margin(1e-9));
         check_close((a * b).point(p), a.point(b.point(p)), 2e-4f);  // b's result is rounded to float, then stretched
         check_close((a * b).vector(p), a.vector(b.vector(p)), 2e-4f);
-        // A normal stays perpendicular to what it was perpendicular to.
+        // A normal stays perpendicular to its tangents.
         const Vec3 n{1, 2, -1}, tangent{1, 0, 1};
         CHECK(std::abs(dot(a.normal(n), a.vector(tangent))) <= 1e-5f * length(a.normal(n)) * length(a.vector(tangent)));
     }

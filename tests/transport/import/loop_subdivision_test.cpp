@@ -1,4 +1,4 @@
-// Loop's subdivision against what is known of its limit.
+// Loop's subdivision against known properties of its limit.
 #include <catch2/catch.hpp>
 
 #include <chrono>
@@ -48,7 +48,7 @@ void icosahedron(std::vector<StoredVec3>& positions, std::vector<MeshFace>& face
             }
 }
 
-/// A flat grid of (n + 1)^2 points around 0, and the faces between them.
+/// A flat grid of (n + 1)^2 points around 0, and its faces.
 void grid(int n, std::vector<StoredVec3>& positions, std::vector<MeshFace>& faces) {
     for (int y = 0; y <= n; ++y)
         for (int x = 0; x <= n; ++x) positions.push_back({static_cast<float>(x), static_cast<float>(y), 0});
@@ -62,13 +62,13 @@ void grid(int n, std::vector<StoredVec3>& positions, std::vector<MeshFace>& face
 
 }  // namespace
 
-TEST_CASE("subdivision of an icosahedron nears a sphere, the same from any level on", "[loopsubdiv]") {
+TEST_CASE("subdivision of an icosahedron approaches a sphere, with the same limit from every level", "[loopsubdiv]") {
     std::vector<StoredVec3> positions;
     std::vector<MeshFace> faces;
     icosahedron(positions, faces);
     REQUIRE(faces.size() == 20);
-    // A vertex of valence 5 goes to (1 - 5 w) + 5 w cos(its edge's angle), w = 1 / (5 + 3 / (8 beta)), beta = 3 / 40,
-    // and the cosine 1 / sqrt 5: by hand 0.5 + 0.5 / sqrt 5.
+    // A vertex of valence 5 moves to (1 - 5 w) + 5 w cos(its edge's angle), w = 1 / (5 + 3 / (8 beta)), beta = 3 / 40.
+    // The cosine is 1 / sqrt 5, so the result is 0.5 + 0.5 / sqrt 5.
     const double corner = 0.5 + 0.5 / std::sqrt(5.0);
     for (const int levels : {0, 1, 4}) {
         const SubdividedMesh mesh = subdivided(positions, faces, levels);
@@ -77,22 +77,22 @@ TEST_CASE("subdivision of an icosahedron nears a sphere, the same from any level
         double least = 2, most = 0, tilt = 0;
         for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
             const DVec3 p(mesh.positions[v]), n(mesh.normals[v]);
-            if (v < 12) {  // the limit of a vertex does not depend on the level at which it is taken
+            if (v < 12) {  // the limit of a vertex does not depend on the level
                 CHECK(length(p) == Approx(corner).epsilon(1e-6));
-                CHECK(dot(n, p) / length(p) == Approx(-1).epsilon(1e-6));  // outside is where faces go clockwise
+                CHECK(dot(n, p) / length(p) == Approx(-1).epsilon(1e-6));  // faces are clockwise seen from outside
             }
             least = std::min(least, length(p));
             most = std::max(most, length(p));
             tilt = std::max(tilt, 1 + dot(n, p) / length(p));
         }
-        // The limit surface has the icosahedron's symmetry, and is a sphere to a few per cent: normals tilt by the
-        // slope of that.
+        // The limit surface has the icosahedron's symmetry and is a sphere to a few per cent; normals tilt by its
+        // slope.
         CHECK(most / least < 1.05);
         CHECK(tilt < 0.005);
     }
 }
 
-TEST_CASE("normals of a subdivided mesh are those of its triangles in the limit", "[loopsubdiv]") {
+TEST_CASE("normals of a subdivided mesh are the limit of its triangles' normals", "[loopsubdiv]") {
     std::vector<StoredVec3> positions;
     std::vector<MeshFace> faces;
     grid(4, positions, faces);
@@ -110,32 +110,32 @@ TEST_CASE("normals of a subdivided mesh are those of its triangles in the limit"
         double worst = 0;
         for (std::size_t v = 0; v < sums.size(); ++v)
             worst = std::max(worst, length(normalize(sums[v]) - DVec3(mesh.normals[v])));
-        // Faces at a boundary lie on one side of their vertex: the difference is of the first order in their size.
+        // Faces at a boundary lie on one side of their vertex: the difference is of first order in their size.
         CHECK(worst < 0.4 / (1 << levels));
         if (before > 0) CHECK(worst < 0.6 * before);
         before = worst;
     }
 }
 
-TEST_CASE("a flat mesh stays flat, its boundary becomes the B-spline of its corners", "[loopsubdiv]") {
+TEST_CASE("a flat mesh stays flat, and its boundary becomes the B-spline of its corners", "[loopsubdiv]") {
     std::vector<StoredVec3> positions;
     std::vector<MeshFace> faces;
     grid(3, positions, faces);
-    positions.push_back({7, 7, 7});  // nobody's
+    positions.push_back({7, 7, 7});  // no face uses it
     const SubdividedMesh mesh = subdivided(positions, faces, 2);
     CHECK(mesh.odd_edges == 0);
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
         CHECK(mesh.positions[v].z == 0);
         CHECK(mesh.normals[v] == StoredVec3{0, 0, -1});
     }
-    // A cubic B-spline passes (a + 4 b + c) / 6 at a control point's limit; here boundaries smooth by 1/8 and end by
-    // 1/5, whose limit for a corner (0, 0) between (1, 0) and (0, 1) is 1/5 of each after no level.
+    // A cubic B-spline passes through (a + 4 b + c) / 6 at a control point's limit. Here boundaries are smoothed by 1/8
+    // and end with 1/5: without levels, the limit for a corner (0, 0) between (1, 0) and (0, 1) is 1/5 of each.
     const SubdividedMesh coarse = subdivided(positions, faces, 0);
     CHECK(coarse.positions[0] == to_float(BasicVec3<double>{0.2, 0.2, 0}));
     CHECK(coarse.positions[1] == StoredVec3{1, 0, 0});
 }
 
-TEST_CASE("many levels and vertices of many faces take no longer than their triangles", "[loopsubdiv][release-only]") {
+TEST_CASE("many levels and vertices of many faces take time linear in the triangles", "[loopsubdiv][release-only]") {
     const std::vector<StoredVec3> corners{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
     const std::vector<MeshFace> tetrahedron{{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
     const auto seconds = [](const std::vector<StoredVec3>& positions, const std::vector<MeshFace>& faces, int levels) {
@@ -152,12 +152,12 @@ TEST_CASE("many levels and vertices of many faces take no longer than their tria
         around.push_back(to_float(BasicVec3<double>{std::cos(angle), std::sin(angle), 0}));
         fan.push_back({0, i + 1, (i + 1) % spokes + 1});
     }
-    CHECK(seconds(around, fan, 1) < 5);  // 100,000 squared steps take ten
+    CHECK(seconds(around, fan, 1) < 5);  // 100,000 squared steps take ten seconds
 }
 
-TEST_CASE("a point keeps its limit from level to level, on folds and where faces go around differently too",
+TEST_CASE("a point keeps its limit from level to level, also on folds and between faces of opposite orientation",
           "[loopsubdiv]") {
-    // A triangle with two sides, and a tetrahedron of which one face goes around the other way.
+    // A triangle with two sides, and a tetrahedron with one face of opposite orientation.
     const std::vector<StoredVec3> positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {3, 0, 0},
                                             {4, 0, 0}, {3, 1, 0}, {3, 0, 2}};
     const std::vector<MeshFace> faces{{0, 1, 2}, {0, 2, 1}, {3, 4, 5}, {3, 5, 6}, {3, 6, 4}, {4, 5, 6}};

@@ -1,4 +1,4 @@
-// Scenes written and read again: the same content to the bit, and so the same images.
+// Scenes that are written and read again have the same content to the bit, and so the same images.
 #include <catch2/catch.hpp>
 
 #include <bit>
@@ -22,7 +22,7 @@ SceneDescription read(const std::string& path) {
     return std::move(*scene);
 }
 
-/// Written and read again.
+/// Writes the scene and reads it again.
 SceneDescription again(const SceneDescription& scene, const Folder& folder) {
     const auto written = write_pbrt(scene, folder.path("again.pbrt"));
     if (!written) FAIL(written.error().to_string());
@@ -42,7 +42,7 @@ std::vector<double> image_of(const SceneDescription& scene) {
 
 }  // namespace
 
-TEST_CASE("pbrt writer: the project's scenes come back as they were", "[pbrt-writer]") {
+TEST_CASE("pbrt writer: the project's scenes are read unchanged", "[pbrt-writer]") {
     const Folder folder;
     std::size_t scenes = 0;
     for (const auto& entry : fs::directory_iterator(fs::path(raylex::test::source_dir()) / "experiments/scenes")) {
@@ -58,7 +58,7 @@ TEST_CASE("pbrt writer: the project's scenes come back as they were", "[pbrt-wri
     CHECK(scenes >= 14);
 }
 
-TEST_CASE("pbrt writer: what files can say", "[pbrt-writer]") {
+TEST_CASE("pbrt writer: features that files can express", "[pbrt-writer]") {
     const Folder folder;
     const auto path = folder.write("two faces.ply",
                                    "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
@@ -117,11 +117,11 @@ TEST_CASE("pbrt writer: what files can say", "[pbrt-writer]") {
     const SceneDescription twin = again(scene, folder);
     CHECK(scene_hash(twin) == scene_hash(scene));
     CHECK((image_of(twin) == image_of(scene)));
-    // A scene that has been written is written as the same text.
+    // A scene read from a written file is written as the same text.
     CHECK((pbrt_text(twin).text == pbrt_text(scene).text));
 }
 
-TEST_CASE("pbrt writer: what blocks cannot share is written again, to the same image", "[pbrt-writer]") {
+TEST_CASE("pbrt writer: entities that blocks cannot share are written again, for the same image", "[pbrt-writer]") {
     const Folder folder;
     SceneDescription scene = scene_of(R"(
         Film "rgb" "integer xresolution" 8 "integer yresolution" 6
@@ -134,7 +134,7 @@ TEST_CASE("pbrt writer: what blocks cannot share is written again, to the same i
         AttributeBegin Translate 0 -1 0 Shape "sphere" AttributeEnd
     )");
     REQUIRE(scene.shapes.size() == 4);
-    for (const std::size_t i : {2U, 3U}) {  // a b a b, and lights crosswise
+    for (const std::size_t i : {2U, 3U}) {  // a b a b, and lights in the opposite order
         scene.shapes[i].material = scene.shapes[i - 2].material;
         scene.shapes[i].area_light = scene.shapes[3 - i].area_light;
     }
@@ -143,7 +143,7 @@ TEST_CASE("pbrt writer: what blocks cannot share is written again, to the same i
     CHECK((image_of(twin) == image_of(scene)));
 }
 
-TEST_CASE("pbrt writer: numbers read back as themselves", "[pbrt-writer]") {
+TEST_CASE("pbrt writer: numbers are read back exactly", "[pbrt-writer]") {
     std::uint64_t state = 5;
     for (int i = 0; i < 200000; ++i) {
         state = state * 6364136223846793005ull + 1442695040888963407ull;
@@ -156,7 +156,7 @@ TEST_CASE("pbrt writer: numbers read back as themselves", "[pbrt-writer]") {
     }
 }
 
-TEST_CASE("pbrt writer: what stands beside cameras and films comes back without them", "[pbrt-writer]") {
+TEST_CASE("pbrt writer: settings of cameras and films are kept in scenes without them", "[pbrt-writer]") {
     const Folder folder;
     const auto comes_back = [&](const std::string& text) {
         folder.write("scene.pbrt", text);
@@ -179,7 +179,7 @@ TEST_CASE("pbrt writer: what stands beside cameras and films comes back without 
         LightSource "infinite" "rgb L" [.2 .9 .1]
         Translate 0 0 5 Material "diffuse" "rgb reflectance" [.9 .1 .1] Shape "sphere"
     )";
-    // Files set a scene's space at their film; code sets it by itself.
+    // Files set a scene's space at their film; code sets it separately.
     folder.write("scene.pbrt", in_code_only);
     SceneDescription scene = read(folder.path("scene.pbrt"));
     scene.color.scene_space = ColorSpace::rec2020;

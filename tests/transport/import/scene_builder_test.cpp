@@ -1,4 +1,4 @@
-// Scenes made in code: the same as files say them, with errors that name the call.
+// Scenes made in code: equal to scenes from files, with errors that name the call.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ using raylex::Status;
 
 namespace {
 
-/// The value of what must have worked.
+/// The value of a result that must be a success.
 template <typename Value>
 Value got(Result<Value> result) {
     if (!result) FAIL(result.error().to_string());
@@ -29,7 +29,7 @@ void did(const Status& status) {
 
 }  // namespace
 
-TEST_CASE("SceneBuilder: a scene in code is the scene that a file says", "[scene-builder]") {
+TEST_CASE("SceneBuilder: a scene made in code equals the scene of a file", "[scene-builder]") {
     const SceneDescription from_file = scene_of(R"(
         Film "rgb" "integer xresolution" 8 "integer yresolution" 6
         Sampler "halton" "integer pixelsamples" 4
@@ -65,7 +65,7 @@ TEST_CASE("SceneBuilder: a scene in code is the scene that a file says", "[scene
     did(scene.add_texture("checks", TextureValue::spectrum, "checkerboard", {typed::real("uscale", 4)}));
     did(scene.add_light("point", {typed::rgb("I", {3, 3, 3})}));
     const ObjectHandle ball = got(scene.add_object("ball"));
-    // Before it is defined, as files may.
+    // Used before it is defined, as files may.
     did(scene.add_shape("sphere", {typed::real("radius", 0.5)},
                         {.material = scene.material_named("floor"), .outside = fog, .object = ball}));
     got(scene.add_named_material("floor", "diffuse", {typed::texture("reflectance", "checks")}));
@@ -123,7 +123,7 @@ TEST_CASE("SceneBuilder: handles of another builder are refused", "[scene-builde
     const AreaLightHandle light = got(there.add_area_light("diffuse", {}));
     const MediumHandle medium = got(there.add_medium("fog", "homogeneous", {}));
     const ObjectHandle object = got(there.add_object("thing"));
-    // What is here has the same numbers.
+    // The local handles have the same numbers.
     got(here.add_material("diffuse", {}));
     got(here.add_area_light("diffuse", {}));
     got(here.add_medium("fog", "homogeneous", {}));
@@ -150,10 +150,10 @@ TEST_CASE("SceneBuilder: handles of another builder are refused", "[scene-builde
     refused(here.set_camera("perspective", {}, Transform::translate(0, 0, 1), medium), "medium");
     const auto invented = here.add_shape("sphere", {}, {.material = {.reference = 1}});
     REQUIRE_FALSE(invented.ok());
-    CHECK(contains(invented.error().message, "that no scene builder handed out"));
+    CHECK(contains(invented.error().message, "that no scene builder returned"));
     did(here.add_shape("sphere", {}, {.material = here.material_named("late")}));
     got(here.add_named_material("late", "diffuse", {}));
-    // A builder that moved keeps what it handed out.
+    // A moved builder keeps its handles.
     SceneBuilder moved(std::move(there));
     did(moved.add_shape("sphere", {}, {.material = material, .area_light = light, .inside = medium}));
     did(moved.add_instance(object));
@@ -186,7 +186,7 @@ TEST_CASE("SceneBuilder: finish() can be called once, and is the last call", "[s
     refused(scene.add_instance(object));
 }
 
-TEST_CASE("SceneBuilder: what is not finite is refused by its name", "[scene-builder]") {
+TEST_CASE("SceneBuilder: values that are not finite are refused by name", "[scene-builder]") {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
     SceneBuilder scene("code");
     const auto refused = [](const auto& result, const std::string& part) {
@@ -226,7 +226,7 @@ TEST_CASE("SceneBuilder: what is not finite is refused by its name", "[scene-bui
     refused(scene.add_light("point", {}, Transform(broken)), "not finite");
     refused(scene.set_camera("perspective", {}, Transform(broken)), "not finite");
     refused(scene.add_instance(got(scene.add_object("thing")), Transform(broken)), "not finite");
-    // Texture coordinates are mended as those of mesh files are.
+    // Invalid texture coordinates are repaired like those of mesh files.
     const float none = static_cast<float>(nan);
     did(scene.add_mesh({.positions = triangle,
                         .indices = {0, 1, 2},
@@ -239,7 +239,7 @@ TEST_CASE("SceneBuilder: what is not finite is refused by its name", "[scene-bui
     CHECK(contains(made.warnings[0].message, "2 of the texture coordinates of the mesh are not finite"));
 }
 
-TEST_CASE("SceneBuilder: numbers are written in the type that pbrt reads them by", "[scene-builder]") {
+TEST_CASE("SceneBuilder: numbers are written with the types that pbrt reads", "[scene-builder]") {
     using T = raylex::ParameterType;
     SceneBuilder scene("code");
     did(scene.set_film(
@@ -271,7 +271,7 @@ TEST_CASE("SceneBuilder: numbers are written in the type that pbrt reads them by
         INFO(part << " in\n" << text);
         CHECK(contains(text, part));
     }
-    // The same light as from the numbers themselves, bit for bit.
+    // The image has the same bits as with the numbers themselves.
     const auto image = [](const SceneDescription& of) {
         RenderSettings settings;
         settings.samples.per_pixel = 4;

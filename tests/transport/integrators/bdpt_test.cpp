@@ -312,7 +312,7 @@ TEST_CASE("variances and adaptive sampling of bidirectional path tracing are of 
     settings.stop.adaptive->max_samples = 512;
     const auto adaptive = render_of(scene, settings);
     REQUIRE(adaptive.warnings.size() == 1);
-    CHECK(adaptive.warnings[0].message.find("camera samples bring") != std::string::npos);
+    CHECK(adaptive.warnings[0].message.find("the error of camera samples only") != std::string::npos);
     CHECK(adaptive.statistics.camera_samples < plain.statistics.camera_samples);
     CHECK(adaptive.statistics.camera_samples > plain.statistics.camera_samples / 50);
     // The pixels' errors are at most about a tenth, so their mean's is far below.

@@ -330,7 +330,7 @@ TEST_CASE("what Metropolis cannot do is refused by name", "[pssmlt][render][law7
         return output.ok() ? std::string() : output.error().to_string();
     };
     settings.samples.only = transport::SampleChoice{.x = 3, .y = 3};
-    CHECK(error().find("'pssmlt' cannot render one sample alone") != std::string::npos);
+    CHECK(error().find("'pssmlt' cannot render a single sample") != std::string::npos);
     settings.samples.only.reset();
     settings.samples.per_pixel = 32;
     settings.samples.first = 16;
@@ -340,7 +340,7 @@ TEST_CASE("what Metropolis cannot do is refused by name", "[pssmlt][render][law7
     CHECK(error().find("light paths land anywhere") != std::string::npos);
     settings.stop.limit.reset();
     settings.checkpoint = transport::CheckpointSettings{.file = "pssmlt.checkpoint"};
-    CHECK(error().find("'pssmlt' does not say how its state is saved") != std::string::npos);
+    CHECK(error().find("'pssmlt' cannot save its state") != std::string::npos);
     settings.checkpoint.reset();
     settings.paths.integrator = metropolis(0, 1000);
     CHECK(error().find("'chains' is 0") != std::string::npos);

@@ -1,4 +1,4 @@
-// Lights that show images: goniometric, projection, portals, textured area lights; "power" and "illuminance".
+// Lights with images: goniometric, projection, portals, textured area lights; "power" and "illuminance".
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -33,7 +33,7 @@ bool emit(const Lit& scene, std::uint64_t i, EmissionSample& s) {
                                         sampler.get_1d(1), sampler.get_2d(2), sampler.get_2d(3), s);
 }
 
-/// Per steradian, of light that the only light emits.
+/// The density per steradian of light that the only light emits.
 double density_of_direction(const Lit& scene, const Vec3& d) {
     return static_cast<double>(
         scene.lights
@@ -45,7 +45,7 @@ struct Mean {
     double value = 0, error = 0;
 };
 
-/// Of `count` values; the standard error as if they were independent, which is too large for Sobol' points.
+/// The mean of `count` values, and a standard error as if they were independent, which overestimates for Sobol' points.
 Mean mean_of(int count, const std::function<double(std::uint64_t)>& value) {
     double sum = 0, squares = 0;
     for (int i = 0; i < count; ++i) {
@@ -67,8 +67,8 @@ Mean irradiance(const Lit& scene, const Vec3& p, const Vec3& n, int count = 1 <<
     });
 }
 
-/// Chi-squared of where samples fall over n x n cells of equal solid angle, against the integral of `density` over the
-/// cells. Cells that expect fewer than 8 are put together.
+/// Chi-squared statistic of samples over n x n cells of equal solid angle, against the integral of `density` over the
+/// cells. Cells with an expectation below 8 are merged.
 void check_directions(const std::function<bool(std::uint64_t, Vec3&)>& sample,
                       const std::function<double(const Vec3&)>& density) {
     constexpr int n = 12, looks = 24, count = 40000;
@@ -90,7 +90,7 @@ void check_directions(const std::function<bool(std::uint64_t, Vec3&)>& sample,
         const int x = std::min(static_cast<int>(at.x * n), n - 1), y = std::min(static_cast<int>(at.y * n), n - 1);
         ++found[static_cast<std::size_t>(y * n + x)];
     }
-    // The midpoint rule of 24 x 24 places a cell misses edges of the density by about half a place's width.
+    // The midpoint rule of 24 x 24 points a cell misses edges of the density by about half a point's width.
     CHECK(whole == Approx(static_cast<double>(drawn) / count).margin(0.02));
     double chi2 = 0, rest_found = 0, rest_expected = 0;
     int cells = 0;
@@ -100,22 +100,22 @@ void check_directions(const std::function<bool(std::uint64_t, Vec3&)>& sample,
             rest_expected += expected[i];
             continue;
         }
-        // The quadrature's error of 2 % of a cell is added to the variance.
+        // The quadrature error of 2 % of a cell is added to the variance.
         chi2 += (found[i] - expected[i]) * (found[i] - expected[i]) /
                 (expected[i] + 0.02 * 0.02 * expected[i] * expected[i]);
         ++cells;
     }
     CAPTURE(chi2, cells, rest_found, rest_expected);
     CHECK(cells >= 4);
-    // Of k degrees of freedom: mean k, variance 2 k; 5 standard deviations.
+    // With k degrees of freedom: mean k, variance 2 k; 5 standard deviations.
     CHECK(chi2 < cells + 5 * std::sqrt(2.0 * cells));
     CHECK(std::abs(rest_found - rest_expected) < 5 * std::sqrt(rest_expected + 1) + 0.02 * count * 0.1);
 }
 
 const std::string sphere_in_the_middle = "\nShape \"sphere\" \"float radius\" 0.5\n";
 
-TEST_CASE("a goniometric light sends its image into pbrt's directions", "[lights]") {
-    // The image's axis is y of the light's space: rows and columns of the octahedral layout with z and y exchanged.
+TEST_CASE("a goniometric light emits its image into pbrt's directions", "[lights]") {
+    // The image's axis is y of the light's space: the octahedral layout with z and y swapped.
     constexpr int n = 8;
     std::vector<Rgb> pixels;
     for (int i = 0; i < n * n; ++i) pixels.emplace_back(static_cast<Real>(1 + i % 5), 0, static_cast<Real>(i % 3));
@@ -129,13 +129,13 @@ TEST_CASE("a goniometric light sends its image into pbrt's directions", "[lights
         LightSample s;
         REQUIRE(draw(scene, Vec3{1, 2, 3} + direction * 2, 0, s));
         const Rgb& p = pixels[static_cast<std::size_t>(i)];
-        // Colours count as their mean; 4 is the distance squared. A few float operations.
+        // Colours are averaged; 4 is the squared distance. A few float operations.
         CHECK(static_cast<double>(s.radiance.g) == Approx(double{p.r + p.g + p.b} / 3 / 4).epsilon(1e-5));
         CHECK(s.delta);
     }
 }
 
-TEST_CASE("goniometric and projection lights give their power, and draw directions as they say", "[lights]") {
+TEST_CASE("goniometric and projection lights emit their power, and draw directions with their density", "[lights]") {
     constexpr int w = 12, h = 12;
     std::vector<Rgb> pixels;
     for (int i = 0; i < w * h; ++i) pixels.emplace_back(i % 7 == 0 ? 5.f : i % 5 == 0 ? 0.f : 0.5f);
@@ -153,12 +153,13 @@ TEST_CASE("goniometric and projection lights give their power, and draw directio
           Case{turned + "LightSource \"projection\" \"float power\" 30 \"float scale\" 2 \"float fov\" 120" +
                    wide.parameter(),
                60},
-          // Stretched: the image's directions are squeezed, and the light keeps its intensity in each of its own.
+          // Stretched: the image's directions are compressed, and the light keeps its intensity in each direction of
+          // its own space.
           Case{"Scale 1 2 0.7\nLightSource \"goniometric\" \"rgb I\" [1 1 1]" + square.parameter(), 0}}) {
         INFO(each.text);
         const Lit scene = lit(each.text + sphere_in_the_middle);
         if (each.power > 0) {
-            // Drawn by pixel, so only the solid angle within pixels varies: 2^14 points.
+            // Directions are drawn by pixel, so only the solid angle within pixels varies: 2^14 points.
             const Mean power = mean_of(1 << 14, [&](std::uint64_t i) {
                 EmissionSample s;
                 return emit(scene, i, s) ? static_cast<double>(s.power.g) : 0.0;
@@ -171,13 +172,13 @@ TEST_CASE("goniometric and projection lights give their power, and draw directio
             const EmissionDensity density = scene.lights.emission_density(
                 scene.lights.chooser(LightChoice::light_sampling), scene.geometry, s.from, s.direction);
             REQUIRE(density.position == 1);
-            // Power times density is the intensity that a light sample finds in that direction.
+            // Power times density is the intensity of a light sample in that direction.
             LightSample seen;
             REQUIRE(draw(scene, s.origin + s.direction, i, seen));
             const double both = static_cast<double>(s.power.g) * static_cast<double>(density.direction);
             const double there = static_cast<double>(seen.radiance.g);
             if (std::abs(both - there) > 1e-3 * both) {
-                // Within rounding of a pixel's edge either of two pixels may answer.
+                // Within rounding of a pixel's edge, either of two pixels may be read.
                 REQUIRE((std::abs(both / there - 10) < 0.1 || std::abs(there / both - 10) < 0.1));
             }
         }
@@ -192,8 +193,8 @@ TEST_CASE("goniometric and projection lights give their power, and draw directio
     }
 }
 
-TEST_CASE("a projection light throws its image upright and ends at its border", "[lights]") {
-    // 4 x 2 pixels, 90 degrees over the shorter side: half sizes 2 and 1 at distance 1.
+TEST_CASE("a projection light projects its image upright and ends at its border", "[lights]") {
+    // 4 x 2 pixels, 90 degrees over the shorter side: half sizes of 2 and 1 at distance 1.
     std::vector<Rgb> pixels;
     for (int i = 0; i < 8; ++i) pixels.emplace_back(static_cast<Real>(1 + i));
     const ImageFile file(4, 2, pixels);
@@ -210,7 +211,8 @@ TEST_CASE("a projection light throws its image upright and ends at its border", 
         CHECK_FALSE(draw(scene, outside, 0, s));
 }
 
-TEST_CASE("a stretched spot has its cone in its own space, as in pbrt, and draws directions as it says", "[lights]") {
+TEST_CASE("a stretched spot has its cone in its own space, as in pbrt, and draws directions with its density",
+          "[lights]") {
     const std::string stretched =
         "Rotate 20 0 1 0\nScale 1.3 0.7 1.1\nLightSource \"spot\" \"rgb I\" [20 20 20] \"point3 from\" [1 0 3] "
         "\"point3 to\" [0 0 0] \"float coneangle\" 35 \"float conedeltaangle\" 10\n";
@@ -221,7 +223,7 @@ TEST_CASE("a stretched spot has its cone in its own space, as in pbrt, and draws
     int lit_points = 0;
     for (int i = 0; i < 400; ++i) {
         const Vec3 p{static_cast<Real>(i % 20) * 0.3f - 2.4f, static_cast<Real>(i / 20) * 0.2f - 2.1f, -1};
-        // pbrt-v4's SpotLight::SampleLi, by hand: the direction in the light's space, and its angle to the axis there.
+        // pbrt-v4's SpotLight::SampleLi by hand: the direction in the light's space, and its angle to the axis there.
         const double w[3] = {static_cast<double>(p.x) - from[0], static_cast<double>(p.y), -1 - from[2]};
         const double local[3] = {(c * w[0] - s * w[2]) / scale[0], w[1] / scale[1], (s * w[0] + c * w[2]) / scale[2]};
         const double cosine = (local[0] * axis[0] + local[1] * axis[1] + local[2] * axis[2]) /
@@ -231,7 +233,7 @@ TEST_CASE("a stretched spot has its cone in its own space, as in pbrt, and draws
         const double expected = 20 * t * t * (3 - 2 * t) / (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
         LightSample found;
         const double radiance = draw(scene, p, 0, found) ? static_cast<double>(found.radiance.g) : 0;
-        // A dozen float roundings of the direction, by the falloff's steepest slope: 1.5 / (full - zero).
+        // A dozen float roundings of the direction, times the falloff's steepest slope: 1.5 / (full - zero).
         CHECK(std::abs(radiance - expected) <= 1.5 * 20 / 8 * 16 * 0x1p-24 / (full - zero) + 4 * 0x1p-24 * expected);
         lit_points += expected > 0;
     }
@@ -240,7 +242,7 @@ TEST_CASE("a stretched spot has its cone in its own space, as in pbrt, and draws
         EmissionSample e;
         LightSample seen;
         if (!emit(scene, i, e) || !draw(scene, e.origin + e.direction, i, seen)) continue;
-        // Power times density is the intensity that a light sample finds there; the cone's edge is steep (see above).
+        // Power times density is the intensity of a light sample there; the cone's edge is steep (see above).
         CHECK(static_cast<double>(e.power.g) * density_of_direction(scene, e.direction) ==
               Approx(static_cast<double>(seen.radiance.g)).epsilon(1e-4).margin(1e-3));
     }
@@ -252,11 +254,11 @@ TEST_CASE("a stretched spot has its cone in its own space, as in pbrt, and draws
             return true;
         },
         [&](const Vec3& d) { return density_of_direction(scene, d); });
-    // A mirrored and evenly scaled one is as round as ever: no more work.
+    // A cone that is mirrored and scaled uniformly stays round and needs no extra data.
     CHECK(lit("Scale -2 2 2\nLightSource \"spot\"" + sphere_in_the_middle).lights.lights()[0].image < 0);
 }
 
-TEST_CASE("without an image a portal looks out on L as pbrt has it: of its own luminance", "[lights]") {
+TEST_CASE("without an image a portal has the radiance L with its own luminance, as in pbrt", "[lights]") {
     const auto seen = [](const std::string& sky) {
         const Lit scene = lit("LightSource \"infinite\" " + sky +
                               " \"point3 portal\" [-1 -0.5 2  -1 0.5 2  1 0.5 2  1 -0.5 2]" + sphere_in_the_middle);
@@ -264,13 +266,13 @@ TEST_CASE("without an image a portal looks out on L as pbrt has it: of its own l
     };
     CHECK(luminance(seen("\"spectrum L\" [300 2 900 2]")) == Approx(2).epsilon(1e-4));
     CHECK(seen("\"rgb L\" [2 2 2]").g == Approx(2).epsilon(1e-5));
-    // Planck's law over its peak under the eye's sensitivity, over that sensitivity's sum, at 6500 K: worked out apart
-    // from raylex with the CIE's y by 10 nm to four digits. 0.001 is for the steps.
+    // Planck's law over its maximum, weighted by the eye's sensitivity, over that sensitivity's sum, at 6500 K.
+    // Computed independently of raylex with the CIE's y in steps of 10 nm, to four digits; 0.001 covers the steps.
     CHECK(luminance(seen("\"blackbody L\" [6500]")) == Approx(0.886).margin(0.001));
     CHECK(luminance(seen("\"blackbody L\" [6500] \"float illuminance\" 3")) == Approx(3 / (2 * pi_d)).epsilon(1e-4));
 }
 
-TEST_CASE("a portal in front of a white sky gives Lambert's polygon formula", "[lights]") {
+TEST_CASE("a portal in front of a white sky matches Lambert's polygon formula", "[lights]") {
     const std::string portal = "\"point3 portal\" [-1 -0.5 2  -1 0.5 2  1 0.5 2  1 -0.5 2]";
     const ImageFile white(16, 16, std::vector<Rgb>(256, Rgb(3)));
     const Vec3 corner[4] = {{-1, -0.5f, 2}, {-1, 0.5f, 2}, {1, 0.5f, 2}, {1, -0.5f, 2}};
@@ -286,18 +288,18 @@ TEST_CASE("a portal in front of a white sky gives Lambert's polygon formula", "[
                             b = normalize(DVec3(corner[(i + 1) % 4]) - DVec3(p));
                 sum += std::acos(dot(a, b)) * dot(normalize(cross(a, b)), DVec3(n));
             }
-            // All of the portal is above this plane. What is left to chance is the cosine.
+            // The whole portal is above this plane. Only the cosine is random.
             const Mean found = irradiance(scene, p, n);
             CHECK(std::abs(found.value - 3 * std::abs(sum) / 2) < 4 * found.error + 1e-4 * found.value);
         }
         LightSample s;
-        CHECK_FALSE(draw(scene, {0, 0, 2.5f}, 0, s));  // from outside nothing comes in
+        CHECK_FALSE(draw(scene, {0, 0, 2.5f}, 0, s));  // no light arrives outside
         CHECK(scene.lights.environment_radiance(0, {}, {0, 0, 1}).g == Approx(3).epsilon(1e-5));
         CHECK(scene.lights.environment_radiance(0, {}, {0, 0, -1}).is_black());
         CHECK(scene.lights.environment_radiance(0, {}, normalize(Vec3{1.1f, 0, 2})).is_black());
         CHECK(scene.lights.environment_radiance(0, {1, 0, 0}, normalize(Vec3{-1.9f, 0.4f, 2})).g ==
               Approx(3).epsilon(1e-5));
-        // Through the whole portal: pi L A.
+        // The power through the whole portal: pi L A.
         const Mean power = mean_of(1 << 14, [&](std::uint64_t i) {
             const PixelSampler sampler = numbers(i);
             EmissionSample e;
@@ -310,7 +312,7 @@ TEST_CASE("a portal in front of a white sky gives Lambert's polygon formula", "[
     }
 }
 
-TEST_CASE("portals draw their image and know its density", "[lights]") {
+TEST_CASE("portals draw directions by their image, with its density", "[lights]") {
     constexpr int n = 32;
     std::vector<Rgb> pixels(n * n, Rgb(0.2f));
     for (int i = 0; i < n * n; i += 11) pixels[static_cast<std::size_t>(i)] = Rgb(4, 2, 1);
@@ -329,7 +331,7 @@ TEST_CASE("portals draw their image and know its density", "[lights]") {
             if (!draw(scene, from, i, s) || s.light != sky) continue;
             ++found;
             const double again = static_cast<double>(scene.lights.environment_density(chooser, sky, from, s.wi));
-            // At the border of pixel or portal rounding may decide otherwise.
+            // At the border of a pixel or the portal, rounding may decide otherwise.
             if (std::abs(again / static_cast<double>(s.pdf) - 1) > 1e-3) --found;
             else CHECK(scene.lights.environment_radiance(sky, from, s.wi) == s.radiance);
         }
@@ -354,19 +356,19 @@ TEST_CASE("'illuminance' scales an image light as pbrt does", "[lights]") {
     const ImageFile file(n, n, pixels);
     const Lit scene =
         lit("LightSource \"infinite\" \"float illuminance\" 100" + file.parameter() + sphere_in_the_middle);
-    // pbrt counts 2 pi of the 4 pi that the pixels cover: the surface gets twice what was asked.
+    // pbrt uses 2 pi of the 4 pi that the pixels cover: the surface gets twice the requested value.
     const Mean found = irradiance(scene, {0, 0, 0}, {0, 0, 1}, 1 << 15);
     CHECK(std::abs(found.value - 200) < 4 * found.error);
 }
 
 TEST_CASE("an image on an area light: pbrt's orientation, means, densities, power", "[lights]") {
-    // Left half dark at the top: values 1 2 / 3 8, from the top left.
+    // The top of the left half is dark: values 1 2 / 3 8, from the top left.
     const ImageFile file(2, 2, {Rgb(1), Rgb(2), Rgb(3), Rgb(8)});
     const std::string light = "AreaLightSource \"diffuse\"" + file.parameter();
     const std::string quad =
         "\nShape \"trianglemesh\" \"integer indices\" [0 2 1 0 3 2] \"point3 P\" [-1 -1 2 1 -1 2 1 1 2 -1 1 2]"
         " \"point2 uv\" [0 0 1 0 1 1 0 1]";
-    const auto shown = [](double u, double v) {  // bilinear between texel centres, the border held
+    const auto shown = [](double u, double v) {  // bilinear between texel centres, clamped at the border
         const double x = std::min(std::max(2 * u - 0.5, 0.0), 1.0), y = std::min(std::max(2 * (1 - v) - 0.5, 0.0), 1.0);
         return (1 * (1 - x) + 2 * x) * (1 - y) + (3 * (1 - x) + 8 * x) * y;
     };
@@ -385,7 +387,7 @@ TEST_CASE("an image on an area light: pbrt's orientation, means, densities, powe
         const Lit scene = lit(light + " \"float scale\" 2 \"bool twosided\" true" + each.shape);
         const Vec3 n = each.shape.find("cylinder") == std::string::npos ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
         const LightChooser& chooser = scene.lights.chooser(LightChoice::mis);
-        // By light samples and by tracing directions: the same mean, and the same densities.
+        // Light samples and traced directions give the same mean and the same densities.
         const Mean sampled = irradiance(scene, {}, n);
         const Mean traced = mean_of(1 << 15, [&](std::uint64_t i) {
             Ray ray;
@@ -401,7 +403,7 @@ TEST_CASE("an image on an area light: pbrt's orientation, means, densities, powe
             return pi_d * static_cast<double>(scene.lights.emitted(index, point, point.wo).g);
         });
         CAPTURE(sampled.value, sampled.error, traced.value, traced.error);
-        // A sphere is two-sided and sampled by area: samples of its far side are hidden by the near one.
+        // A sphere is two-sided and sampled by area: the near side hides samples of its far side.
         if (each.shape.find("sphere") == std::string::npos && each.shape.find("cylinder") == std::string::npos)
             CHECK(std::abs(sampled.value - traced.value) < 4 * std::hypot(sampled.error, traced.error));
         int at_borders = 0;
@@ -414,8 +416,8 @@ TEST_CASE("an image on an area light: pbrt's orientation, means, densities, powe
             const double u = (static_cast<double>(s.target.x) + 1) / 2, v = (static_cast<double>(s.target.y) + 1) / 2;
             CHECK(static_cast<double>(s.radiance.g) == Approx(2 * shown(u, v)).epsilon(1e-4));
         }
-        // A cell of the image's grid ends somewhere: next to that rounding may take the neighbour's density. The grid
-        // is 2 x 2 here, and less than one sample in 10,000 falls within 1e-5 of its lines.
+        // At the boundary of a grid cell, rounding may select the neighbour's density. The grid is 2 x 2 here, and less
+        // than one sample in 10,000 is within 1e-5 of its lines.
         CHECK(at_borders <= 1);
     }
     // Two triangles of power 10 each, on both sides; a sphere of 10.
@@ -431,12 +433,12 @@ TEST_CASE("an image on an area light: pbrt's orientation, means, densities, powe
                 return 0.0;
             return static_cast<double>(s.power.g);
         });
-        CHECK(found.value == Approx(3 * power).epsilon(1e-4));  // L's 3 stays a factor, as in pbrt
+        CHECK(found.value == Approx(3 * power).epsilon(1e-4));  // L's 3 is a further factor, as in pbrt
         CHECK(scene.warnings.size() == warnings);
     }
 }
 
-TEST_CASE("lights with images name what is wrong with them", "[lights]") {
+TEST_CASE("errors of lights with images name the cause", "[lights]") {
     const ImageFile wide(4, 2, std::vector<Rgb>(8, Rgb(1))), black(2, 2, std::vector<Rgb>(4, Rgb(0)));
     struct Case {
         std::string text, message;
@@ -465,13 +467,14 @@ TEST_CASE("lights with images name what is wrong with them", "[lights]") {
     }
 }
 
-TEST_CASE("methods that begin at the lights find the path tracer's image under lights with images",
+TEST_CASE("integrators that trace paths from lights find the path tracer's image under lights with images",
           "[bdpt][lighttracer][render][statistical]") {
     const std::string integrator = GENERATE("bdpt", "lighttracer");
     std::vector<Rgb> pixels;
     for (int i = 0; i < 64; ++i) pixels.emplace_back(i % 3 == 0 ? 1.5f : 0.2f);
     const ImageFile file(8, 8, pixels);
-    // A room without a ceiling's middle: the sky comes in by the portal there, the screen at the back is an area light.
+    // A room with a hole in its ceiling: the sky enters through the portal there; the screen at the back is an area
+    // light.
     const std::string scene = render_test::plain_film + R"(
 PixelFilter "box" "float xradius" 0.5 "float yradius" 0.5
 LookAt 0 1 4.5  0 0.8 0  0 1 0

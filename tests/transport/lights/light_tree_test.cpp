@@ -1,4 +1,4 @@
-// Choosing among many lights by what each can send to a point.
+// Choosing among many lights by their contribution to a point.
 #include <cmath>
 #include <numeric>
 #include <random>
@@ -38,7 +38,7 @@ class Numbers {
     std::mt19937 engine_;
 };
 
-/// Lights of every kind that stand somewhere, and some that do not, strewn at random.
+/// Random lights of every kind, with and without positions.
 std::string strewn(int count, unsigned seed) {
     Numbers numbers(seed);
     const auto place = [&] {
@@ -78,7 +78,7 @@ LightChooser chooser_of(const transport::BuiltScene& scene) {
 
 }  // namespace
 
-TEST_CASE("probabilities of choices by receiver sum to 1, and choices follow them", "[lights][light_tree]") {
+TEST_CASE("the probabilities of choices by receiver sum to 1, and choices match them", "[lights][light_tree]") {
     const auto scene = built(strewn(96, 1));
     const LightChooser chooser = chooser_of(*scene);
     const std::size_t count = scene->view().lights->lights().size();
@@ -87,7 +87,7 @@ TEST_CASE("probabilities of choices by receiver sum to 1, and choices follow the
         const LightReceiver receiver(numbers.point(5), trial % 3 == 0 ? Vec3() : numbers.direction());
         std::vector<double> expected(count), found(count);
         for (std::uint32_t i = 0; i < count; ++i) expected[i] = chooser.probability(receiver, i);
-        // What is missing are ways down that end where nothing sends light to the receiver, which bounds did not tell.
+        // The rest are descents that end in groups that send nothing to the receiver, although their bounds allow it.
         const double sum = std::accumulate(expected.begin(), expected.end(), 0.0);
         CHECK(sum > 0.5);       // the distant light alone has half
         CHECK(sum < 1 + 1e-4);  // products of at most 20 quotients of floats
@@ -114,12 +114,12 @@ TEST_CASE("probabilities of choices by receiver sum to 1, and choices follow the
             ++degrees;
         }
         if (rest_expected >= 8) chi2 += (rest_found - rest_expected) * (rest_found - rest_expected) / rest_expected;
-        // Normal approximation of chi-squared; 5 of its deviations are exceeded once in a million.
+        // Normal approximation of chi-squared; 5 standard deviations are exceeded once in a million.
         CHECK(chi2 < degrees + 5 * std::sqrt(2.0 * degrees) + 10);
     }
 }
 
-TEST_CASE("no light that reaches a point is left out there", "[lights][light_tree]") {
+TEST_CASE("every light that reaches a point can be chosen there", "[lights][light_tree]") {
     const auto scene = built(strewn(160, 3));
     const auto view = scene->view();
     const LightChooser chooser = chooser_of(*scene);
@@ -145,8 +145,8 @@ TEST_CASE("no light that reaches a point is left out there", "[lights][light_tre
 }
 
 TEST_CASE("choices by receiver follow what lights send there", "[lights][light_tree]") {
-    // Small triangles of four powers, half of them two-sided, strewn above a floor: what each sends to a point is
-    // known, and with the probabilities the variance of choosing one of them, over the squared mean.
+    // Small random triangles of four powers above a floor, half of them two-sided. The contribution of each to a point
+    // is known, and with the probabilities the variance of choosing one of them, over the squared mean.
     Numbers numbers(11);
     std::string world;
     for (int i = 0; i < 400; ++i) {
@@ -183,12 +183,12 @@ TEST_CASE("choices by receiver follow what lights send there", "[lights][light_t
         all += sum * sum;
     }
     CAPTURE(choosing / all);
-    // Choosing by power leaves about 17, by bounds (as pbrt-v4 does) about 4, by what is expected about 0.4; the bound
-    // tells the last two apart whatever the points that were drawn.
+    // Choosing by power leaves about 17, by bounds (as pbrt-v4 does) about 4, by expected contribution about 0.4. The
+    // limit separates the last two for all drawn points.
     CHECK(choosing < all);
 }
 
-TEST_CASE("images by every choice of lights agree, and the one by receiver has the least noise",
+TEST_CASE("images with every choice of lights agree, and the choice by receiver has the least noise",
           "[render][lights][light_tree]") {
     const std::string world =
         strewn(120, 5) +
@@ -214,7 +214,7 @@ TEST_CASE("images by every choice of lights agree, and the one by receiver has t
         const Estimate a = receiver.channel(channel), b = power.channel(channel), c = uniform.channel(channel);
         CAPTURE(channel, a.mean, a.error, b.mean, b.error, c.mean, c.error);
         CHECK(a.mean > 0);
-        // Student's t of 9 degrees of freedom or more: 6.6 is exceeded once in 10,000.
+        // Student's t with at least 9 degrees of freedom: 6.6 is exceeded once in 10,000.
         CHECK(deviation(a, b) < 6.6);
         CHECK(deviation(a, c) < 6.6);
     }
@@ -224,7 +224,7 @@ TEST_CASE("images by every choice of lights agree, and the one by receiver has t
         least += receiver.variance(direct);
         most += power.variance(direct);
     }
-    // It is a tenth or less. A ratio of variances of 9 x 9 degrees of freedom, not all of them independent, is off by
+    // The ratio is a tenth or less. A ratio of variances with 9 x 9 degrees of freedom, not all independent, is off by
     // more than a factor of 3 less than once in 1,000.
     CHECK(least * 3 < most);
 }

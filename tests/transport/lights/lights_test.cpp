@@ -15,7 +15,7 @@ using namespace raylex::transport;
 
 namespace {
 
-/// Irradiance at `p` on a plane with normal `n`, by light sampling alone, unoccluded.
+/// Irradiance at `p` on a plane with normal `n`, by light samples only, unoccluded.
 double irradiance(const Lit& scene, const Vec3& p, const Vec3& n, int samples) {
     double sum = 0;
     for (int i = 0; i < samples; ++i) {
@@ -32,14 +32,14 @@ double irradiance(const Lit& scene, const Vec3& p, const Vec3& n, int samples) {
 
 }  // namespace
 
-TEST_CASE("a point light gives I cos / d^2", "[lights]") {
-    // Row J. No randomness: only the roundings of a handful of float operations.
+TEST_CASE("the irradiance of a point light is I cos / d^2", "[lights]") {
+    // Row J. Not random: only the roundings of a handful of float operations.
     const Lit scene = lit(R"(LightSource "point" "rgb I" [3 3 3] "point3 from" [1 2 0.5])");
     const double d2 = 1 + 4 + 0.25, expected = 3 * (2 / std::sqrt(d2)) / d2;
     CHECK(irradiance(scene, {0, 0, 0}, {0, 1, 0}, 4) == Approx(expected).epsilon(1e-6));
 }
 
-TEST_CASE("a disk light gives pi L r^2 / (r^2 + h^2) below its centre", "[lights]") {
+TEST_CASE("the irradiance of a disk light is pi L r^2 / (r^2 + h^2) below its centre", "[lights]") {
     // Row L, also with a transform that stretches the disk to twice its size. 2^14 scrambled points: error below 1e-4.
     for (const double scale : {1.0, 2.0}) {
         const std::string s = std::to_string(scale);
@@ -53,7 +53,7 @@ TEST_CASE("a disk light gives pi L r^2 / (r^2 + h^2) below its centre", "[lights
     }
 }
 
-TEST_CASE("a rectangle light gives Lambert's polygon formula, from 2 or 200 triangles or a patch", "[lights]") {
+TEST_CASE("a rectangle light matches Lambert's polygon formula, with 2 or 200 triangles or a patch", "[lights]") {
     // Row M: E = L/2 sum of edge angles times the cosines of their planes.
     const Vec3 corner[4] = {{-1, -1, 2}, {-1, 1, 2}, {1, 1, 2}, {1, -1, 2}};
     double expected = 0;
@@ -81,7 +81,7 @@ TEST_CASE("a rectangle light gives Lambert's polygon formula, from 2 or 200 tria
         CHECK(irradiance(lit(begin + shape), {0, 0, 0}, {0, 0, 1}, 1 << 14) == Approx(expected).epsilon(1e-3));
 }
 
-TEST_CASE("the octahedral map goes there and back and keeps areas", "[lights]") {
+TEST_CASE("the octahedral map has an inverse and keeps areas", "[lights]") {
     double sum = 0;
     for (std::uint64_t i = 0; i < 20000; ++i) {
         const PixelSampler sampler(SamplerKind::sobol, 2, 0, 0, i);
@@ -89,7 +89,7 @@ TEST_CASE("the octahedral map goes there and back and keeps areas", "[lights]") 
         const Vec3 d = direction_from_octahedral(uv);
         REQUIRE(length(d) == Approx(1).epsilon(1e-5));
         const Vec2 back = octahedral_from_direction(d);
-        // The square root at the folds turns 1e-7 into at most 4e-4.
+        // The square root at the folds increases 1e-7 to at most 4e-4.
         REQUIRE(std::abs(back.x - uv.x) < 5e-4f);
         REQUIRE(std::abs(back.y - uv.y) < 5e-4f);
         sum += d.z > 0.5f;
@@ -97,7 +97,7 @@ TEST_CASE("the octahedral map goes there and back and keeps areas", "[lights]") 
     CHECK(sum / 20000 == Approx(0.25).margin(1e-3));  // a cap's area is proportional to its height
 }
 
-TEST_CASE("an image environment is sampled by its luminance, and pdf() says so", "[lights]") {
+TEST_CASE("an image environment is sampled by its luminance, with the density pdf()", "[lights]") {
     constexpr int n = 8;
     std::vector<Rgb> pixels(n * n, Rgb(0.1f));
     pixels[19] = Rgb(50);
@@ -120,13 +120,14 @@ TEST_CASE("an image environment is sampled by its luminance, and pdf() says so",
     }
     CHECK(integral == Approx(1).epsilon(0.01));  // stratified over 64 cells of a step function
     CHECK(flux == Approx(uniform_flux).epsilon(0.01));
-    CHECK(
-        flux ==
-        Approx((62 * 0.1 + 50) / 64 * 4 * 3.14159265358979).epsilon(1e-4));  // radiance / pdf is constant but for black
+    CHECK(flux ==
+          // radiance / pdf is constant except for black pixels
+          Approx((62 * 0.1 + 50) / 64 * 4 * 3.14159265358979).epsilon(1e-4));
 }
 
-TEST_CASE("beside scattering an image environment is sampled by what stands out, and pdf() says so", "[lights]") {
-    // By max(L - mean, 0) + L / 10 with mean (61 x 1 + 50 + 8) / 64: in closed form, pixel by pixel.
+TEST_CASE("with scattering an image environment is sampled by its excess over the mean, with the density pdf()",
+          "[lights]") {
+    // The density is max(L - mean, 0) + L / 10 with mean (61 x 1 + 50 + 8) / 64: in closed form for each pixel.
     constexpr int n = 8, count = 1 << 16;
     std::vector<Rgb> pixels(n * n, Rgb(1));
     pixels[19] = Rgb(50);
@@ -151,22 +152,22 @@ TEST_CASE("beside scattering an image environment is sampled by what stands out,
         const double value = double{pixels[i].g}, share = (std::max(value - mean, 0.0) + value / 10) / total;
         const Vec3 center =
             direction_from_octahedral({(static_cast<float>(i % n) + 0.5f) / n, (static_cast<float>(i / n) + 0.5f) / n});
-        // Shares are differences of cumulative floats, each rounded by 2^-25 or less, of at least 8e-4 of one.
+        // Shares are differences of cumulative floats, each rounded by at most 2^-25 and at least 8e-4.
         CHECK(static_cast<double>(image.pdf(center, by)) ==
               Approx(share * n * n / (4 * 3.14159265358979)).epsilon(1e-3).margin(1e-9));
-        CHECK((image.pdf(center, by) > 0) == (value > 0));  // nothing that shines is left to scattering alone
+        CHECK((image.pdf(center, by) > 0) == (value > 0));  // no pixel that emits is left to scattering alone
         if (value > 0) chi_squared += std::pow(drawn[i] - share * count, 2) / (share * count);
         else CHECK(drawn[i] == 0);
     }
-    // 62 degrees of freedom: 62 + 5 sqrt(124). Rounding at the borders of pixels moves some 1e-6 of the samples.
+    // 62 degrees of freedom: 62 + 5 sqrt(124). Rounding at the borders of pixels affects 1e-6 of the samples.
     CHECK(chi_squared < 118);
 
-    // A sky without features has nothing that stands out: as without.
+    // A constant sky has no excess: the same as without compensation.
     const EnvironmentImage even(n, std::vector<Rgb>(n * n, Rgb(1)), Placement(Transform()));
     CHECK(even.pdf({0, 0, 1}, by) == Approx(double{even.pdf({0, 0, 1})}).epsilon(1e-5));
 }
 
-TEST_CASE("skies are sampled by what stands out by path's weighed light samples alone", "[lights]") {
+TEST_CASE("only path's weighted light samples use the excess of skies", "[lights]") {
     const Lit scene = lit(R"(LightSource "point" "rgb I" [1 1 1])");
     const auto lights = scene.lights.lights();
     CHECK(LightChooser::by_receiver(lights, scene.geometry, LightChoice::mis).compensates());
@@ -175,7 +176,7 @@ TEST_CASE("skies are sampled by what stands out by path's weighed light samples 
         CHECK_FALSE(scene.lights.chooser(static_cast<LightChoice>(i)).compensates());
 }
 
-TEST_CASE("weak lights keep a share of the choices and black ones get none", "[lights]") {
+TEST_CASE("weak lights are chosen with a minimum probability and black ones never", "[lights]") {
     const Lit scene = lit(R"(
 LightSource "point" "rgb I" [1e6 1e6 1e6]
 LightSource "point" "rgb I" [1e-6 1e-6 1e-6] "point3 from" [1 0 0]
@@ -190,8 +191,8 @@ LightSource "point" "rgb I" [0 0 0] "point3 from" [0 1 0]
                                         s));  // few lights: u.x chooses
             ++chosen[s.light];
         }
-        // Half of the tenth that ignores power, or half of all; an interval's share of 1000 even points is off by at
-        // most one.
+        // Half of the tenth that ignores power, or half of all; an interval's share of 1000 evenly spaced points is off
+        // by at most one.
         CHECK(std::abs(chosen[1] - (choice == LightChoice::mis ? 50 : 500)) <= 1);
         CHECK(chosen[2] == 0);
     }
@@ -200,15 +201,15 @@ LightSource "point" "rgb I" [0 0 0] "point3 from" [0 1 0]
 namespace {
 
 struct Emitter {
-    std::string text;  ///< one light beside a point light of another group, so that choices count
+    std::string text;  ///< one light beside a point light of another group, so that choices matter
     Rgb emission;      ///< radiance; intensity of a point light
-    double area;       ///< of its points; 0: it has none
+    double area;       ///< of its surface; 0: none
     bool two_sided = false;
 };
 
 }  // namespace
 
-TEST_CASE("what a light subpath begins with is its light over the density of bidirectional weights", "[lights]") {
+TEST_CASE("a light subpath begins with the emission over the density that bidirectional weights use", "[lights]") {
     const std::string area = "AreaLightSource \"diffuse\" \"rgb L\" [2 3 5]\n";
     const std::vector<Emitter> emitters{
         {area + "Shape \"trianglemesh\" \"point3 P\" [0 0 0  3 0 0  0 4 0]", {2, 3, 5}, 6},
@@ -217,7 +218,7 @@ TEST_CASE("what a light subpath begins with is its light over the density of bid
          {2, 3, 5},
          6,
          true},
-        // A trapezium of parallel sides 4 and 1, height 2: its patch is denser at the short side.
+        // A trapezium with parallel sides 4 and 1 and height 2: its patch is denser at the short side.
         {area + "Shape \"bilinearmesh\" \"point3 P\" [0 0 0  4 0 0  0 2 0  1 2 0]", {2, 3, 5}, 5},
         {area + "Scale 2 1 1 Shape \"disk\" \"float radius\" 3 \"float innerradius\" 1",
          {2, 3, 5},
@@ -255,8 +256,8 @@ TEST_CASE("what a light subpath begins with is its light over the density of bid
                 radiated = static_cast<double>(
                     spot_falloff(light.direction, light.versine_full, light.versine_zero, s.direction));
             for (int c = 0; c < 3; ++c) {
-                // Some thirty float operations in either direction, of directions that rounding turns by 2^-23: near
-                // the horizon, and near the cone's edge, that is much of what is left.
+                // About thirty float operations in either direction, with directions that rounding turns by 2^-23. Near
+                // the horizon and the cone's edge that is a large relative error.
                 const double both = static_cast<double>(s.power[c]) * static_cast<double>(density.position) *
                                     static_cast<double>(density.direction);
                 const double expected = static_cast<double>(emitter.emission[c]) * radiated;
@@ -264,7 +265,7 @@ TEST_CASE("what a light subpath begins with is its light over the density of bid
             }
             if (light.is_area() && !emitter.two_sided) REQUIRE(dot(s.from.target_normal, s.direction) > 0);
             ++count;
-            LightSample other;  // whose position's density is that it is chosen
+            LightSample other;  // its position's density is the probability of the choice
             while (lights[other.light].kind != LightKind::point) ++other.light;
             const double chosen =
                 1 - static_cast<double>(scene.lights
@@ -277,7 +278,7 @@ TEST_CASE("what a light subpath begins with is its light over the density of bid
         }
         REQUIRE(count > 200);
         if (emitter.area == 0) continue;
-        // The mean of 1 / density over points drawn with it is the area. 4 standard errors of ten tests, and rounding.
+        // The mean of 1 / density over points drawn with it is the area. 4 standard errors for ten tests, and rounding.
         const double mean = inverse / count;
         const double error = std::sqrt(std::max(0.0, inverse_squared / count - mean * mean) / count);
         CAPTURE(mean, error, emitter.area);
@@ -285,7 +286,7 @@ TEST_CASE("what a light subpath begins with is its light over the density of bid
     }
 }
 
-TEST_CASE("pixels of an image light that are no numbers are reported with their place and dark", "[lights]") {
+TEST_CASE("invalid pixels of an image light are reported with their position and are dark", "[lights]") {
     const std::string name = "raylex_sky_" + std::to_string(std::random_device{}()) + ".pfm";
     const auto path = std::filesystem::temp_directory_path() / name;
     std::ofstream file(path, std::ios::binary);
@@ -314,7 +315,7 @@ TEST_CASE("pixels of an image light that are no numbers are reported with their 
     }
 }
 
-TEST_CASE("lights refuse what they cannot honour, with a location", "[lights]") {
+TEST_CASE("lights refuse unsupported parameters, with a location", "[lights]") {
     for (const char* text :
          {"LightSource \"goniometric\"", "LightSource \"spot\" \"point3 from\" [1 1 1] \"point3 to\" [1 1 1]",
           "LightSource \"infinite\" \"string filename\" \"no such.exr\""}) {

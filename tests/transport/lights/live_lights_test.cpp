@@ -1,4 +1,4 @@
-// Which lights are chosen from, where there are more sets of them than choosers and more groups than bits.
+// The sets of lights to choose from, with more sets than choosers and more groups than bits.
 #include "transport/paths/subpaths/live_lights.h"
 #include "transport/render_support.h"
 
@@ -18,13 +18,13 @@ transport::SceneDescription many_groups(std::size_t count) {
 
 }  // namespace
 
-TEST_CASE("the chooser of a state has every light that may end its words", "[lights][pruning][law4]") {
+TEST_CASE("the chooser of a state contains every light that can end its path strings", "[lights][pruning][law4]") {
     for (const std::size_t groups : {8, 40, 72}) {
         CAPTURE(groups);
         auto built = transport::BuiltScene::build(many_groups(groups));
         REQUIRE(built.ok());
         const transport::SceneView view = (*built)->view();
-        // After k scatterings the light of group k, so that there are as many sets as groups.
+        // After k scatterings only light of group k is accepted, so there are as many sets as groups.
         std::vector<display::ChannelDefinition> channels;
         for (std::size_t k = 1; k < groups; ++k)
             channels.push_back(lpe_channel("c" + std::to_string(k),
@@ -50,9 +50,9 @@ TEST_CASE("the chooser of a state has every light that may end its words", "[lig
             CHECK(chooser.probability(Vec3(), light) > 0);
             alone += chooser.probability(Vec3(), light) == 1;
         }
-        // As far as choosers go: of the 32 one is of all, one of none, one of all that end any word, and one may be of
-        // those beyond the 63rd bit.
+        // The number of choosers is limited: of the 32, one is for all lights, one for none, one for all lights that
+        // end any path string, and one may be for groups beyond the 63rd bit.
         CHECK(alone >= std::min<std::size_t>(groups - 1, 28));
-        CHECK(lights[lights.of({})].probability(Vec3(), 0) > 0);  // nothing is known: any may be
+        CHECK(lights[lights.of({})].probability(Vec3(), 0) > 0);  // nothing is known, so any light is possible
     }
 }

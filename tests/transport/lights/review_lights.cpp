@@ -5,7 +5,7 @@ using namespace render_test;
 
 namespace {
 
-/// A floor below one emitter of the given shape and alpha, lit by nothing else; the camera sees the floor alone.
+/// A floor below one emitter of the given shape and alpha, without other light; the camera sees only the floor.
 std::string lit_floor(const std::string& alpha, const std::string& two_sided, const std::string& shape) {
     return film + R"(
 Integrator "path" "integer maxdepth" 1
@@ -46,7 +46,7 @@ Estimate with_strategy(const std::string& text, const char* strategy) {
 
 }  // namespace
 
-TEST_CASE("An emitter with a textured cutout sends the same light by every strategy", "[law1]") {
+TEST_CASE("An emitter with a textured cutout has the same light with every strategy", "[law1]") {
     for (const Emitter& emitter : emitters)
         for (const char* two_sided : {"false", "true"}) {
             const std::string text = lit_floor(R"("texture alpha" "holes")", two_sided, emitter.shape);
@@ -55,7 +55,7 @@ TEST_CASE("An emitter with a textured cutout sends the same light by every strat
             INFO(emitter.name << ", two-sided " << two_sided << ": mis " << mis.mean << " +- " << mis.error
                               << ", light " << light.mean << " +- " << light.error << ", scattering " << scattering.mean
                               << " +- " << scattering.error);
-            // Some one-sided emitters face away: then all three must be 0 together.
+            // Some one-sided emitters face away: all three must be 0 then.
             if (scattering.mean == 0) {
                 CHECK(mis.mean == 0);
                 CHECK(light.mean == 0);
@@ -66,7 +66,7 @@ TEST_CASE("An emitter with a textured cutout sends the same light by every strat
         }
 }
 
-TEST_CASE("An area light whose alpha is 0 is invisible and lights as if it were not cut", "[law1]") {
+TEST_CASE("An area light with alpha 0 is invisible and emits like an opaque one", "[law1]") {
     const std::string shape = emitters[0].shape;
     const Estimate hidden = with_strategy(lit_floor(R"("float alpha" 0)", "true", shape), "mis"),
                    whole = with_strategy(lit_floor("", "true", shape), "mis");
@@ -74,7 +74,7 @@ TEST_CASE("An area light whose alpha is 0 is invisible and lights as if it were 
     REQUIRE(whole.mean > 0);
     CHECK(deviation(hidden, whole) < 4.5);
 
-    // Looking straight at it, nothing is there.
+    // The camera looks straight at it and sees nothing.
     transport::SceneDescription scene = scene_of(film + R"(
 LookAt 0 0 -3  0 0 0  0 1 0
 Camera "perspective" "float fov" 10

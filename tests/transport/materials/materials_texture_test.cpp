@@ -211,7 +211,7 @@ TEST_CASE("an unknown filter is taken for EWA with a warning, as pbrt goes on") 
     static_cast<void>(colour_at(table, scene, "x", 0.5f, 0.5f));
     REQUIRE(table.warnings().size() == 1);
     CHECK(table.warnings()[0].message ==
-          "'filter' is 'none'; expected bilinear, point, trilinear, EWA or unfiltered. EWA is taken");
+          "'filter' is 'none'; expected bilinear, point, trilinear, EWA or unfiltered. EWA is used");
 }
 
 TEST_CASE("texels that are no numbers are reported with their place and taken as 0") {
@@ -300,7 +300,7 @@ TEST_CASE("a mapping of an unknown name is by u and v, as in pbrt, and said once
             CHECK(colour_at(table, scene, "board", u, 0.5f, role) == colour_at(table, scene, "known", u, 0.5f, role));
     REQUIRE(table.warnings().size() == 1);
     const Error& warning = table.warnings()[0];
-    CHECK(warning.message.find("'mapping' is 'planer'; expected uv, spherical, cylindrical or planar, and it is taken "
+    CHECK(warning.message.find("'mapping' is 'planer'; expected uv, spherical, cylindrical or planar. It is read "
                                "as uv") != std::string::npos);
     CHECK(warning.hint == "did you mean 'planar'?");
     CHECK(warning.line == 7);

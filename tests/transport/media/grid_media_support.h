@@ -1,4 +1,4 @@
-// Shared by the tests of grid media: media out of scene text.
+// Helpers of the tests of grid media: media from scene text.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -18,7 +18,7 @@ struct Built {
     MediumTable media;
 
     [[nodiscard]] const Medium& medium() const { return media[0]; }
-    /// Of the world.
+    /// The medium at a point of the world.
     [[nodiscard]] MediumPoint at(double x, double y, double z) const { return medium().grid->at(here(x, y, z)); }
     [[nodiscard]] Vec3 here(double x, double y, double z) const { return (DVec3(x, y, z) - space.origin).to_real(); }
     [[nodiscard]] MediumSegment segment(const DVec3& from, const DVec3& to) const {
@@ -48,7 +48,7 @@ inline raylex::Error refused_medium(const std::string& medium) {
     std::vector<raylex::Error> warnings;
     auto media = MediumTable::build(scene, warnings, &space);
     if (media) FAIL("accepted: " + medium);
-    // Words of a scene ask without reading grids, and must not accept what the build refuses for its parameters.
+    // The scene's alphabet is computed without reading grids, and must reject the parameters that the build rejects.
     return media.error();
 }
 

@@ -1,4 +1,4 @@
-// Media from grids by themselves: look-ups, majorants, flights, transmittance and emission against integrals.
+// Media from grids, without rendering: look-ups, majorants, flights, transmittance and emission against integrals.
 #include "tests/transport/media/grid_media_support.h"
 
 #include <cmath>
@@ -31,7 +31,7 @@ std::string list(const std::vector<double>& values) {
 const std::string counts = " \"integer nx\" 7 \"integer ny\" 6 \"integer nz\" 9 ";
 const std::string box = " \"point3 p0\" [-1 -2 0] \"point3 p1\" [2 1 4] ";
 
-/// pbrt's look-up, written for one point: values in the middle of voxels, 0 beyond the outermost.
+/// pbrt's look-up, written for one point: values at voxel centres, 0 beyond the outermost.
 double looked_up(const std::vector<double>& values, int channels, int channel, double x, double y, double z) {
     const double p[3] = {(x + 1) / 3 * nx - 0.5, (y + 2) / 3 * ny - 0.5, z / 4 * nz - 0.5};
     double sum = 0;
@@ -55,7 +55,7 @@ struct Integrals {
     double passed[3]{}, scattered[3]{}, emitted[3]{};
 };
 
-/// Along the segment by the midpoint rule.
+/// Integrals along the segment by the midpoint rule.
 Integrals integrals(const Built& built, const DVec3& from, const DVec3& to) {
     constexpr int steps = 20000;
     const double whole = length(to - from);
@@ -76,7 +76,7 @@ Integrals integrals(const Built& built, const DVec3& from, const DVec3& to) {
     return result;
 }
 
-/// Mean and standard error of what is added.
+/// Mean and standard error of the added values.
 struct Mean {
     double sum = 0, squares = 0;
     int count = 0;
@@ -87,7 +87,8 @@ struct Mean {
     }
 };
 
-/// All estimates along one segment against integrals. By chance one of them is off once in 10,000 runs of the tests.
+/// Compares all estimates along one segment with integrals. By chance one of them is off once in 10,000 runs of the
+/// tests.
 void check_estimates(const Built& built, const DVec3& from, const DVec3& to) {
     constexpr int flights = 40000;
     const GridMedium& grid = *built.medium().grid;
@@ -116,7 +117,7 @@ void check_estimates(const Built& built, const DVec3& from, const DVec3& to) {
         CAPTURE(c, exact.passed[c], exact.scattered[c], exact.emitted[c]);
         const auto agrees = [](const Mean& mean, double value) {
             CAPTURE(mean.mean(), mean.error(), value);
-            // The integral's steps and the sum's float numbers: 1e-4 of it.
+            // The integral's steps and the float rounding of the sum: 1e-4 of it.
             CHECK(std::abs(mean.mean() - value) <= 4.5 * mean.error() + 1e-4 * value);
             CHECK(mean.error() <= 0.05 * std::max(value, 0.1));
         };
@@ -147,10 +148,10 @@ TEST_CASE("grids are looked up as in pbrt, and majorants bound them", "[media][g
         const double expected = inside ? looked_up(density, 1, 0, x, y, z) : 0;
         CAPTURE(x, y, z);
         const MediumPoint p = grey.at(x, y, z);
-        // Places are floats of cells, 2^-22 of one here, and values change by 2 over a voxel.
+        // Places are floats in cells, 2^-22 of a cell here, and values change by 2 over a voxel.
         CHECK(std::abs(double(p.sigma_a.g) - 2 * expected) <= 2e-5);
         CHECK(p.sigma_a.g * 1.5f <= grey.medium().grid->majorant(grey.here(x, y, z)) * (1 + 1e-6f));
-        // Turned by a quarter and moved: (x, y) goes to (100 - y, x).
+        // Rotated by 90 degrees and moved: (x, y) becomes (100 - y, x).
         const MediumPoint q = coloured.at(100 - y, x, z);
         for (int c = 0; c < 3; ++c) {
             CHECK(std::abs(double(q.sigma_s[c]) - (inside ? 2 * looked_up(colours, 3, c, x, y, z) : 0)) <= 6e-5);
@@ -163,7 +164,7 @@ TEST_CASE("grids are looked up as in pbrt, and majorants bound them", "[media][g
     CHECK(grey.media.grid_bytes() > nx * ny * nz * sizeof(float));
 }
 
-TEST_CASE("flights, transmittance and emission have their means, whatever the majorant",
+TEST_CASE("flights, transmittance and emission have the right means for every majorant",
           "[media][grids][statistical]") {
     const std::string density = " \"float density\"" + list(numbers(nx * ny * nz, 4, 0.4)) + counts + box;
     const std::string radiance = " \"float Lescale\"" + list(numbers(nx * ny * nz, 5, 0.5));
@@ -209,21 +210,21 @@ TEST_CASE("clouds stay within the bounds of their cells", "[media][grids]") {
                          z = uniform(generator) * (wide ? 2 : 1);
             const auto density = double(cloud.at(Vec3(float(x), float(y), float(z))));
             const double cut = std::abs(density - double(built.at(x, y, z).sigma_s.r));
-            // Places are floats, 1e-7 off, and densities change by less than 1,000 to a unit of length.
+            // Places are floats, off by 1e-7, and densities change by less than 1,000 per unit of length.
             if (cut > 1e-3) ++beyond, cut_off += cut / points;
             majorants += double(built.medium().grid->majorant(built.here(x, y, z))) / points;
             mean += density / points;
         }
         CAPTURE(beyond, cut_off, mean, majorants);
-        // What is cut off: nothing of a thousandth of the points, and less than a hundred-thousandth of the cloud.
+        // Clipped: at most a thousandth of the points, and less than a hundred-thousandth of the cloud.
         CHECK(beyond <= points / 1000);
         CHECK(cut_off <= 1e-5 * mean);
-        // One for the whole box would be 2.1 to 3.2 times the mean.
+        // A single majorant for the whole box would be 2.1 to 3.2 times the mean.
         if (cloud.frequency <= 5) CHECK(majorants < 1.9 * mean);
     }
 }
 
-TEST_CASE("black bodies in a grid shine as Planck says", "[media][grids]") {
+TEST_CASE("blackbodies in a grid emit by Planck's law", "[media][grids]") {
     std::vector<double> heat(27, 30), dense(27, 1);
     const Built built = build_medium(
         "\"string type\" \"uniformgrid\" \"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [0 0 0] \"integer nx\" 3 \"integer "
@@ -235,7 +236,7 @@ TEST_CASE("black bodies in a grid shine as Planck says", "[media][grids]") {
     const MediumPoint here = built.at(0.1, 0.2, -0.3);
     // The table is linear between steps of 0.2 %: 5e-5 at this temperature.
     for (int c = 0; c < 3; ++c) CHECK(here.emission[c] == Approx(double(expected[c])).epsilon(2e-4));
-    // Planck over its peak at 3000 K, at 550 nm: 0.4256; the luminance is of that order times 106.86.
+    // Planck over its maximum at 3000 K, at 550 nm: 0.4256; the luminance is of that order times 106.86.
     CHECK(expected.g > 20);
     CHECK(expected.r > expected.g);
     CHECK(expected.g > expected.b);
@@ -250,30 +251,30 @@ TEST_CASE("black bodies in a grid shine as Planck says", "[media][grids]") {
           4.5 * sum.error() + 2e-4 * double(expected.g));
 }
 
-TEST_CASE("values that are no number count as 0, and are counted", "[media][grids]") {
+TEST_CASE("invalid values are replaced by 0 and counted", "[media][grids]") {
     const Built built =
         build_medium("\"string type\" \"uniformgrid\" \"integer nx\" 2 \"integer ny\" 2 \"float density\" [1 -1 -2 1]");
     REQUIRE(built.warnings.size() == 1);
     CHECK(contains(built.warnings[0].message,
-                   "2 values of 'density' are negative or no numbers and count as 0; the first is voxel (1, 0, 0)"));
+                   "2 values of 'density' are negative or not finite and count as 0; the first is voxel (1, 0, 0)"));
     CHECK(built.warnings[0].line == 2);
     CHECK(built.at(0.75, 0.25, 0.5).sigma_a.r == 0);
     CHECK(built.at(0.25, 0.25, 0.5).sigma_a.r == 1);
 }
 
-TEST_CASE("an unknown preset and an asymmetry out of bounds are mended in grids, too", "[media][grids]") {
+TEST_CASE("an unknown preset and an asymmetry out of bounds are repaired in grids, too", "[media][grids]") {
     const Built built = build_medium(
         "\"string type\" \"uniformgrid\" \"float density\" 1 \"string preset\" \"None\" \"rgb sigma_a\" [2 2 2] "
         "\"float g\" 1.5");
     CHECK(built.medium().g == Real(0.99));
     CHECK(built.at(0.5, 0.5, 0.5).sigma_a == Rgb(2));
     REQUIRE(built.warnings.size() == 2);
-    CHECK(contains(built.warnings[0].message, "no medium was measured under the name 'None'"));
+    CHECK(contains(built.warnings[0].message, "there is no measured medium 'None'"));
     CHECK(contains(built.warnings[1].message, "'g' is 1.5"));
     for (const auto& warning : built.warnings) CHECK(warning.line == 2);
 }
 
-TEST_CASE("grids that cannot be are refused where they are written", "[media][grids][law7]") {
+TEST_CASE("invalid grids are errors at their position", "[media][grids][law7]") {
     const std::string uniform = "\"string type\" \"uniformgrid\" ", rgb = "\"string type\" \"rgbgrid\" ",
                       cloud = "\"string type\" \"cloud\" ";
     const std::pair<std::string, const char*> slips[] = {

@@ -1,4 +1,4 @@
-// Media by themselves: the phase function, flights through coloured fog, glow along a segment.
+// Media without rendering: the phase function, flights through coloured fog, emission along a segment.
 #include <catch2/catch.hpp>
 
 #include <array>
@@ -26,11 +26,11 @@ Medium fog(const Rgb& sigma_a, const Rgb& sigma_s) {
 
 }  // namespace
 
-TEST_CASE("the phase function is normalised, has mean cosine g, and is what sampling draws from", "[media]") {
+TEST_CASE("the phase function is normalised, has mean cosine g, and sampling draws from it", "[media]") {
     for (const float g : {0.0f, 1e-6f, 1e-3f, 0.3f, -0.3f, 0.9f, -0.9f, 0.999f, 1 - 0x1p-20f, -(1 - 0x1p-24f)}) {
         CAPTURE(g);
-        // The inversion formula against its own density: by the substitution rule the density at quantile u is
-        // du / (2 pi dh), so the differences of h over a fine grid of u must give the pdf at the middle.
+        // The inversion formula against its own density. By the substitution rule the density at quantile u is du / (2
+        // pi dh), so the differences of h over a fine grid of u must give the pdf at the middle.
         const Vec3 forward = normalize(Vec3{0.3f, -0.5f, 0.8f});
         double cosine = 0;
         constexpr int n = 4096;
@@ -41,7 +41,7 @@ TEST_CASE("the phase function is normalised, has mean cosine g, and is what samp
             REQUIRE(s.pdf > 0);
             CHECK(std::abs(length(s.wi) - 1) <= 1e-6f);
             cosine += double(dot(s.wi, forward)) / n;
-            // The direction as float has lost what h knew when the lobe is narrow: 1 - |g| is the lobe's width.
+            // If the lobe is narrow, the rounded direction has lost the precision of h: 1 - |g| is the lobe's width.
             if (std::abs(g) < 0.99f) CHECK(phase_pdf(g, forward, s.wi) == Approx(s.pdf).epsilon(2e-5));
         }
         CHECK(std::abs(cosine - double(g)) <= 3e-4);  // midpoint rule over u: O(1/n) where the lobe's tail is steep
@@ -75,7 +75,8 @@ TEST_CASE("flights through coloured fog are unbiased in every colour", "[media]"
     for (const Medium& m : media)
         for (const Rgb& throughput : throughputs)
             for (const float end : {0.2f, 6.0f}) {
-                // The choice of a colour has three outcomes, taken with their chances; distances go over a grid.
+                // The choice of a colour has three outcomes, weighted with their probabilities; distances are on a
+                // grid.
                 RgbD through(0), scattered(0);
                 const Rgb share = throughput / (throughput.r + throughput.g + throughput.b);
                 const Rgb middle{share.r / 2, share.r + share.g / 2, share.r + share.g + share.b / 2};
@@ -89,15 +90,15 @@ TEST_CASE("flights through coloured fog are unbiased in every colour", "[media]"
                     CAPTURE(c, end, m.sigma_t[c], throughput[c]);
                     const double t = std::exp(-double(m.sigma_t[c]) * double(end));
                     const double albedo = m.sigma_t[c] > 0 ? double(m.sigma_s[c] / m.sigma_t[c]) : 0;
-                    // The grid cuts at `end` to half a step of 1/32768, times the largest weight: 525, that of red
-                    // through the third medium, which hardly ever gets to draw and is carried by green's exp(-6).
+                    // The grid is cut at `end` to half a step of 1/32768, times the largest weight, 525: that of red
+                    // through the third medium, which rarely draws the distance and depends on green's exp(-6).
                     CHECK(through[c] == Approx(t).margin(0.009));
                     CHECK(scattered[c] == Approx(albedo * (1 - t)).margin(0.009));
                 }
             }
 }
 
-TEST_CASE("nothing is lost in thick, thin and endless fog", "[media]") {
+TEST_CASE("no light is lost in thick, thin and unbounded fog", "[media]") {
     const Medium thick = fog({1e4f, 2e4f, 3e4f}, {1e4f, 1e4f, 1e4f}), thin = fog(Rgb(1e-8f), Rgb(1e-8f));
     for (const float u : {0.0f, 0.3f, one_minus_epsilon}) {
         const FreeFlight f = sample_free_flight(thick, Rgb(1), infinity, {u, u});
@@ -115,7 +116,7 @@ TEST_CASE("nothing is lost in thick, thin and endless fog", "[media]") {
     glow = fog(Rgb(2), Rgb(1));
     glow.emission = Rgb(2 * 5);
     CHECK(emission_along(glow, infinity).g == Approx(10.0 / 3));
-    // Absorption happens where light is lost: the mean depth of truncated exponentials.
+    // Absorption is sampled where light is attenuated: the mean depth of truncated exponentials.
     const Medium absorber = fog(Rgb(2), Rgb(0));
     double mean = 0;
     constexpr int n = 10000;

@@ -51,7 +51,7 @@ std::string medium(const std::string& path, const std::string& more = "") {
            "\" " + more;
 }
 
-/// The density's voxel (x, y, z) in the world.
+/// The world position of the density's voxel (x, y, z).
 DVec3 place(double x, double y, double z) {
     return {x * 0.5 - 32, y * 0.5, z * 0.5 + 1};
 }
@@ -64,7 +64,7 @@ std::vector<Handle> handles(Handle first) {
 
 }  // namespace
 
-TEST_CASE("nanovdb files are read as the library wrote them, packed or not", "[media][grids][nanovdb]") {
+TEST_CASE("nanovdb files of the library are read, packed and unpacked", "[media][grids][nanovdb]") {
     const Folder folder;
     for (const auto codec : {nanovdb::io::Codec::NONE, nanovdb::io::Codec::ZIP}) {
         const std::string path = folder.path("smoke.nvdb");
@@ -76,7 +76,7 @@ TEST_CASE("nanovdb files are read as the library wrote them, packed or not", "[m
             for (int y = 0; y < 9; ++y)
                 for (int x = 60; x < 75; ++x) {
                     const DVec3 p = place(x, y, z);
-                    // Cells are floats: 2^-22 of one, over values that change by 1.4 in a quarter of one.
+                    // Places are floats in cells, 2^-22 of a cell, and values change by 1.4 in a quarter of one.
                     CHECK(std::abs(built.at(p.x, p.y, p.z + 5).sigma_a.g - 2 * density_at(x, y, z)) <= 2e-4);
                 }
         const DVec3 between = place(66.5, 3, 4), far = place(300, 0, 0), empty = place(200, 4, 4);
@@ -85,14 +85,14 @@ TEST_CASE("nanovdb files are read as the library wrote them, packed or not", "[m
         CHECK(built.at(far.x, far.y, far.z + 5).sigma_a.r == Approx(2).margin(2e-4));
         CHECK(built.at(empty.x, empty.y, empty.z + 5).sigma_a.is_black());
         CHECK(built.medium().grid->majorant(built.here(empty.x, empty.y, empty.z + 5)) == 0);
-        // pbrt's box: from the first active voxel's coordinates to one beyond the last one's.
+        // pbrt's box: from the coordinates of the first active voxel to one beyond the last.
         const DVec3 below = place(66, -0.25, 4);
         CHECK(built.at(below.x, below.y, below.z + 5).sigma_a.is_black());
         CHECK(built.media.grid_bytes() < 4'000'000);
     }
 }
 
-TEST_CASE("nanovdb grids of few bits are grids of numbers too", "[media][grids][nanovdb]") {
+TEST_CASE("quantised nanovdb grids are read, too", "[media][grids][nanovdb]") {
     const Folder folder;
     const auto check = [&](Handle handle, double most_off) {
         const std::string path = folder.path("smoke.nvdb");
@@ -108,7 +108,7 @@ TEST_CASE("nanovdb grids of few bits are grids of numbers too", "[media][grids][
     check(density_grid<nanovdb::Fp16>(), 1.4 / 65535 + 2e-4);
 }
 
-TEST_CASE("a grid of temperatures in a nanovdb file makes black bodies", "[media][grids][nanovdb]") {
+TEST_CASE("a grid of temperatures in a nanovdb file gives blackbodies", "[media][grids][nanovdb]") {
     const Folder folder;
     const std::string path = folder.path("fire.nvdb");
     std::vector<Handle> both = handles(density_grid());
@@ -117,16 +117,16 @@ TEST_CASE("a grid of temperatures in a nanovdb file makes black bodies", "[media
     const Built built = build_medium(
         medium(path, "\"float Lescale\" 0.5 \"float temperaturecutoff\" 2 \"float temperaturescale\" 100"));
     CHECK(built.medium().emits);
-    const DVec3 p = place(66, 3, 4);  // (1, 1.5, 3) of the world: (4, 1.5, 4) of the temperatures
+    const DVec3 p = place(66, 3, 4);  // (1, 1.5, 3) in the world; (4, 1.5, 4) in the temperature grid
     const Rgb expected = blackbody_radiance((20 + 4 - 2) * 100, built.scene.color);
     const MediumPoint here = built.at(p.x, p.y, p.z);
-    // The table of black bodies: 1e-4; the place in the grid of densities: 2e-4.
+    // The table of blackbodies: 1e-4; the place in the density grid: 2e-4.
     for (int c = 0; c < 3; ++c)
         CHECK(here.emission[c] == Approx(double(here.sigma_a[c] * expected[c]) * 0.5).epsilon(5e-4));
     CHECK_FALSE(build_medium(medium(path, "\"float LeScale\" 0")).medium().emits);
 }
 
-TEST_CASE("grids of a nanovdb file go by the names that the scene gives them", "[media][grids][nanovdb]") {
+TEST_CASE("grids of a nanovdb file are found by the names in the scene", "[media][grids][nanovdb]") {
     const Folder folder;
     const std::string path = folder.path("fire.nvdb");
     std::vector<Handle> both = handles(density_grid("smoke"));
@@ -138,8 +138,7 @@ TEST_CASE("grids of a nanovdb file go by the names that the scene gives them", "
     CHECK(contains(refused_medium(medium(path)).message, "has no grid 'density'; it has: 'smoke', 'temperature'"));
 }
 
-TEST_CASE("nanovdb tiles and backgrounds that reach far are neither looked up voxel by voxel nor kept",
-          "[media][grids][nanovdb]") {
+TEST_CASE("large nanovdb tiles and backgrounds are neither read voxel by voxel nor stored", "[media][grids][nanovdb]") {
     const Folder folder;
     const std::string path = folder.path("tiles.nvdb");
     nanovdb::GridBuilder<float> tiles(0.0f, nanovdb::GridClass::FogVolume);
@@ -163,7 +162,7 @@ TEST_CASE("nanovdb tiles and backgrounds that reach far are neither looked up vo
     CHECK(sea.media.grid_bytes() < 100 * 100 * 100 * 24);  // a million cells, no voxels
 }
 
-TEST_CASE("nanovdb files that cannot be read say why", "[media][grids][nanovdb][law7]") {
+TEST_CASE("errors of nanovdb files give the reason", "[media][grids][nanovdb][law7]") {
     const Folder folder;
     write(folder.path("smoke.nvdb"), handles(density_grid()));
     write(folder.path("other.nvdb"), handles(density_grid("heat")));
@@ -172,20 +171,21 @@ TEST_CASE("nanovdb files that cannot be read say why", "[media][grids][nanovdb][
     folder.write("text.nvdb", "this is no grid");
     CHECK(contains(refused_medium(medium(folder.path("text.nvdb"))).message, "not a readable NanoVDB file"));
     std::string older = whole;
-    older[11] = 1;  // of a version's 32 bits the 11 highest are its major number
+    older[11] = 1;  // the 11 highest of a version's 32 bits are its major number
     folder.write("older.nvdb", older);
-    CHECK(contains(refused_medium(medium(folder.path("older.nvdb"))).message, "the file is of NanoVDB 8; expected"));
-    // The size of packed data, for which memory is taken first, stands before it.
+    CHECK(contains(refused_medium(medium(folder.path("older.nvdb"))).message,
+                   "the file has NanoVDB version 8; expected"));
+    // The size of packed data precedes it; memory of that size is allocated first.
     write(folder.path("packed.nvdb"), handles(density_grid()), nanovdb::io::Codec::ZIP);
     std::string packed = folder.read("packed.nvdb");
-    const std::string size_of_it("\x78\x9c", 2);  // what zlib begins with
+    const std::string size_of_it("\x78\x9c", 2);  // the first bytes of zlib data
     packed[packed.find(size_of_it, 16 + 176) - 2] = 0x7e;
     folder.write("packed.nvdb", packed);
     CHECK(contains(refused_medium(medium(folder.path("packed.nvdb"))).message, "larger than the grid"));
     const raylex::Error missing = import_test::error_of(medium_scene(medium("nowhere.nvdb"), ""));
     CHECK(contains(missing.message, "nowhere.nvdb"));
     CHECK(missing.line == 2);
-    // A file of 300 KB whose tables name one node 32,768 times would have 69 thousand million voxels.
+    // A file of 300 KB whose tables refer to one node 32,768 times would have 69 thousand million voxels.
     Handle looped = density_grid();
     auto& upper = *const_cast<nanovdb::NanoTree<float>&>(looped.grid<float>()->tree()).getFirstNode<2>()->data();
     const std::int64_t child = upper.mTable[*upper.mChildMask.beginOn()].child;
@@ -193,8 +193,8 @@ TEST_CASE("nanovdb files that cannot be read say why", "[media][grids][nanovdb][
     upper.mChildMask.setOn();
     write(folder.path("looped.nvdb"), handles(std::move(looped)));
     CHECK(contains(refused_medium(medium(folder.path("looped.nvdb"))).message, "its nodes overlap"));
-    // Files that end anywhere, and bytes that are wrong anywhere: a message or a medium, and no signal. Offsets of
-    // nodes stand in the tables, values in leaves.
+    // Truncated files and files with wrong bytes give a message or a medium, and no signal. Offsets of nodes are in the
+    // tables, values in leaves.
     for (std::size_t i = 1; i < 40; ++i) {
         folder.write("short.nvdb", whole.substr(0, whole.size() * i / 40));
         CHECK(refused_medium(medium(folder.path("short.nvdb"))).line == 2);
@@ -205,7 +205,7 @@ TEST_CASE("nanovdb files that cannot be read say why", "[media][grids][nanovdb][
     for (int i = 0; i < trials; ++i) {
         std::string bytes = whole;
         state = state * 6364136223846793005u + 1442695040888963407u;
-        // Headers and the tree's first nodes have what leads astray.
+        // Headers and the first nodes of the tree contain the offsets that mislead most.
         const std::size_t at = state % std::min<std::size_t>(bytes.size() - 8, i % 2 == 0 ? 1200 : bytes.size() - 8);
         for (std::size_t k = 0; k < 8; ++k) bytes[at + k] = static_cast<char>(state >> (8 * k));
         folder.write("wrong.nvdb", bytes);

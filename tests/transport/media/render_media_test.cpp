@@ -1,4 +1,4 @@
-// Participating media rendered, against closed forms and by the laws.
+// Rendered participating media, against closed forms and by the laws.
 #include "transport/render_support.h"
 
 #include <array>
@@ -14,7 +14,7 @@ using raylex::Rgb;
 
 namespace {
 
-/// A camera in the middle of a ball of fog with the radius 1, open to a uniform sky of radiance 1.
+/// A camera in the middle of a ball of fog with radius 1, in a uniform sky of radiance 1.
 std::string ball(const std::string& medium,
                  const std::string& settings = "\"integer maxdepth\" 2000 \"bool roulette\" false",
                  const std::string& world = "LightSource \"infinite\" \"rgb L\" [1 1 1]") {
@@ -45,8 +45,8 @@ std::array<double, 3> mean_rgb(const transport::RenderOutput& output, display::C
 }
 
 /// Light scattered once towards the middle of a ball of radius 1 under a uniform sky of radiance 1: the integral over
-/// the distance t of the scattering point and the cosine m of the direction it scatters light from, by the midpoint
-/// rule.
+/// the distance t of the scattering point and the cosine m of the direction from which it scatters light, by the
+/// midpoint rule.
 double scattered_once(double sigma_s, double sigma_t, double g) {
     constexpr int steps = 600;
     double sum = 0;
@@ -90,7 +90,7 @@ TEST_CASE("coloured scattering without absorption keeps every colour in a furnac
     }
 }
 
-TEST_CASE("a medium that only absorbs follows Beer and Lambert exactly, in light and alpha", "[render][media]") {
+TEST_CASE("a medium that only absorbs follows Beer-Lambert exactly, in light and alpha", "[render][media]") {
     transport::RenderSettings settings;
     settings.channels.list = {lpe_channel("seen", "CB")};
     const auto output = render_of(scene_of(ball("\"rgb sigma_a\" [0.5 1 2] \"rgb sigma_s\" [0 0 0]")), settings);
@@ -104,7 +104,7 @@ TEST_CASE("a medium that only absorbs follows Beer and Lambert exactly, in light
 }
 
 TEST_CASE("borders change the medium, cutouts and equal sides do not", "[render][media]") {
-    // From the middle outwards: vacuum to 0.25, fog to 0.5, a cutout of no opacity at 0.6 that would end the fog if it
+    // From the middle outwards: vacuum to 0.25, fog to 0.5, a cutout of opacity 0 at 0.6 that would end the fog if it
     // were a border, a surface with fog on both sides at 0.7, fog to 1.
     const std::string scene = R"(
 Film "rgb" "integer xresolution" 4 "integer yresolution" 4
@@ -130,7 +130,7 @@ Shape "sphere" "float radius" 0.6 "float alpha" 0
         CHECK(value == Approx(std::exp(-0.75)).epsilon(4e-6));  // four segments, each some ulps
 }
 
-TEST_CASE("light scattered once has its closed form, whichever way the fog scatters", "[render][media]") {
+TEST_CASE("light scattered once has its closed form for every asymmetry", "[render][media]") {
     transport::RenderSettings settings;
     settings.samples.per_pixel = 1024;
     settings.channels.list = {lpe_channel("seen", "CB"), lpe_channel("once", "CVB"), lpe_channel("twice", "CVVB")};
@@ -146,12 +146,12 @@ TEST_CASE("light scattered once has its closed form, whichever way the fog scatt
         CHECK(once.error < 0.003);
         CHECK(std::abs(once.mean - scattered_once(0.8, 1, g)) <= 4.5 * once.error);
     }
-    // What is scattered back has further to go: the three must differ, or g is not looked at.
+    // Backward scattering has a longer way: the three must differ, or g is not used.
     CHECK(std::abs(scattered_once(0.8, 1, 0.6) - scattered_once(0.8, 1, -0.6)) > 0.05);
 }
 
-TEST_CASE("glow in an endless medium has its closed form, order by order and without noise", "[render][media]") {
-    // L of order k is albedo^k (1 - albedo) Le, whatever the extinction and the way of scattering.
+TEST_CASE("emission in an unbounded medium has its closed form, order by order and without noise", "[render][media]") {
+    // L of order k is albedo^k (1 - albedo) Le, for every extinction and asymmetry.
     const std::string scene = R"(
 Film "rgb" "integer xresolution" 4 "integer yresolution" 4
 Sampler "independent" "integer pixelsamples" 16
@@ -174,8 +174,8 @@ WorldBegin
     for (const double value : output.frame_buffer.resolve(5)) CHECK(value == 0);
 }
 
-TEST_CASE("shadow rays are dimmed by the media that they cross, and by no others", "[render][media]") {
-    // A lamp in a ball of absorbing fog out of the camera's sight: every shadow ray crosses 0.5 of it.
+TEST_CASE("shadow rays are attenuated only by the media that they traverse", "[render][media]") {
+    // A lamp in a ball of absorbing fog outside the camera's view: every shadow ray traverses 0.5 of it.
     const auto lit = [](const std::string& fog) {
         return scene_of(film + R"(
 Integrator "path" "integer maxdepth" 1
@@ -203,13 +203,13 @@ AttributeEnd
         const std::vector<double> a = clear.frame_buffer.resolve(id), b = dim.frame_buffer.resolve(id);
         for (std::size_t i = 0; i < a.size(); ++i) {
             REQUIRE(a[i] > 0);
-            // The end of the segment inside the ball is known to some ulps of 2.5.
+            // The end of the segment inside the ball is accurate to some ulps of 2.5.
             CHECK(b[i] / a[i] == Approx(passed[i % 3]).epsilon(1e-5));
         }
     }
 }
 
-TEST_CASE("every way to find a light through fog gives the same mean", "[render][media][statistical]") {
+TEST_CASE("every strategy finds a light through fog with the same mean", "[render][media][statistical]") {
     const auto scene = scene_of(film + R"(
 MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [0.1 0.2 0.3] "rgb sigma_s" [0.9 0.6 0.3] "float g" 0.5
 MediumInterface "fog"
@@ -268,7 +268,8 @@ TEST_CASE("laws 1 to 3 hold in fog", "[render][media][law1][law2][law3]") {
     for (std::size_t i = 0; i < sum.size(); ++i) REQUIRE(sum[i] == Approx(beauty[i]).epsilon(1e-12).margin(1e-300));
 }
 
-TEST_CASE("without beauty less is simulated in fog, and the channels keep their means", "[render][media][law4]") {
+TEST_CASE("without a beauty fewer paths are simulated in fog, and the channels keep their means",
+          "[render][media][law4]") {
     const auto scene = scene_of(foggy_room());
     transport::RenderSettings settings;
     settings.samples.per_pixel = 64;
@@ -283,14 +284,14 @@ TEST_CASE("without beauty less is simulated in fog, and the channels keep their 
         const Estimate a = estimate(full, id + 1), b = estimate(pruned, id);
         CAPTURE(id, a.mean, b.mean, a.error);
         CHECK(b.mean > 0);
-        // Most rays are the same: these errors are far on the safe side, and what differs is held to them.
+        // Most rays are equal: these errors are overestimates, and the difference is compared with them.
         CHECK(deviation(a, b) <= 4.5);
     }
 }
 
 namespace {
 
-/// Looks at the rows of every batch.
+/// Records the rows of every batch.
 class RowRecorder : public display::SampleSink {
   public:
     void accumulate(const display::SampleTable& table) override {
@@ -316,7 +317,7 @@ class RowRecorder : public display::SampleSink {
 
 }  // namespace
 
-TEST_CASE("camera rays say where in a medium they end: WriteDistance at collisions, AddSample for absorption",
+TEST_CASE("camera rays report where in a medium they end: WriteDistance at collisions, AddSample for absorption",
           "[render][media]") {
     const auto recorded = [](const std::string& medium, transport::RenderOutput& output) {
         RowRecorder recorder;
@@ -356,9 +357,9 @@ TEST_CASE("camera rays say where in a medium they end: WriteDistance at collisio
     }
 }
 
-TEST_CASE("deep images hold a medium as spans whose transmittance is Beer and Lambert's at every depth",
-          "[render][media]") {
-    // Half scattering: collisions stop rays. Absorbing only: extra samples take their share. Both must composite alike.
+TEST_CASE("deep images store a medium as spans with Beer-Lambert transmittance at every depth", "[render][media]") {
+    // Half scattering: collisions stop rays. Absorption only: extra samples have their share. Both must composite
+    // alike.
     for (const char* medium : {"\"rgb sigma_a\" [0.5 0.5 0.5] \"rgb sigma_s\" [0.5 0.5 0.5]",
                                "\"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [0 0 0]"}) {
         std::unique_ptr<display::DeepBuffer> deep;
@@ -385,8 +386,8 @@ TEST_CASE("deep images hold a medium as spans whose transmittance is Beer and La
                 if (sample.z >= display::deep_background) continue;
                 CHECK(sample.z_back <= 1);
                 if (sample.z_back > sample.z) ++spans;
-                // A span ends at a collision, so that one ray of 1024 is always counted there. Near the camera too few
-                // have collided for a normal distribution.
+                // A span ends at a collision, so one ray of 1024 is always counted there. Near the camera too few have
+                // collided for a normal distribution.
                 if (sample.z_back < 0.05f) continue;
                 const double expected = std::exp(-double(sample.z_back));
                 const double off = std::max(std::abs(through - expected) - 1.0 / 1024, 0.0);
@@ -397,11 +398,11 @@ TEST_CASE("deep images hold a medium as spans whose transmittance is Beer and La
         }
         CAPTURE(medium, spans, worst);
         CHECK(spans > 64 * 8);
-        CHECK(worst <= 5.5);  // of about 1300 binomial numbers: beyond it by chance once in 20,000 runs
+        CHECK(worst <= 5.5);  // of about 1300 binomial numbers: exceeded by chance once in 20,000 runs
     }
 }
 
-TEST_CASE("a scene's alphabet has the media that are in use, and glow", "[render][media]") {
+TEST_CASE("a scene's alphabet contains the media in use and their emission", "[render][media]") {
     auto alphabet = transport::scene_alphabet(scene_of(foggy_room()));
     REQUIRE(alphabet.ok());
     const auto has = [](const std::vector<raylex::lpe::Event>& events, const raylex::lpe::Event& event) {
@@ -432,7 +433,7 @@ class BlindIntegrator final : public transport::Integrator {
 
 }  // namespace
 
-TEST_CASE("an integrator that does not know media is refused on scenes that have some", "[render][media][law7]") {
+TEST_CASE("an integrator without support for media is refused for scenes with media", "[render][media][law7]") {
     transport::integrator_registry().add(
         {"test-blind", "black", {}, [](const transport::SceneEntity&, std::optional<std::int64_t>) {
              return raylex::Result<std::unique_ptr<transport::Integrator>>(std::make_unique<BlindIntegrator>());

@@ -1,4 +1,4 @@
-// Adaptive sampling in whole renders: where samples go, what does not change, and how large the bias is.
+// Adaptive sampling in whole renders: the distribution of samples, invariants, and the bias.
 #include <cstdio>
 
 #include "tests/transport/render_support.h"
@@ -44,7 +44,7 @@ TEST_CASE("every pixel ends within the tolerance or with the most samples", "[re
     std::uint64_t fewest = ~std::uint64_t{0}, most = 0, total = 0, above = 0;
     for (std::size_t pixel = 0; pixel < counts.size(); ++pixel) {
         const std::uint64_t samples = buffer.sample_count(static_cast<int>(pixel % 24), static_cast<int>(pixel / 24));
-        // The AOV has the true count.
+        // The AOV contains the true count.
         CHECK(counts[pixel] == static_cast<double>(samples));
         const double deviation =
             std::sqrt((variances[3 * pixel] + variances[3 * pixel + 1] + variances[3 * pixel + 2]) / 3);
@@ -66,7 +66,7 @@ TEST_CASE("every pixel ends within the tolerance or with the most samples", "[re
     CHECK(output.samples.complete);
 }
 
-TEST_CASE("channels outside the metric leave an adaptive beauty alone", "[render][adaptive][law2]") {
+TEST_CASE("channels outside the metric do not change an adaptive beauty", "[render][adaptive][law2]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.15);
     const auto alone = render_of(scene, settings);
@@ -74,13 +74,13 @@ TEST_CASE("channels outside the metric leave an adaptive beauty alone", "[render
     const auto asked = render_of(scene, settings);
     CHECK((alone.frame_buffer.resolve(alone.beauty) == asked.frame_buffer.resolve(asked.beauty)));
     CHECK(alone.statistics.camera_samples == asked.statistics.camera_samples);
-    // One in the metric is another job: it brings samples of its own.
+    // A channel in the metric makes a different job with other samples.
     settings.stop.adaptive->channels = {{"beauty", 1, {}}, {"direct", 3, {}}};
     const auto other = render_of(scene, settings);
     CHECK(other.statistics.camera_samples > asked.statistics.camera_samples);
 }
 
-TEST_CASE("without a beauty the metric is of all light that is asked for", "[render][adaptive][law4]") {
+TEST_CASE("without a beauty the metric uses all requested light", "[render][adaptive][law4]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.15);
     settings.channels.beauty = false;
@@ -97,7 +97,7 @@ TEST_CASE("without a beauty the metric is of all light that is asked for", "[ren
     CHECK_FALSE(transport::render(scene, settings).ok());  // no light has an error
 }
 
-TEST_CASE("any number of threads takes the same decisions", "[render][adaptive][law3]") {
+TEST_CASE("any number of threads makes the same decisions", "[render][adaptive][law3]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.15);
     settings.channels.list = {lpe_channel("direct", "CDL")};
@@ -108,7 +108,7 @@ TEST_CASE("any number of threads takes the same decisions", "[render][adaptive][
     CHECK((one == three));
 }
 
-TEST_CASE("the predicted number of samples is near what is spent", "[render][adaptive][release-only]") {
+TEST_CASE("the predicted number of samples is close to the final one", "[render][adaptive][release-only]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.04, 65536);
     settings.film.resolution = {{48, 48}};
@@ -120,15 +120,15 @@ TEST_CASE("the predicted number of samples is near what is spent", "[render][ada
     REQUIRE(output.ok());
     REQUIRE(first > 0);
     const double ratio = static_cast<double>(output->statistics.camera_samples) / static_cast<double>(first);
-    // The first prediction rests on variances of 64 samples a pixel, known to a quarter each at best where light is
-    // rare and one-sidedly so, and to far less in their sum over 2304 pixels; pixels reach the tolerance at a block's
-    // end, up to a tenth late. A later prediction, when the first progress report comes late, is nearer.
+    // The first prediction uses variances of 64 samples a pixel. Each is known to a quarter at best where light is
+    // rare, and one-sidedly so; their sum over 2304 pixels is known better. Pixels reach the tolerance at a block's
+    // end, up to a tenth late. A later prediction, if the first progress report comes late, is closer.
     CAPTURE(ratio);
     CHECK(ratio > 0.8);
     CHECK(ratio < 1.25);
 }
 
-TEST_CASE("metrics that cannot be are refused before rendering", "[render][adaptive][law7]") {
+TEST_CASE("invalid metrics are refused before rendering", "[render][adaptive][law7]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.1);
     settings.stop.adaptive->channels = {{"directt", 1, {}}};
@@ -140,7 +140,8 @@ TEST_CASE("metrics that cannot be are refused before rendering", "[render][adapt
 
 namespace {
 
-/// What adaptive renders of many seeds come to, against a plain one of many samples. All with the independent sampler.
+/// The results of adaptive renders with many seeds, compared with a plain one of many samples. All use the independent
+/// sampler.
 struct Findings {
     Estimate bias;                 // of the image's mean, relative, with its standard error
     double samples_per_pixel = 0;  // in the mean
@@ -156,7 +157,7 @@ Findings findings(int neighbourhood, std::uint64_t least, double error, int seed
     auto plain = transport::render(**built, settings);
     REQUIRE(plain.ok());
     const double reference = image_mean(*plain);
-    // Of the mean over pixels and colours; colours of a pixel go together, so their deviations add.
+    // The error of the mean over pixels and colours; colours of a pixel are correlated, so their deviations add.
     const std::vector<double> variances = plain->frame_buffer.resolve_variance_of_mean(plain->beauty);
     double reference_variance = 0;
     for (std::size_t i = 0; i < variances.size(); i += 3) {
@@ -196,16 +197,16 @@ Findings findings(int neighbourhood, std::uint64_t least, double error, int seed
 
 }  // namespace
 
-TEST_CASE("the bias of adaptive sampling is below what is stated", "[render][adaptive][statistical]") {
+TEST_CASE("the bias of adaptive sampling is below the stated limit", "[render][adaptive][statistical]") {
     const Findings found = findings(1, 64, 0.1, 60);
     CAPTURE(found.bias.mean, found.bias.error, found.samples_per_pixel, found.strays);
     // display/README.md states at most 0.5 %; four standard errors are exceeded by chance once in 16,000 runs.
     CHECK(std::abs(found.bias.mean) < 0.005 + 4 * found.bias.error);
-    // The statement must be worth something: the interval is narrower than what is stated.
+    // The test must be sharp: the interval is narrower than the stated limit.
     CHECK(4 * found.bias.error < 0.005);
 }
 
-TEST_CASE("what the neighbourhood does to adaptive sampling", "[render][adaptive][.full][.measure]") {
+TEST_CASE("the effect of the neighbourhood on adaptive sampling", "[render][adaptive][.full][.measure]") {
     for (const std::uint64_t least : {std::uint64_t{64}, std::uint64_t{16}})
         for (const int neighbourhood : {0, 1, 2}) {
             const Findings found = findings(neighbourhood, least, 0.1, 100);

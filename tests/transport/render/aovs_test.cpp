@@ -1,5 +1,5 @@
-// Geometric AOVs of rendered analytic scenes. The box filter is so narrow that every sample goes through its pixel's
-// centre, so that a pixel holds the function's value there and nothing is averaged.
+// Geometric AOVs of rendered analytic scenes. The box filter is so narrow that every sample passes through its pixel's
+// centre, so that a pixel contains the function's value there, without averaging.
 #include "transport/render_support.h"
 
 #include <array>
@@ -13,7 +13,7 @@ namespace {
 
 using Values = std::vector<double>;
 
-/// Points are floats of size 10 at most and pass two or three transforms.
+/// Points are floats of size at most 10 that pass two or three transforms.
 constexpr double tolerance = 5e-6;
 
 display::ChannelDefinition named(const std::string& name) {
@@ -36,7 +36,7 @@ std::string header(int size, const std::string& camera = "") {
            camera + "Camera \"perspective\" \"float fov\" 40\nWorldBegin\n";
 }
 
-/// Every AOV, [name] -> pixels.
+/// All AOVs: [name] -> pixels.
 std::map<std::string, Values> aovs_of(const std::string& text) {
     transport::RenderSettings settings;
     settings.channels.list = all_aovs();
@@ -60,7 +60,7 @@ double dot(const Point& a, const Point& b) {
 
 }  // namespace
 
-TEST_CASE("a sphere's AOVs are what its equation says, in every pixel", "[geoaovs][render]") {
+TEST_CASE("a sphere's AOVs match its equation in every pixel", "[geoaovs][render]") {
     // The default camera looks along +z from the origin, x to the right and y up: camera space is world space.
     const int size = 16;
     const double r = 2, pi = 3.14159265358979323846;
@@ -139,23 +139,23 @@ TEST_CASE("curvature is half the sum of the principal curvatures, towards the vi
     CHECK(curvature("Translate 0 0 9\nReverseOrientation\n" + sphere) == Approx(0.5));
     // An ellipsoid with half axes 2, 2, 6 seen along its long axis: both curvatures are c / a^2.
     CHECK(curvature("Translate 0 0 20\nScale 1 1 3\n" + sphere) == Approx(6.0 / 4));
-    // Across it: 1 / a around and a / c^2 along.
+    // Seen across it: 1 / a around and a / c^2 along.
     CHECK(curvature("Translate 0 0 20\nRotate 90 1 0 0\nScale 1 1 3\n" + sphere) == Approx((0.5 + 2.0 / 36) / 2));
-    // The same by an instance.
+    // With an instance.
     CHECK(curvature("ObjectBegin \"o\"\n" + sphere +
                     "ObjectEnd\nTranslate 0 0 20\nRotate 90 1 0 0\nScale 1 1 3\n"
                     "ObjectInstance \"o\"\n") == Approx((0.5 + 2.0 / 36) / 2));
     const std::string cylinder = "Shape \"cylinder\" \"float radius\" 4 \"float zmin\" -3 \"float zmax\" 3\n";
     CHECK(curvature("Translate 0 0 20\nRotate 90 1 0 0\n" + cylinder) == Approx(1.0 / 8));
     CHECK(curvature("Translate 0 0 20\nShape \"disk\" \"float radius\" 3\n") == 0);
-    // z = x y over [-1, 1]^2: 2 H = -2 x y / (1 + x^2 + y^2)^(3/2) about the upward normal, so that it bulges upwards
-    // where x y > 0. Seen from above, straight down on (0.5, 0.25).
+    // z = x y over [-1, 1]^2: 2 H = -2 x y / (1 + x^2 + y^2)^(3/2) about the upward normal, so it bulges upwards where
+    // x y > 0. Seen straight down on (0.5, 0.25).
     const std::string saddle = "Shape \"bilinearmesh\" \"point3 P\" [-1 -1 1 1 -1 -1 -1 1 -1 1 1 1]\n";
     const double expected = 0.125 / std::pow(1 + 0.25 + 0.0625, 1.5);
     CHECK(curvature(saddle, "LookAt 0.5 0.25 9  0.5 0.25 0  0 1 0\n") == Approx(expected));
     CHECK(curvature(saddle, "LookAt 0.5 0.25 -9  0.5 0.25 0  0 1 0\n") == Approx(-expected));
-    // A triangle whose vertices and normals lie on a sphere of radius 3: the normal N = p / 3 of a point turns as its
-    // direction does, so the curvature is 1 / (3 |N|); at the middle |N|^2 is 1/3 of (1, 1, 1) / sqrt(3) squared.
+    // A triangle whose vertices and normals lie on a sphere of radius 3. The normal N = p / 3 of a point turns with its
+    // direction, so the curvature is 1 / (3 |N|); at the middle |N|^2 is 1/3 of (1, 1, 1) / sqrt(3) squared.
     const double n = std::sqrt(1.0 / 3);
     CHECK(curvature("Shape \"trianglemesh\" \"point3 P\" [3 0 0 0 3 0 0 0 3] \"normal N\" [1 0 0 0 1 0 0 0 1]\n",
                     "LookAt 9 9 9  0 0 0  0 1 0\n") == Approx(1 / (3 * n)));
@@ -163,7 +163,7 @@ TEST_CASE("curvature is half the sum of the principal curvatures, towards the vi
 }
 
 TEST_CASE("derivatives, object space and parameters of meshes, patches and disks", "[geoaovs][render]") {
-    // A rectangle of 4 x 2, placed by a transform; texture coordinates run twice as fast as x and as y.
+    // A rectangle of 4 x 2, placed by a transform; texture coordinates are twice x and y.
     const std::string place = "Translate 1 0 8\nScale 2 1 1\n";
     const std::string points = "\"point3 P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0] \"point2 uv\" [0 0 8 0 8 4 0 4]";
     const auto mesh =
@@ -174,7 +174,8 @@ TEST_CASE("derivatives, object space and parameters of meshes, patches and disks
     check_values(mesh.at("dPdu"), {0.5, 0, 0});
     check_values(mesh.at("dPdv"), {0, 0.5, 0});
     check_values(mesh.at("Tn"), {1, 0, 0});
-    // -0.5, 0 is 0.5 of vertex 0, 0.25 of 2 and 0.25 of 3 (the second triangle): u and v are the latter two's weights.
+    // (-0.5, 0) is 0.5 of vertex 0, 0.25 of 2 and 0.25 of 3 (the second triangle): u and v are the weights of the
+    // latter two.
     check_values(mesh.at("u"), {0.25});
     check_values(mesh.at("v"), {0.25});
     const auto patch = aovs_of(header(1) + place +
@@ -183,12 +184,12 @@ TEST_CASE("derivatives, object space and parameters of meshes, patches and disks
     for (const char* name : {"P", "Po", "st", "dPdu", "dPdv", "Tn"}) check_values(patch.at(name), mesh.at(name));
     check_values(patch.at("u"), {0.25});
     check_values(patch.at("v"), {0.5});
-    // Without coordinates a triangle has (0,0), (1,0), (1,1): s goes from the first vertex to the second.
+    // Without coordinates a triangle has (0,0), (1,0), (1,1): s increases from the first vertex to the second.
     const auto bare = aovs_of(header(1) + "Shape \"trianglemesh\" \"point3 P\" [-4 -3 8 4 -3 8 4 5 8]\n");
     check_values(bare.at("dPdu"), {8, 0, 0});
     check_values(bare.at("dPdv"), {0, 8, 0});
     check_values(bare.at("st"), {0.5, 0.375, 0});
-    // A disk of radius 5 with a hole of 1, hit 2 to the left of its centre: v runs inwards over 4.
+    // A disk of radius 5 with a hole of 1, hit 2 to the left of its centre: v increases inwards over 4.
     const auto disk =
         aovs_of(header(1) + "Translate 2 0 8\nShape \"disk\" \"float radius\" 5 \"float innerradius\" 1\n");
     check_values(disk.at("Po"), {-2, 0, 0});
@@ -200,7 +201,7 @@ TEST_CASE("derivatives, object space and parameters of meshes, patches and disks
     check_values(cylinder.at("P"), {0, 0, 7});
 }
 
-TEST_CASE("ids tell instances, their parts and their surfaces apart", "[geoaovs][render]") {
+TEST_CASE("ids distinguish instances, their parts and their surfaces", "[geoaovs][render]") {
     const std::string scene = header(1) +
                               "AttributeBegin\nTranslate 0 0 -50\nShape \"sphere\"\nAttributeEnd\n"
                               "ObjectBegin \"pair\"\nTranslate 100 0 0\nShape \"sphere\"\nTranslate -100 0 0\n"

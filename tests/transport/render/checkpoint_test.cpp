@@ -1,4 +1,4 @@
-// A render that is interrupted and resumed ends in the same bits as one that is not (Law 3), or is refused by name.
+// A render that is interrupted and resumed has the same bits as one that is not (Law 3), or is refused by name.
 #include <cerrno>
 
 #include "display/output/atomic_file.h"
@@ -8,14 +8,14 @@ using namespace render_test;
 
 namespace {
 
-/// Enough for a checkpoint to fall due amid the render.
+/// Enough samples for a checkpoint to be due during the render.
 #ifdef __SANITIZE_ADDRESS__
-constexpr int samples_until_due = 400;  // each takes several times as long
+constexpr int samples_until_due = 400;  // each takes several times as long with the sanitizer
 #else
 constexpr int samples_until_due = 1500;
 #endif
 
-/// All that must be the same: every plane of the frame buffer and of the mattes, and the numbers that add up.
+/// All data that must be equal: every plane of the frame buffer and of the mattes, and the sums of statistics.
 std::string everything(const transport::RenderOutput& output) {
     std::string bytes;
     output.frame_buffer.append_record(bytes);
@@ -31,7 +31,7 @@ std::string everything(const transport::RenderOutput& output) {
 transport::RenderSettings room_settings() {
     transport::RenderSettings settings;
     settings.paths.integrator = counted("path");
-    settings.samples.per_pixel = 200;  // the last block is not whole
+    settings.samples.per_pixel = 200;  // the last block is incomplete
     settings.machine.threads = 2;
     settings.channels.list = {lpe_channel("direct", "CDL"),
                               lpe_channel("glossy", "C<.G>.*"),
@@ -43,7 +43,7 @@ transport::RenderSettings room_settings() {
     return settings;
 }
 
-/// Renders in sessions of at least `samples` more camera samples each, of 1, 2, 3, 1 ... threads.
+/// Renders in sessions of at least `samples` more camera samples each, with 1, 2, 3, 1 ... threads.
 transport::RenderOutput in_sessions(const transport::SceneDescription& scene, transport::RenderSettings settings,
                                     const ScratchFile& file, std::uint64_t samples, int& sessions) {
     settings.checkpoint =
@@ -86,10 +86,10 @@ TEST_CASE("a render in many sessions has the bits of one that was never interrup
     CHECK(resumed.samples.resumed > 0);
     CHECK(resumed.statistics.render_seconds > 0);
     CHECK((everything(resumed) == everything(whole)));
-    CHECK(file.exists());  // the caller's to remove, once the image is safe
+    CHECK(file.exists());  // the caller removes it when the image is written
 }
 
-TEST_CASE("adaptive sampling takes the same decisions after interruptions", "[render][checkpoint][adaptive][law3]") {
+TEST_CASE("adaptive sampling makes the same decisions after interruptions", "[render][checkpoint][adaptive][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = room_settings();
     settings.stop.adaptive.emplace();
@@ -106,7 +106,7 @@ TEST_CASE("adaptive sampling takes the same decisions after interruptions", "[re
     CHECK(resumed.samples.unconverged_pixels == whole.samples.unconverged_pixels);
 }
 
-TEST_CASE("checkpoints while a render goes on change nothing", "[render][checkpoint][law3]") {
+TEST_CASE("checkpoints during a render change nothing", "[render][checkpoint][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = room_settings();
     settings.samples.per_pixel = samples_until_due;
@@ -116,14 +116,14 @@ TEST_CASE("checkpoints while a render goes on change nothing", "[render][checkpo
     const auto saved = render_of(scene, settings);
     CHECK(saved.statistics.checkpoints > 0);
     CHECK((everything(saved) == everything(whole)));
-    // Another one from the last of them, as after a kill.
+    // Another render resumes from the last of them, as after a kill.
     settings.checkpoint->resume = true;
     const auto resumed = render_of(scene, settings);
     CHECK(resumed.samples.resumed > 0);
     CHECK((everything(resumed) == everything(whole)));
 }
 
-TEST_CASE("a checkpoint of another render is refused, and what differs is named", "[render][checkpoint][law7]") {
+TEST_CASE("a checkpoint of another render is refused, and the differences are named", "[render][checkpoint][law7]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = room_settings();
     const ScratchFile file;
@@ -134,7 +134,7 @@ TEST_CASE("a checkpoint of another render is refused, and what differs is named"
         const raylex::Error error = refusal(scene, other, file);
         CAPTURE(error.message, difference);
         CHECK(error.file == file.path());
-        CHECK(error.message.find("the checkpoint is of another render") != std::string::npos);
+        CHECK(error.message.find("the checkpoint belongs to another render") != std::string::npos);
         CHECK(error.message.find(difference) != std::string::npos);
     };
     transport::RenderSettings other = settings;
@@ -200,7 +200,7 @@ TEST_CASE("a damaged checkpoint is refused and left as it is", "[render][checkpo
     CHECK((file.bytes() == damaged));
 }
 
-TEST_CASE("a checkpoint that cannot be written is a warning, and the render goes on", "[render][checkpoint][law7]") {
+TEST_CASE("a checkpoint that cannot be written is a warning, and the render continues", "[render][checkpoint][law7]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = room_settings();
     settings.samples.per_pixel = samples_until_due;
@@ -221,7 +221,7 @@ TEST_CASE("a checkpoint that cannot be written is a warning, and the render goes
 
 namespace {
 
-/// Light that grows with the iterations: what it gives depends on state that a checkpoint must bring back.
+/// Light that grows with the iterations, so its value depends on state that a checkpoint must restore.
 class Counting final : public transport::Integrator {
   public:
     explicit Counting(transport::SavedState state) : state_(state) {}
@@ -245,7 +245,7 @@ class Counting final : public transport::Integrator {
     }
     void end_iteration(std::uint64_t, std::span<transport::IntegratorThread* const>) override {
         iterations_ = iterations_ * 3 % 1009;
-        interruption().count(1);  // amid an iteration there is nothing to save
+        interruption().count(1);  // within an iteration there is nothing to save
     }
     void save_state(std::string& bytes) const override { bytes += std::to_string(iterations_); }
     raylex::Status restore_state(std::string_view bytes) override {
@@ -288,10 +288,10 @@ TEST_CASE("an integrator's own state is saved, or the integrator is named and re
     settings.checkpoint = transport::CheckpointSettings{.file = file.path()};
     auto refused = transport::render(scene, settings);
     REQUIRE_FALSE(refused.ok());
-    CHECK(refused.error().message.find("integrator 'silent' does not say how its state is saved") != std::string::npos);
+    CHECK(refused.error().message.find("integrator 'silent' cannot save its state") != std::string::npos);
 }
 
-TEST_CASE("an interrupted render that ends by its error goes on to the same bits", "[law3]") {
+TEST_CASE("an interrupted render with an error limit continues to the same bits", "[law3]") {
     const auto scene = scene_of(room);
     const ScratchFile file;
     transport::RenderSettings settings;

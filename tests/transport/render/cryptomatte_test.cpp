@@ -1,4 +1,4 @@
-// Cryptomattes of rendered scenes: who covers what, sums to alpha, the same bits for any number of threads.
+// Cryptomattes of rendered scenes: coverage, sums equal to alpha, the same bits for any number of threads.
 #include "transport/render_support.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ using raylex::geoaovs::MatteKind;
 
 namespace {
 
-/// A floor, a fence with holes cut by a constant alpha, two instances of a pair, and sky between them.
+/// A floor, a fence with cutouts of constant alpha, two instances of a pair, and sky between them.
 const std::string yard = R"(
 Film "rgb" "integer xresolution" 24 "integer yresolution" 24
 Sampler "independent" "integer pixelsamples" 32
@@ -82,7 +82,7 @@ TEST_CASE("coverages of objects, materials and assets sum to alpha", "[cryptomat
                 sum += static_cast<double>(coverage);
                 CHECK((coverage > 0) == (values[2 * rank * alpha.size() + pixel] != 0));
             }
-            CHECK(sum == Approx(alpha[pixel]).margin(1e-4));  // what the specification of this project promises
+            CHECK(sum == Approx(alpha[pixel]).margin(1e-4));  // the limit in this project's specification
         }
         CHECK(matte.remainder().pixels == 0);
     }
@@ -93,7 +93,7 @@ TEST_CASE("coverages of objects, materials and assets sum to alpha", "[cryptomat
           std::vector<std::string>{"bilinearmesh:0", "pair:0", "pair:1", "trianglemesh:0"});
 }
 
-TEST_CASE("what the ranks cannot hold is the remainder of alpha", "[cryptomatte][render]") {
+TEST_CASE("coverage beyond the ranks is the remainder of alpha", "[cryptomatte][render]") {
     const auto output = render_yard(2, {}, 2);
     const std::vector<double> alpha = output.frame_buffer.resolve_alpha();
     const Cryptomatte& matte = output.cryptomatte[0];
@@ -102,11 +102,12 @@ TEST_CASE("what the ranks cannot hold is the remainder of alpha", "[cryptomatte]
     for (std::size_t pixel = 0; pixel < alpha.size(); ++pixel)
         largest = std::max(largest, alpha[pixel] - static_cast<double>(values[alpha.size() + pixel]) -
                                         static_cast<double>(values[3 * alpha.size() + pixel]));
-    CHECK(largest > 0.01);  // sky, fence, floor and two spheres meet somewhere
+    CHECK(largest > 0.01);  // sky, fence, floor and two spheres share a pixel somewhere
     CHECK(matte.remainder().largest == Approx(largest).margin(1e-6));
 }
 
-TEST_CASE("a half-transparent surface covers half, and what is behind it the other half", "[cryptomatte][render]") {
+TEST_CASE("a half-transparent surface covers half of a pixel, and the surface behind it the other half",
+          "[cryptomatte][render]") {
     const auto scene = scene_of(R"(
 Film "rgb" "integer xresolution" 16 "integer yresolution" 16
 Sampler "independent" "integer pixelsamples" 64
@@ -124,13 +125,13 @@ Shape "bilinearmesh" "point3 P" [-9 -9 5 9 -9 5 -9 9 5 9 9 5] "float alpha" 0.25
         for (std::size_t rank = 0; rank < 6; ++rank)
             mean[std::bit_cast<std::uint32_t>(values[2 * rank * 256 + pixel])] +=
                 static_cast<double>(values[(2 * rank + 1) * 256 + pixel]) / 256;
-    // 16384 choices of probability 1/4 each: a standard deviation of 0.0034, times 4.
+    // 16384 choices of probability 1/4: a standard deviation of 0.0034, times 4.
     CHECK(mean[matte_id("bilinearmesh:0")] == Approx(0.25).margin(0.0135));
     CHECK(mean[matte_id("disk:0")] == Approx(0.75).margin(0.0135));
     CHECK(mean.size() == 3);  // and the empty ranks
 }
 
-TEST_CASE("mattes are bit-identical for any number of threads, and leave the beauty alone",
+TEST_CASE("mattes are bit-identical for any number of threads, and do not change the beauty",
           "[cryptomatte][law2][law3]") {
     const auto one = render_yard(1), three = render_yard(3);
     for (std::size_t i = 0; i < 3; ++i) {
@@ -144,7 +145,7 @@ TEST_CASE("mattes are bit-identical for any number of threads, and leave the bea
     CHECK(without.frame_buffer.resolve(without.beauty) == one.frame_buffer.resolve(one.beauty));
 }
 
-TEST_CASE("labels name objects, holdouts have no matte as they have no alpha", "[cryptomatte][render]") {
+TEST_CASE("labels name objects; holdouts have no matte, since they have no alpha", "[cryptomatte][render]") {
     raylex::transport::LabelRule label, holdout;
     label.selector = raylex::transport::LabelRule::Selector::material;
     label.pattern = "grass";
@@ -169,7 +170,7 @@ TEST_CASE("labels name objects, holdouts have no matte as they have no alpha", "
     }
 }
 
-TEST_CASE("a label that is the name of the material names objects too", "[cryptomatte][render]") {
+TEST_CASE("a label equal to the material's name also names objects", "[cryptomatte][render]") {
     raylex::transport::LabelRule label;
     label.selector = raylex::transport::LabelRule::Selector::material;
     label.pattern = label.label = "grass";

@@ -1,4 +1,4 @@
-// Black images come with a word on why, where somebody asked for light.
+// A black image has a warning with the reason if light was requested.
 #include "transport/image_file.h"
 #include "transport/render_support.h"
 
@@ -16,7 +16,7 @@ std::vector<raylex::Error> warnings_of(const std::string& world, const transport
 
 }  // namespace
 
-TEST_CASE("a scene without light, and lights that give none, are warnings", "[render][lights]") {
+TEST_CASE("a scene without light, and lights that emit none, give warnings", "[render][lights]") {
     const std::string ball = "\nTranslate 0 0 4 Shape \"sphere\"\n";
     const auto none = warnings_of(ball);
     REQUIRE(none.size() == 1);
@@ -29,14 +29,14 @@ TEST_CASE("a scene without light, and lights that give none, are warnings", "[re
         const auto warnings = warnings_of(light + ball);
         REQUIRE(warnings.size() == 1);
         CHECK(warnings[0].line == 4);
-        CHECK(warnings[0].message.ends_with(" light gives no light"));
+        CHECK(warnings[0].message.ends_with(" light emits no light"));
     }
     const auto several = warnings_of(
         "LightSource \"point\" \"rgb I\" [0 0 0]\nLightSource \"infinite\"\n"
         "LightSource \"point\" \"rgb I\" [0 0 0]\n" +
         ball);
     REQUIRE(several.size() == 1);
-    CHECK(several[0].message == "this point light gives no light, nor does one other of the scene");
+    CHECK(several[0].message == "this point light emits no light, and neither does one other light of the scene");
     CHECK(warnings_of("LightSource \"infinite\"" + ball).empty());
     CHECK(warnings_of("MakeNamedMedium \"fire\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1]\n"
                       "MediumInterface \"fire\" \"\"\n" +
@@ -44,7 +44,7 @@ TEST_CASE("a scene without light, and lights that give none, are warnings", "[re
               .empty());
 }
 
-TEST_CASE("who asks for AOVs alone hears nothing of lights", "[render][geoaovs]") {
+TEST_CASE("a render of AOVs only has no warnings about lights", "[render][geoaovs]") {
     const std::string ball = "Translate 0 0 4 Shape \"sphere\"\n";
     transport::RenderSettings settings;
     settings.channels.beauty = false;
@@ -55,7 +55,7 @@ TEST_CASE("who asks for AOVs alone hears nothing of lights", "[render][geoaovs]"
     CHECK(warnings_of(ball, settings).size() == 1);
 }
 
-TEST_CASE("lights whose image is black and media that cannot shine are dark", "[render][lights][media]") {
+TEST_CASE("lights with a black image and media that cannot emit are dark", "[render][lights][media]") {
     const std::string ball = "\nTranslate 0 0 4 Shape \"sphere\"\n";
     const ImageFile black(4, 4, std::vector<transport::Rgb>(16));
     const std::string file = black.parameter();
@@ -64,7 +64,7 @@ TEST_CASE("lights whose image is black and media that cannot shine are dark", "[
         CAPTURE(light);
         const auto warnings = warnings_of(light + ball);
         REQUIRE(warnings.size() == 1);
-        CHECK(warnings[0].message.ends_with(" light gives no light"));
+        CHECK(warnings[0].message.ends_with(" light emits no light"));
     }
     for (const char* medium :
          {"\"float density\" 1 \"float temperature\" 50",

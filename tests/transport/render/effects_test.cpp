@@ -1,4 +1,4 @@
-// What a scene calls for, and what forcing effects does to its image.
+// The effects that a scene uses, and the images with effects forced on and off.
 #include <catch2/catch.hpp>
 
 #include <iomanip>
@@ -18,7 +18,7 @@ using import_test::contains;
 
 namespace {
 
-// A floor under one lamp or light: parts of it are replaced to call for one effect each.
+// A floor under one lamp or light: parts of it are replaced to use one effect each.
 constexpr const char* plain_camera = "Camera \"perspective\" \"float fov\" 40";
 constexpr const char* plain_material = "Material \"diffuse\" \"rgb reflectance\" [0.5 0.4 0.3]";
 constexpr const char* plain_shape = "Shape \"sphere\" \"float radius\" 0.5";
@@ -49,7 +49,7 @@ const std::string lamp = "LightSource \"point\" \"rgb I\" [5 6 7] \"point3 from\
 
 const std::string dispersive_glass = "Material \"dielectric\" \"spectrum eta\" [400 1.7 700 1.4]";
 
-/// With all its digits.
+/// The mean index with all its digits.
 std::string mean_index_of(const std::string& material) {
     const SceneDescription scene = scene_of(replaced(effects_scene(), plain_material, material));
     const auto mean = mean_of_spectrum(scene.materials.back().parameters.parameters.front(), scene.color);
@@ -59,8 +59,8 @@ std::string mean_index_of(const std::string& material) {
     return text.str();
 }
 
-/// A scene that calls for one effect alone, and as it is written without it. Both have the same lights but for effects
-/// that are lights, which are written without any.
+/// A scene that uses a single effect, and the same scene written without it. Both have the same lights, except for
+/// effects that are lights, which are written without any.
 struct Example {
     Effect effect;
     std::string with, without;
@@ -91,7 +91,7 @@ std::vector<Example> examples(const std::string& image) {
                   "Camera \"orthographic\" \"float lensradius\" 0.1 \"float focaldistance\" 3"),
          replaced(effects_scene(lamp), plain_camera, "Camera \"orthographic\" \"float focaldistance\" 3")},
         {Effect::image_textures, replaced(effects_scene(with_texture), plain_material, textured),
-         // The image is black and white in halves of a quarter and three quarters.
+         // The image is black and white, with shares of three quarters and a quarter.
          replaced(effects_scene(lamp), plain_material, "Material \"diffuse\" \"rgb reflectance\" [0.25 0.25 0.25]")},
         {Effect::texture_filtering,
          replaced(replaced(effects_scene(with_texture), plain_material, textured), "unfiltered", "trilinear"),
@@ -150,7 +150,7 @@ std::vector<Example> examples(const std::string& image) {
     };
 }
 
-/// Two by two texels: three black, one white, so that the mean is a quarter exactly.
+/// Two by two texels: three black, one white, so that the mean is exactly a quarter.
 std::string quarter_image(const import_test::Folder& folder) {
     std::string text = "PF\n2 2\n-1.0\n";
     for (const float texel : {0.0f, 0.0f, 0.0f, 1.0f})
@@ -172,7 +172,7 @@ SceneDescription forced(SceneDescription scene, Effect effect, bool on) {
     return scene;
 }
 
-/// Every layer of an image: beauty, parts of the light, a statistic, geometry; by an integrator.
+/// All layers of an image by one integrator: beauty, parts of the light, a statistic, geometry.
 std::vector<std::vector<double>> layers_of(const SceneDescription& scene, const std::string& integrator) {
     RenderSettings settings;
     settings.machine.threads = 1;
@@ -190,7 +190,7 @@ std::vector<std::vector<double>> layers_of(const SceneDescription& scene, const 
 
 }  // namespace
 
-TEST_CASE("effects: a scene is found to call for what it has, and for nothing else", "[effects]") {
+TEST_CASE("effects: the analysis finds exactly the effects that a scene uses", "[effects]") {
     const import_test::Folder folder;
     for (const Example& each : examples(quarter_image(folder))) {
         const EffectFindings with = analyse_effects(scene_of(each.with)),
@@ -208,7 +208,7 @@ TEST_CASE("effects: a scene is found to call for what it has, and for nothing el
     }
 }
 
-TEST_CASE("effects: the catalogue is in the order of Effect, and names are found again", "[effects]") {
+TEST_CASE("effects: the catalogue is in the order of Effect, and names map to their effects", "[effects]") {
     CHECK(effect_catalogue().size() == effect_count);
     for (std::size_t i = 0; i < effect_count; ++i) {
         const EffectInfo& info = effect_catalogue()[i];
@@ -226,7 +226,7 @@ TEST_CASE("effects: the catalogue is in the order of Effect, and names are found
     CHECK(contains(absent.error().message, "does not simulate 'polarisation'"));
 }
 
-TEST_CASE("effects: forced off, the scene renders as it is written without the effect, bit for bit", "[effects]") {
+TEST_CASE("effects: forced off, the scene renders bit for bit like a scene without the effect", "[effects]") {
     const import_test::Folder folder;
     for (const Example& each : examples(quarter_image(folder))) {
         CAPTURE(effect_info(each.effect).name);
@@ -234,12 +234,12 @@ TEST_CASE("effects: forced off, the scene renders as it is written without the e
         CHECK_FALSE(called_for(analyse_effects(off), each.effect));
         const auto image = layers_of(off, "path");
         CHECK((image == layers_of(scene_of(each.without), "path")));
-        // Where all light is gone, both are black; else the effect was there to be seen.
+        // Without any light both are black; otherwise the effect must be visible.
         CHECK((image != layers_of(scene_of(each.with), "path")));
     }
 }
 
-TEST_CASE("effects: forced on where nothing calls for it, no bit of any layer changes", "[effects]") {
+TEST_CASE("effects: forcing on an unused effect changes no bit of any layer", "[effects]") {
     const import_test::Folder folder;
     std::vector<std::string> scenes{effects_scene(lamp), room};
     for (const Example& each : examples(quarter_image(folder)))
@@ -247,7 +247,7 @@ TEST_CASE("effects: forced on where nothing calls for it, no bit of any layer ch
             scenes.push_back(each.with);
     for (const std::string& text : scenes) {
         SceneDescription scene = scene_of(text);
-        // As many rows as the suite has time for.
+        // As many rows as the time of the suite allows.
         scene.film.parameters.parameters[0].numbers = {16};
         scene.film.parameters.parameters[1].numbers = {12};
         scene.sampler.parameters.parameters[0].numbers = {4};
@@ -266,7 +266,7 @@ TEST_CASE("effects: forced on where nothing calls for it, no bit of any layer ch
 }
 
 TEST_CASE("effects: forced on runs the general code", "[effects]") {
-    // A hit test for cutouts is a shadow ray more for each that arrives: the one count that shows it.
+    // The test for cutouts adds a shadow ray for each one that arrives: the only count that shows it.
     const SceneDescription scene = scene_of(effects_scene(lamp));
     const RenderOutput analysed = render_of(scene), general = render_of(forced(scene, Effect::alpha, true));
     CHECK(general.statistics.shadow_rays > analysed.statistics.shadow_rays);
@@ -284,7 +284,7 @@ TEST_CASE("effects: glass in a mix becomes a sheet that passes all light", "[eff
            layers_of(scene_of(without), "path")));
 }
 
-TEST_CASE("effects: without cutouts what nobody could see goes, and what shines unseen is seen", "[effects]") {
+TEST_CASE("effects: without cutouts invisible shapes are removed, and invisible emitters become visible", "[effects]") {
     const std::string hidden =
         "AttributeBegin\nTranslate 0 2 0\nShape \"sphere\" \"float radius\" 0.3 \"float alpha\" 0\nAttributeEnd\n";
     const SceneDescription gone = forced(scene_of(effects_scene(lamp + "\n" + hidden)), Effect::alpha, false);
@@ -296,7 +296,7 @@ TEST_CASE("effects: without cutouts what nobody could see goes, and what shines 
     CHECK(seen.shapes[0].area_light == 0);
 }
 
-TEST_CASE("effects: an image whose mean is wanted and which is gone is an error that names it", "[effects]") {
+TEST_CASE("effects: a missing image whose mean is needed is an error that names it", "[effects]") {
     const import_test::Folder folder;
     const std::string image = quarter_image(folder);
     SceneDescription scene;

@@ -1,5 +1,5 @@
-// Film and integrators as scene files name them: crops, exposure, white balance, pbrt's integrators in our terms, and
-// files that are not there.
+// Film and integrators of scene files: crops, exposure, white balance, pbrt's integrators as raylex's, and missing
+// files.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ RenderOutput rendered(const std::string& film, const std::string& shutter = "", 
     return render_test::render_of(render_test::scene_of(text), settings);
 }
 
-TEST_CASE("crops of the film are rendered as the whole image has them", "[film][render]") {
+TEST_CASE("crops of the film have the bits of the whole image", "[film][render]") {
     const std::string size = "Film \"rgb\" \"integer xresolution\" 10 \"integer yresolution\" 8 ";
     const auto region = [](const RenderOutput& output) {
         REQUIRE(output.view.crop.has_value());
@@ -46,13 +46,13 @@ TEST_CASE("crops of the film are rendered as the whole image has them", "[film][
     };
     CHECK_FALSE(rendered(size).view.crop.has_value());
     CHECK_FALSE(rendered(size + "\"float cropwindow\" [0 1 0 1]").view.crop.has_value());
-    // pbrt's order is x, x, y, y; a share of 0.3 of 10 pixels is 3, 0.55 of 8 begins with pixel 5.
+    // pbrt's order is x, x, y, y; a share of 0.3 of 10 pixels is 3, and 0.55 of 8 begins with pixel 5.
     CHECK(region(rendered(size + "\"float cropwindow\" [0.3 0.6 0.55 1]")) == std::array<int, 4>{3, 5, 6, 8});
     CHECK(region(rendered(size + "\"integer pixelbounds\" [2 7 1 4]")) == std::array<int, 4>{2, 1, 7, 4});
     RenderSettings doubled;
     doubled.film.resolution = {{20, 16}};
     CHECK(region(rendered(size + "\"integer pixelbounds\" [2 7 1 4]", "", doubled)) == std::array<int, 4>{4, 2, 14, 8});
-    doubled.film.crop = {{1, 1, 3, 3}};  // what is asked for counts, and not what the scene says
+    doubled.film.crop = {{1, 1, 3, 3}};  // the setting overrides the scene
     CHECK(region(rendered(size + "\"integer pixelbounds\" [2 7 1 4]", "", doubled)) == std::array<int, 4>{1, 1, 3, 3});
     const RenderOutput crop = rendered(size + "\"float cropwindow\" [0.3 0.6 0.5 1]"), whole = rendered(size);
     const std::vector<double> some = crop.frame_buffer.resolve(crop.beauty), all = whole.frame_buffer.resolve(0);
@@ -97,14 +97,14 @@ TEST_CASE("a film records exposure time times iso over 100", "[film][render]") {
     CHECK(pixel(rendered(size + "\"float iso\" 400", "\"float shutteropen\" 1 \"float shutterclose\" 1.125")) ==
           std::array<double, 3>{0.25, 0.125, 0.0625});
     CHECK(pixel(rendered(size + "\"float exposuretime\" 4")) == std::array<double, 3>{2, 1, 0.5});
-    // A moment in time, with a warning.
+    // A moment in time adds a warning.
     CHECK(pixel(rendered(size, "\"float shutteropen\" 1")) == plain);
     const Error error = import_test::error_of("Film \"rgb\" \"float exposuretime\" 0\nWorldBegin\n");
     CHECK(error.line == 1);
     CHECK(contains(error.message, "expected seconds above 0"));
 }
 
-TEST_CASE("white balance makes a film's white of daylight, by name or by sensor", "[film]") {
+TEST_CASE("white balance turns daylight into a film's white, by name or by sensor", "[film]") {
     const auto white = [](const std::string& film, const std::string& light) {
         const auto scene = render_test::scene_of("Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1 " +
                                                  film + "\nSampler \"sobol\" \"integer pixelsamples\" 1\nWorldBegin\n" +
@@ -114,7 +114,7 @@ TEST_CASE("white balance makes a film's white of daylight, by name or by sensor"
         return std::array<double, 3>{image[0], image[1], image[2]};
     };
     const auto balanced = white("\"float whitebalance\" 5000", "stdillum-D50");
-    // D50 is daylight of 5003 K: its white's chromaticity is 1e-4 away.
+    // D50 is daylight of 5003 K: the chromaticity of its white differs by 1e-4.
     CHECK(balanced[0] == Approx(1).epsilon(2e-3));
     CHECK(balanced[1] == Approx(1).epsilon(2e-3));
     CHECK(balanced[2] == Approx(1).epsilon(2e-3));
@@ -136,7 +136,7 @@ TEST_CASE("white balance makes a film's white of daylight, by name or by sensor"
     CHECK(contains(import_test::error_of("Film \"rgb\" \"float iso\" 0\nWorldBegin\n").message, "'iso'"));
 }
 
-/// What a camera's sensor records of light of these XYZ, in XYZ of a film of `space`; 0 K is no "whitebalance".
+/// The recording of light with these XYZ by a camera's sensor, in XYZ of a film of `space`; 0 K: no "whitebalance".
 Triple recorded(const std::string& sensor, double kelvin, const Triple& light, ColorSpace space = ColorSpace::srgb,
                 double iso = 100) {
     SceneEntity film, camera;
@@ -157,9 +157,9 @@ Triple xyz_of_blackbody(double kelvin) {
     return xyz;
 }
 
-TEST_CASE("cameras' sensors record lights as pbrt-v4's do", "[film]") {
+TEST_CASE("camera sensors record lights as in pbrt-v4", "[film]") {
     const Triple white = white_xyz(ColorSpace::srgb);
-    const auto differ = [](const Triple& xyz, const Triple& expected) {  // of the brightest channel
+    const auto differ = [](const Triple& xyz, const Triple& expected) {  // relative to the brightest channel
         const Triple rgb = multiply(rgb_from_xyz(ColorSpace::srgb), xyz);
         double most = 0;
         for (std::size_t i = 0; i < 3; ++i) most = std::max(most, std::abs(rgb[i] - expected[i]));
@@ -210,10 +210,11 @@ TEST_CASE("cameras' sensors record lights as pbrt-v4's do", "[film]") {
                               {1.46693, 0.91185, 0.49731},
                               true}}) {
         INFO(each.sensor << " at " << each.kelvin);
-        // Entries are rounded to 5e-6, which the step to sRGB (whose rows sum to 5.3) makes 8e-5 of XYZ that sum to 3;
-        // between the temperatures the error of interpolation is added, 0.13 %.
+        // Entries are rounded to 5e-6, and the conversion to sRGB (whose rows sum to 5.3) makes that 8e-5 of XYZ that
+        // sum to 3. Between the temperatures of the table the interpolation error is added, 0.13 %.
         CHECK(differ(recorded(each.sensor, each.kelvin, white), each.white) < (each.between ? 1.4e-3 : 1e-4));
-        // These cameras' residuals under these lights are up to 0.6 % of the brightest channel (0.57 % at 3200 K).
+        // The residuals of these cameras under these lights are up to 0.6 % of the brightest channel (0.57 % at 3200
+        // K).
         CHECK(differ(recorded(each.sensor, each.kelvin, xyz_of_blackbody(2700)), each.at_2700) < 6e-3);
         CHECK(differ(recorded(each.sensor, each.kelvin, xyz_of_blackbody(3500)), each.at_3500) < 6e-3);
     }
@@ -221,19 +222,20 @@ TEST_CASE("cameras' sensors record lights as pbrt-v4's do", "[film]") {
         INFO(sensor);
         const Triple usual = recorded(sensor, 6500, white);
         CHECK(recorded(sensor, 0, white) == usual);  // pbrt's default
-        // Nearly white: pbrt's own fit to the swatches leaves up to 1.7 % of XYZ (canon_eos_5d's Z).
+        // Nearly white: pbrt's own fit to the swatches has residuals of up to 1.7 % of XYZ (canon_eos_5d's Z).
         for (std::size_t i = 0; i < 3; ++i) CHECK(usual[i] == Approx(white[i]).epsilon(0.02));
         const Triple twice = recorded(sensor, 6500, white, ColorSpace::srgb, 200);
-        for (std::size_t i = 0; i < 3; ++i) CHECK(twice[i] == Approx(2 * usual[i]));  // by rounding
-        // No steps within the tables. At 4000 K pbrt itself steps from a blackbody to daylight.
+        for (std::size_t i = 0; i < 3; ++i) CHECK(twice[i] == Approx(2 * usual[i]));  // up to rounding
+        // No jumps within the tables. At 4000 K pbrt itself jumps from a blackbody to daylight.
         for (const double kelvin : {2720.0, 3400.0, 5000.0, 9000.0, 14000.0}) {
             const Triple below = recorded(sensor, kelvin * (1 - 1e-6), white), at = recorded(sensor, kelvin, white);
-            // A millionth of the temperature moves the white by some millionths.
+            // A change of the temperature by a millionth moves the white by some millionths.
             for (std::size_t i = 0; i < 3; ++i) CHECK(below[i] == Approx(at[i]).epsilon(2e-5));
         }
         recorded(sensor, 1000, white);  // the hint
     }
-    // A film whose white is D60, by the same method, in XYZ; the swatches' matrix is least squares with 0.02 % left.
+    // A film with the white D60, by the same method, in XYZ; the least-squares matrix of the swatches has a residual of
+    // 0.02 %.
     const Triple aces = recorded("nikon_d850", 5000, white, ColorSpace::aces2065_1);
     CHECK(aces[0] == Approx(0.92219).epsilon(2e-4));
     CHECK(aces[1] == Approx(0.98430).epsilon(2e-4));
@@ -241,7 +243,7 @@ TEST_CASE("cameras' sensors record lights as pbrt-v4's do", "[film]") {
     CHECK_FALSE(camera_sensor("nikon_d80", 6500, ColorSpace::srgb).has_value());
 }
 
-TEST_CASE("pbrt's integrators are ours, with a word on what differs", "[film]") {
+TEST_CASE("pbrt's integrators map to raylex's, with a warning about differences", "[film]") {
     const auto chosen = [](const std::string& type, std::vector<Parameter> parameters = {}) {
         SceneEntity entity;
         entity.type = type;
@@ -280,7 +282,7 @@ TEST_CASE("pbrt's integrators are ours, with a word on what differs", "[film]") 
     CHECK_FALSE(choose_integrator(none, std::nullopt).ok());
 }
 
-TEST_CASE("files that are not there are errors, or magenta, counted", "[film][import][law7]") {
+TEST_CASE("missing files are errors, or counted magenta placeholders", "[film][import][law7]") {
     const ImageFile image(1, 1, {Rgb(1)});
     const std::string text =
         "WorldBegin\nTexture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"gone.png\"\n"
@@ -316,11 +318,11 @@ TEST_CASE("files that are not there are errors, or magenta, counted", "[film][im
     CHECK(beauty[1] == 0);  // magenta sky
     const auto lens = import_pbrt_text("Camera \"realistic\" \"string lensfile\" \"gone.dat\"\nWorldBegin\n",
                                        "/folder/scene.pbrt", {MissingFiles::placeholders});
-    REQUIRE_FALSE(lens.ok());  // nothing can stand for a lens
+    REQUIRE_FALSE(lens.ok());  // there is no placeholder for a lens
     CHECK(lens.error().line == 1);
 }
 
-TEST_CASE("a gbuffer film asks for our AOVs by its names", "[film]") {
+TEST_CASE("a gbuffer film requests raylex's AOVs by its own names", "[film]") {
     SceneEntity entity;
     entity.type = "rgb";
     CHECK(gbuffer_layers(entity).empty());

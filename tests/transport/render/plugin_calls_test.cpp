@@ -1,5 +1,5 @@
-// An integrator that draws its calls of the display services at random, in whole renders: threads, batches, crops and
-// buckets leave no trace, and what it discards is nowhere. What the calls must come to is services_model_test.cpp's.
+// An integrator that makes random calls of the display services, in whole renders: threads, batches, crops and buckets
+// do not affect the result, and discarded calls do not appear. services_model_test.cpp checks the results of calls.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -16,7 +16,7 @@ using raylex::RgbD;
 
 namespace {
 
-/// Bits that depend on a camera sample and the number of the call alone.
+/// Bits that depend only on a camera sample and the number of the call.
 std::uint64_t bits_of(const display::CameraRow& row, std::uint64_t call) {
     std::uint64_t x = row.sample * 0x9e3779b97f4a7c15ull + static_cast<std::uint64_t>(row.pixel_x) * 1000003 +
                       static_cast<std::uint64_t>(row.pixel_y) * 69069 + call * 0xbf58476d1ce4e5b9ull;
@@ -44,7 +44,7 @@ class RandomCalls final : public transport::Integrator {
                    transport::ThreadServices& services) const override {
         const bool late = camera.tile % 2 == 0;
         if (discards_ && !late) services.display.discard_iteration();
-        // Rays take turns: one call of each after the other.
+        // Rays alternate: one call of each after the other.
         for (std::uint64_t n = 0; n < 12; ++n)
             for (std::size_t i = 0; i < camera.rays.size(); ++i) call(static_cast<int>(i), camera.rows[i], n, services);
         if (discards_ && late) services.display.discard_iteration();
@@ -133,7 +133,7 @@ struct Seen {
     bool operator==(const Seen&) const = default;
 };
 
-/// Everything of a region of the image.
+/// All data of a region of the image.
 Seen seen_of(transport::RenderSettings settings, const display::PixelRegion& region, bool deep) {
     std::unique_ptr<display::DeepBuffer> buffer;
     if (deep)
@@ -176,7 +176,7 @@ TEST_CASE("random calls of a plugin leave the same bits for any thread count, ba
     transport::RenderSettings other = settings;
     other.machine.threads = 3;
     CHECK(seen_of(other, whole, true) == once);
-    // With times of samples each pixel is a batch of its own; the channel of times comes last.
+    // With times of samples each pixel is a separate batch; the channel of times comes last.
     other.channels.list.push_back(aov("cpuTime"));
     Seen by_pixel = seen_of(other, whole, true);
     by_pixel.values.erase(by_pixel.values.end() - 2 * 40 * 37, by_pixel.values.end() - 40 * 37);
@@ -199,15 +199,15 @@ TEST_CASE("random calls of a plugin leave the same bits for any thread count, ba
     CHECK(in_buckets.values == once.values);
 }
 
-TEST_CASE("what a plugin discards, by any call in any order, is nowhere", "[render][plugins][law3]") {
+TEST_CASE("samples that a plugin discards, by any call in any order, appear nowhere", "[render][plugins][law3]") {
     transport::RenderSettings settings = settings_of("test:raster calls");
     const Seen once = seen_of(settings, whole, false);
     CHECK(once.discarded == 16 * 40 * 37);  // the second of three iterations of 16 samples
     CHECK(once.samples == 32 * 40 * 37);
     settings.machine.threads = 3;
     CHECK(seen_of(settings, whole, false) == once);
-    // The iterations that are left are the image of a render without the discarded one, but for the samples' numbers: a
-    // render of the first alone has its values where nothing else was added.
+    // The remaining iterations give the image of a render without the discarded one, except for the samples' numbers. A
+    // render of the first iteration alone has its values where nothing else was added.
     settings.samples.per_pixel = 16;
     const Seen first = seen_of(settings, whole, false);
     settings.samples.per_pixel = 32;

@@ -1,5 +1,4 @@
-// The doors that plugins come in through, used from here as a plugin uses them: closures, lobes, patterns, and display
-// services for both.
+// The interfaces of plugins, used as a plugin uses them: closures, lobes, patterns, and display services for both.
 #include <array>
 #include <catch2/catch.hpp>
 #include <memory>
@@ -17,7 +16,7 @@ using namespace raylex::test;
 
 namespace {
 
-/// Lambert's surface once more, as somebody outside would write it, with a reflectance in the material.
+/// A Lambertian surface, as a plugin would implement it, with a reflectance in the material.
 struct OutsideClosure {
     const Rgb* reflectance = nullptr;
 
@@ -43,7 +42,7 @@ struct OutsideClosure {
     [[nodiscard]] bool has_density() const { return true; }
 };
 
-/// Passes its input on and writes it to the first channel; a float texture writes to the second.
+/// Passes its input through and writes it to the first channel; a float texture writes to the second.
 class WritingPattern final : public Pattern {
   public:
     explicit WritingPattern(TextureId input) : input_(input) {}
@@ -82,7 +81,7 @@ std::vector<display::ChannelDefinition> two_channels() {
 
 }  // namespace
 
-TEST_CASE("a closure from outside is answered as one in the tree", "[materials][plugins]") {
+TEST_CASE("a closure of a plugin behaves like a built-in one", "[materials][plugins]") {
     const Rgb reflectance(0.2f, 0.5f, 0.7f);
     Bsdf inside, outside;
     inside.set(tilted_frame(), LambertClosure{reflectance});
@@ -93,7 +92,7 @@ TEST_CASE("a closure from outside is answered as one in the tree", "[materials][
     for (int i = 0; i < 200; ++i) {
         const Vec3 wo = sample_uniform_sphere(random.two()), wi = sample_uniform_sphere(random.two());
         const BsdfEvaluation a = inside.evaluate(wo, wi), b = outside.evaluate(wo, wi);
-        // Cosines through a dot product and through the frame: a few roundings of numbers up to 1.
+        // Cosines by a dot product and by the frame: a few roundings of numbers up to 1.
         for (int c = 0; c < 3; ++c) CHECK(a.value[c] == Approx(b.value[c]).margin(1e-6));
         CHECK(a.pdf == Approx(b.pdf).margin(1e-6));
         CHECK(outside.pdf(wo, wi) == b.pdf);
@@ -109,7 +108,7 @@ TEST_CASE("a closure from outside is answered as one in the tree", "[materials][
     CHECK(copy.pdf({0, 0, 1}, {0, 0, 1}) == outside.pdf({0, 0, 1}, {0, 0, 1}));
 }
 
-TEST_CASE("a lobe from outside gets a row of the event table, and the same lobe the same row", "[materials][plugins]") {
+TEST_CASE("a lobe of a plugin gets a row of the event table, and an equal lobe the same row", "[materials][plugins]") {
     const std::size_t before = lobe_kinds().size();
     CHECK(add_lobe({lpe::EventType::reflection, lpe::Scatter::diffuse, "diffuse"}) == lobes::diffuse);
     CHECK(lobe_kinds().size() == before);
@@ -121,8 +120,7 @@ TEST_CASE("a lobe from outside gets a row of the event table, and the same lobe 
     CHECK(lobe_kinds().size() == before + 2);
 }
 
-TEST_CASE("a pattern passes its inputs on, and writes where the camera sees it and nowhere else",
-          "[textures][plugins]") {
+TEST_CASE("a pattern passes its inputs through, and writes only where the camera sees it", "[textures][plugins]") {
     register_writing_pattern();
     SceneDescription scene;
     scene.textures.push_back(colour_texture("constant", "plain", {rgb("value", 0.25, 0.5, 0.75)}));
@@ -140,7 +138,7 @@ TEST_CASE("a pattern passes its inputs on, and writes where the camera sees it a
     table.begin(std::array<display::CameraRow, 4>{});
     std::array<SurfacePoint, 4> points{};
     for (SurfacePoint& point : points) point.shading_normal = point.geometric_normal = point.wo = {0, 0, 1};
-    points[0].services = {&services, 2, 0};  // first hits of rows 2 and 3; the others lie deeper in paths
+    points[0].services = {&services, 2, 0};  // first hits of rows 2 and 3; the others are deeper in paths
     points[1].services = {&services, 0, 1};
     points[2].services = {&services, 3, 0};
     points[2].material = points[3].material = 1;
@@ -155,7 +153,7 @@ TEST_CASE("a pattern passes its inputs on, and writes where the camera sees it a
     CHECK(table.values(0)[6] == 0.25);
     CHECK(table.values(1)[3] == 0.125);
 
-    // Without services nothing is written and everything is shaded.
+    // Without services nothing is written and all points are shaded.
     table.begin(std::array<display::CameraRow, 4>{});
     for (SurfacePoint& point : points) point.services = {};
     materials->shade(*textures, points, closures);
@@ -163,7 +161,7 @@ TEST_CASE("a pattern passes its inputs on, and writes where the camera sees it a
     CHECK_FALSE(table.touched(0));
 }
 
-TEST_CASE("patterns' parameters are judged as those of in-tree textures", "[textures][plugins][law7]") {
+TEST_CASE("patterns' parameters are checked like those of built-in textures", "[textures][plugins][law7]") {
     register_writing_pattern();
     SceneDescription scene;
     scene.textures.push_back(colour_texture("test:writing", "tee", {texture("input", "nothing")}));

@@ -1,9 +1,9 @@
-// Renders against closed forms. Each scene is tiny; tolerances are standard errors of that very render.
+// Renders against closed forms. Each scene is tiny; tolerances are standard errors of the render itself.
 #include "transport/enclosure.h"
 
 using namespace render_test;
 
-TEST_CASE("a point light over a plane gives its closed-form mean", "[render]") {
+TEST_CASE("a point light over a plane has its closed-form mean", "[render]") {
     // reference: E = I cos / d^2 = 10 h / (h^2 + r^2)^1.5, L = E / (2 pi); mean over the image 0.221335 with a box
     // filter.
     auto scene = scene_of(R"(
@@ -18,7 +18,7 @@ LightSource "point" "rgb I" [10 10 10] "point3 from" [0 2 0]
 Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-5 0 5 5 0 5 5 0 -5 -5 0 -5]
 )");
-    // The only randomness is where in the pixel a ray goes: 160,000 stratified rays leave less than 1e-5.
+    // Only the ray's position in the pixel is random: 160,000 stratified rays have an error below 1e-5.
     CHECK(estimate(render_of(scene)).mean == Approx(0.221335).margin(1e-5));
 }
 
@@ -38,11 +38,11 @@ Shape "sphere" "float radius" 1
     // The camera sees only the sphere; every path is 0.5 exactly, up to float rounding of one product.
     CHECK(estimate(output).mean == Approx(0.5).epsilon(1e-6));
     CHECK(estimate(output, 1).mean == Approx(0.5).epsilon(1e-6));
-    CHECK(estimate(output, 2).mean == 0);  // row F: a convex object never meets itself
+    CHECK(estimate(output, 2).mean == 0);  // row F: a convex object never sees itself
 }
 
-TEST_CASE("in a furnace of emitting walls every word has its own power of the albedo", "[render]") {
-    // Row D: L = sum of 0.5^k, k <= 6; the word with k reflections gives 0.5^k.
+TEST_CASE("in a furnace of emitting walls every path string has its own power of the albedo", "[render]") {
+    // Row D: L = sum of 0.5^k, k <= 6; the path string with k reflections contributes 0.5^k.
     auto scene = scene_of(film + R"(
 Integrator "path" "integer maxdepth" 6
 LookAt 0 0 0  0 0 -1  0 1 0
@@ -68,8 +68,8 @@ Shape "sphere" "float radius" 2
     }
 }
 
-TEST_CASE("a mirror box multiplies by its reflectance, and words follow", "[render]") {
-    // Row A with kd = 0.5, ks = 0.3 in a sphere: L = Le / (1 - kd - ks) = 5 but for a remainder of 0.8^100.
+TEST_CASE("a mirror box multiplies by its reflectance, also for each path string", "[render]") {
+    // Row A with kd = 0.5, ks = 0.3 in a sphere: L = Le / (1 - kd - ks) = 5 except for a remainder of 0.8^100.
     const auto scene = scene_of(enclosure(0.5, 0.3));
     transport::RenderSettings settings;
     settings.channels.list = {lpe_channel("dsd", "CDSD[<L.>O]"), lpe_channel("s-first", "CSD*[<L.>O]")};
@@ -85,9 +85,9 @@ TEST_CASE("a mirror box multiplies by its reflectance, and words follow", "[rend
     }
 }
 
-TEST_CASE("cutouts blend what is in front with what is behind, for eyes and for light", "[render]") {
+TEST_CASE("cutouts blend front and back, for camera rays and shadow rays", "[render]") {
     // A card of opacity 0.25 and albedo 0 before a wall lit by a distant light that also passes a second card of 0.5:
-    // the wall shows 0.75 * 0.5 * albedo / pi * E.
+    // the radiance of the wall is 0.75 * 0.5 * albedo / pi * E.
     auto scene = scene_of(film + R"(
 Integrator "path" "integer maxdepth" 2
 LookAt 0 0 5  0 0 0  0 1 0
@@ -107,6 +107,6 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-9 3 0 9 3 0 9 
     const Estimate e = estimate(output);
     CHECK(std::abs(e.mean - expected) <= 4.5 * e.error + 1e-6);
     CHECK(e.error < 0.02 * expected);
-    CHECK(estimate(output, 1).mean == e.mean);  // straight-through leaves no event in this dialect
+    CHECK(estimate(output, 1).mean == e.mean);  // a pass-through leaves no event in this dialect
     for (const double alpha : output.frame_buffer.resolve_alpha()) CHECK(alpha == Approx(1));
 }

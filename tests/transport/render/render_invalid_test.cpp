@@ -1,4 +1,4 @@
-// Law 6 in whole renders: a light beyond all bounds is refused where it is seen, and every refusal can be seen again.
+// Law 6 in whole renders: the contributions of a light beyond float are rejected, and every rejection can be replayed.
 #include "transport/render_support.h"
 
 using namespace render_test;
@@ -11,8 +11,8 @@ display::ChannelDefinition invalid_aov(const std::string& name) {
     return channel;
 }
 
-/// A nearly black quad under a light whose radiance there is beyond float: whatever a camera ray hits is refused. The
-/// frame buffer's sums take any float, so that no emission alone is refused.
+/// A nearly black quad under a light whose radiance is beyond float there, so every hit of a camera ray is rejected.
+/// The frame buffer can sum all floats, so emission alone is not rejected.
 transport::SceneDescription broken_scene() {
     return scene_of(film + R"(
 Integrator "path" "integer maxdepth" 1
@@ -35,11 +35,10 @@ transport::RenderOutput render_broken(const transport::SceneDescription& scene,
 
 }  // namespace
 
-TEST_CASE("refused contributions are counted at the very pixels that have them, for any number of threads",
-          "[render][law3][law6]") {
+TEST_CASE("rejected contributions are counted at their own pixels, for any number of threads", "[render][law3][law6]") {
     const auto scene = broken_scene();
     transport::RenderSettings settings;
-    settings.samples.per_pixel = 20;  // a whole block and a part of one
+    settings.samples.per_pixel = 20;  // a whole block and a partial one
     settings.channels.list = {lpe_channel("lit", "C<RD>L"), lpe_channel("sky", "CB"), invalid_aov("invalidSamples"),
                               invalid_aov("a")};
     settings.machine.threads = 1;
@@ -52,7 +51,7 @@ TEST_CASE("refused contributions are counted at the very pixels that have them, 
     double total = 0;
     int partial = 0;
     for (std::size_t i = 0; i < counts.size(); ++i) {
-        // Box filter: alpha is the share of the 20 samples that hit the quad, and each of these is refused once.
+        // Box filter: alpha is the share of the 20 samples that hit the quad, and each of these is rejected once.
         CHECK(counts[i] == Approx(20 * alpha[i]).margin(1e-9));
         CHECK(light[3 * i] == Approx(1e20 * (1 - alpha[i])).margin(1e14));  // the quad scatters 1e-7 of the sky
         partial += counts[i] > 0 && counts[i] < 20 ? 1 : 0;
@@ -66,7 +65,7 @@ TEST_CASE("refused contributions are counted at the very pixels that have them, 
         CHECK(static_cast<double>(output->statistics.invalid_by_channel[1]) == total);
         CHECK(output->statistics.invalid_by_channel[2] == 0);
     }
-    // The log is the same too, and each entry is seen again by that sample alone.
+    // The log is equal too, and a render of each logged sample alone reproduces its entry.
     REQUIRE(one.statistics.invalid_log.size() == display::SampleTable::invalid_samples_kept);
     REQUIRE(three.statistics.invalid_log.size() == one.statistics.invalid_log.size());
     for (std::size_t i = 0; i < one.statistics.invalid_log.size(); ++i) {

@@ -1,4 +1,4 @@
-// The laws of the design, on one small room that holds every kind of event.
+// The laws of the design, in one small room that contains every kind of event.
 #include "transport/render_support.h"
 
 #include <algorithm>
@@ -79,7 +79,7 @@ TEST_CASE("images are bit-identical for any number of threads, and on a rerun", 
     auto built = transport::BuiltScene::build(scene);
     REQUIRE(built.ok());
     transport::RenderSettings settings;
-    settings.samples.per_pixel = 20;  // a whole block and a part of one
+    settings.samples.per_pixel = 20;  // a whole block and a partial one
     settings.channels.list = {lpe_channel("specular", "C<RS>.*"), lpe_channel("diffuse", "C<RD>.*")};
     settings.machine.threads = 1;
     auto one = transport::render(**built, settings);
@@ -98,8 +98,8 @@ TEST_CASE("images are bit-identical for any number of threads, and on a rerun", 
     CHECK(one->frame_buffer.resolve(0) != other->frame_buffer.resolve(0));
 }
 
-TEST_CASE("without beauty the channels are the same bits for fewer rays", "[render][law4]") {
-    // Nothing coated: of a coat and its base the one is left out that no channel takes, which changes densities.
+TEST_CASE("without a beauty the channels have the same bits with fewer rays", "[render][law4]") {
+    // Without coats: of a coat and its base, the one that no channel accepts is omitted, which changes densities.
     std::string text = room;
     const std::string coated = R"("coateddiffuse" "rgb reflectance" [0.2 0.5 0.7] "float roughness" 0.05)";
     text.replace(text.find(coated), coated.size(), R"("diffuse" "rgb reflectance" [0.2 0.5 0.7])");
@@ -117,7 +117,7 @@ TEST_CASE("without beauty the channels are the same bits for fewer rays", "[rend
     CHECK(pruned.statistics.shadow_rays * 2 < full.statistics.shadow_rays);
 }
 
-TEST_CASE("each lobe's channel is the render with that lobe alone, with no more variance than picking",
+TEST_CASE("each lobe's channel equals a render with only that lobe, with at most the variance of picking",
           "[render][law5]") {
     const auto surface = [](const std::string& diffuse, const std::string& specular) {
         return scene_of(film + R"(
@@ -153,9 +153,9 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-5 0 5 5 0 5 5 
     CHECK(deviation(s, estimate(specular)) < 4.5);
     CHECK(d.error < 0.005 * d.mean);
     CHECK(s.error < 0.005 * s.mean);
-    CHECK(estimate(picked).mean == estimate(both).mean);  // beauty does not know
+    CHECK(estimate(picked).mean == estimate(both).mean);  // the beauty does not depend on it
     CHECK(deviation(d, estimate(picked, 1)) < 4.5);
-    // Conditional expectation never has more variance; 3 % for the noise of the variance estimates themselves.
+    // A conditional expectation never has more variance; 3 % allows for the noise of the variance estimates.
     CHECK(d.error <= 1.03 * estimate(picked, 1).error);
     CHECK(s.error <= 1.03 * estimate(picked, 2).error);
 }
@@ -174,9 +174,9 @@ TEST_CASE("Russian roulette changes cost, not the mean", "[render]") {
     CHECK(with.statistics.scattering_rays < without.statistics.scattering_rays);
 }
 
-TEST_CASE("light sampling alone, scattering alone and both together agree, word by word", "[render]") {
-    // Rough surfaces and a large light, so that every strategy converges; specular chains cannot be found by light
-    // alone.
+TEST_CASE("light sampling, scattering and both together agree for every path string", "[render]") {
+    // Rough surfaces and a large light, so that every strategy converges; light sampling alone cannot find specular
+    // chains.
     const auto scene = scene_of(film + R"(
 Integrator "path" "integer maxdepth" 3
 LookAt 0 1 3.9  0 1 0  0 1 0
@@ -216,7 +216,7 @@ LightSource "infinite" "rgb L" [0.5 0.5 0.5]
         }
 }
 
-TEST_CASE("splits sum and means agree with every strategy where one of them does badly", "[render][law1]") {
+TEST_CASE("splits sum and means agree with every strategy where one strategy is inefficient", "[render][law1]") {
     // Veach's plates: small lights in rough plates favour light samples, large ones in smooth plates scattering.
     const auto scene = scene_of(film + R"(
 LookAt 0 2 6  0 0.6 0  0 1 0
@@ -260,9 +260,9 @@ LightSource "point" "rgb I" [2 2 2] "point3 from" [0 3 2]
         }
 }
 
-TEST_CASE("lights chosen by power or evenly send the same light, with other noise", "[render]") {
-    // One lamp with 400 times the power of each of eight others, all as far from the floor: of even choices eight in
-    // nine go to the weak ones, which send a fiftieth of the light.
+TEST_CASE("lights chosen by power or uniformly have equal means and different noise", "[render]") {
+    // One lamp with 400 times the power of each of eight others, all equally far from the floor. Eight in nine uniform
+    // choices go to the weak lights, which contribute a fiftieth of the light.
     std::string text = film + R"(
 Integrator "path" "integer maxdepth" 2
 LookAt 0 3 0.01  0 0 0  0 0 -1
@@ -291,8 +291,8 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 0 -2 4 0 -2 
                       << even.error);
         CHECK(deviation(power, even) < 4.5);
         CHECK(even.error < 0.05 * even.mean);
-        // A ninth of even choices goes to the lamp that counts, nine tenths of the others: 2.8 times the deviation of
-        // that alone.
+        // A ninth of uniform choices go to the lamp that matters, and nine tenths of choices by power: 2.8 times the
+        // standard deviation from that alone.
         CHECK(even.error > 1.5 * power.error);
     }
     settings.paths.integrator = path_with(text_parameter("lightsampler", "powr"));
@@ -302,7 +302,7 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 0 -2 4 0 -2 
     CHECK(refused.error().hint.find("power") != std::string::npos);
 }
 
-TEST_CASE("a render that is stopped returns what it has, marked incomplete", "[render]") {
+TEST_CASE("a render that is stopped returns its partial image, marked incomplete", "[render]") {
     std::atomic<bool> stop{true};
     auto output = transport::render(scene_of(room), {}, {}, &stop);
     REQUIRE(output.ok());
@@ -319,7 +319,7 @@ TEST_CASE("a render that is stopped returns what it has, marked incomplete", "[r
     CHECK(done == total);
 }
 
-TEST_CASE("settings replace the scene's, and what is not there is a warning or an error", "[render]") {
+TEST_CASE("settings replace the scene's, and unknown names are warnings or errors", "[render]") {
     transport::RenderSettings settings;
     settings.film.resolution = {{8, 6}};
     settings.samples.per_pixel = 3;
@@ -385,7 +385,7 @@ TEST_CASE("a scene's alphabet names its labels, groups, lobes and terminals", "[
                 return e.type == type && e.scatter == scatter && e.labels == std::vector<std::string>{object, lobe};
             });
     };
-    // The floor has the walls' material and a label of its own; a conductor, smooth glass, a coat over a base.
+    // The floor has the walls' material and its own label; a conductor, smooth glass, a coat over a base.
     CHECK(scatters(EventType::reflection, Scatter::diffuse, "floor", "diffuse") == 1);
     CHECK(scatters(EventType::reflection, Scatter::diffuse, "", "diffuse") == 1);
     CHECK(scatters(EventType::reflection, Scatter::glossy, "", "conductor") == 1);

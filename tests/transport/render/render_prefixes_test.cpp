@@ -1,11 +1,11 @@
-// Channels with prefixes on rendered paths: what is unbiased, what sums, what is the same bits.
+// Channels with prefixes on rendered paths: unbiasedness, sums, equal bits.
 #include "transport/render_support.h"
 
 using namespace render_test;
 
 namespace {
 
-/// A floor in the shadow of a hovering plate, under a spherical lamp, a spot and whatever `sky` says.
+/// A floor in the shadow of a hovering plate, under a spherical lamp, a spot and the lights in `sky`.
 std::string plate_scene(const std::string& sky, const std::string& plate_material = "\"diffuse\"") {
     return film + R"(
 Integrator "path" "integer maxdepth" 4
@@ -40,8 +40,8 @@ transport::SceneDescription with_holdout(const std::string& text, const std::str
     return scene;
 }
 
-/// Difference of two channels of one render, pixel by pixel, with its standard error. The channels share their samples,
-/// so the errors' hypotenuse is not the error of the difference: blocks of pixels are.
+/// The difference of two channels of one render, pixel by pixel, with its standard error. The channels share their
+/// samples, so the error of the difference is estimated from blocks of pixels.
 struct Difference {
     double mean = 0, error = 0;
 };
@@ -66,7 +66,7 @@ std::vector<double> sum_of(const std::vector<double>& a, const std::vector<doubl
     return sum;
 }
 
-/// Largest relative difference of two images.
+/// The largest relative difference of two images.
 double furthest(const std::vector<double>& a, const std::vector<double>& b) {
     double worst = 0;
     for (std::size_t i = 0; i < a.size(); ++i)
@@ -82,16 +82,16 @@ double total(const std::vector<double>& values) {
 
 }  // namespace
 
-TEST_CASE("unshadowed direct light is the direct light of the scene without what casts shadows", "[render][prefixes]") {
+TEST_CASE("unshadowed direct light is the direct light of the scene without occluders", "[render][prefixes]") {
     for (const std::string& sky : {std::string(), constant_sky}) {
         transport::RenderSettings settings;
         settings.samples.per_pixel = 256;
         settings.channels.list = {lpe_channel("unoccluded", "unoccluded;C<RD'floor'>L"),
                                   lpe_channel("plain", "C<RD'floor'>L")};
         const auto shadowed = render_of(scene_of(plate_scene(sky)), settings);
-        // Without the plate nothing on the floor is shadowed. Where the camera sees the plate, neither has floor: so
-        // compare with a plate that the camera sees and light does not, the floor's own light being black on plate
-        // pixels.
+        // Without the plate the floor has no shadow. Where the camera sees the plate, neither render has floor. So the
+        // comparison is with a plate that is visible to the camera and not to light; light of the floor is black on
+        // plate pixels.
         settings.samples.seed = 77;
         std::string empty = plate_scene(sky);
         const std::size_t plate = empty.find("NamedMaterial \"plate\"\nShape");
@@ -112,12 +112,13 @@ TEST_CASE("unshadowed direct light is the direct light of the scene without what
         }
         INFO("sky " << sky << ", mean difference " << sum / pixels);
         CHECK(pixels == 8 * 24);
-        CHECK(std::abs(sum) < 4.5 * std::sqrt(variance));                           // by chance once in 150,000
+        // exceeded by chance once in 150,000
+        CHECK(std::abs(sum) < 4.5 * std::sqrt(variance));
         CHECK(total(shadowed.frame_buffer.resolve(2)) < 0.98 * total(unoccluded));  // there is a shadow
     }
 }
 
-TEST_CASE("shadows are what separates unshadowed light from light", "[render][prefixes]") {
+TEST_CASE("shadows equal unshadowed light minus light", "[render][prefixes]") {
     for (const std::string& strategy : {std::string("mis"), std::string("light")}) {
         transport::RenderSettings settings;
         settings.samples.per_pixel = 256;
@@ -130,13 +131,14 @@ TEST_CASE("shadows are what separates unshadowed light from light", "[render][pr
         const Difference d = difference(sum_of(plain, shadows), output.frame_buffer.resolve(2));
         INFO("strategy " << strategy << ", difference " << d.mean << " +- " << d.error);
         CHECK(std::abs(d.mean) <= 4.5 * d.error);
-        CHECK(d.error < 0.02 * total(plain) / static_cast<double>(plain.size()));  // the check above has teeth
+        // otherwise the check above would be weak
+        CHECK(d.error < 0.02 * total(plain) / static_cast<double>(plain.size()));
         CHECK(total(shadows) > 0.05 * total(plain));
         for (const double v : shadows) CHECK(v >= 0);
     }
 }
 
-TEST_CASE("light through a half open cutout casts half a shadow", "[render][prefixes]") {
+TEST_CASE("light through a half-transparent cutout casts half a shadow", "[render][prefixes]") {
     std::string text = plate_scene("");
     const std::string shape = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-0.8";
     const std::size_t at = text.find(shape);
@@ -156,7 +158,7 @@ TEST_CASE("light through a half open cutout casts half a shadow", "[render][pref
     CHECK(total(shadows) > 0);
 }
 
-TEST_CASE("beauty and plain channels have the same bits beside channels with prefixes and user events",
+TEST_CASE("beauty and plain channels have the same bits with and without channels with prefixes and user events",
           "[render][prefixes][law2]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
@@ -176,8 +178,7 @@ TEST_CASE("beauty and plain channels have the same bits beside channels with pre
     CHECK(beside.statistics.scattering_rays == alone.statistics.scattering_rays);
 }
 
-TEST_CASE("what a camera ray finds first at a holdout leaves beauty, alpha and plain channels",
-          "[render][prefixes][law1]") {
+TEST_CASE("paths whose first hit is a holdout leave beauty, alpha and plain channels", "[render][prefixes][law1]") {
     transport::RenderSettings settings;
     settings.samples.per_pixel = 16;
     settings.channels.list = {lpe_channel("floor", "C<.D'floor'>.*"), lpe_channel("all", "C.*"),
@@ -190,7 +191,7 @@ TEST_CASE("what a camera ray finds first at a holdout leaves beauty, alpha and p
     const auto ordinary = render_of(scene_of(text), settings);
     const auto output = render_of(with_holdout(text, "floor"), settings);
     const std::vector<double> beauty = output.frame_buffer.resolve(output.beauty);
-    // Path by path nothing else changed: the beauty and what was held out are the ordinary beauty.
+    // For each path nothing else changed: the beauty plus the holdout's channel is the ordinary beauty.
     const double rounding = 1e-12;  // Law 1's bound for double sums
     CHECK(furthest(sum_of(beauty, output.frame_buffer.resolve(3)), ordinary.frame_buffer.resolve(ordinary.beauty)) <
           rounding);
@@ -199,26 +200,26 @@ TEST_CASE("what a camera ray finds first at a holdout leaves beauty, alpha and p
     CHECK(total(beauty) > 0);
     CHECK(total(output.frame_buffer.resolve(5)) > 1.02 * total(output.frame_buffer.resolve(4)));
     CHECK(total(ordinary.frame_buffer.resolve(3)) == 0);
-    CHECK(output.frame_buffer.resolve(6) == ordinary.frame_buffer.resolve(6));  // depth is of what is there
+    CHECK(output.frame_buffer.resolve(6) == ordinary.frame_buffer.resolve(6));  // depth includes the holdout
     const std::vector<double> alpha = output.frame_buffer.resolve_alpha(), full = ordinary.frame_buffer.resolve_alpha();
     double held = 0, kept = 0;
     for (std::size_t i = 0; i < alpha.size(); ++i) (alpha[i] < full[i] ? held : kept) += 1;
     CHECK(full[7 * 24 + 12] == 1);
-    CHECK(alpha[7 * 24 + 12] == 1);  // the plate, over the held out floor
+    CHECK(alpha[7 * 24 + 12] == 1);  // the plate, in front of the holdout floor
     CHECK(full[22 * 24 + 12] == 1);
     CHECK(alpha[22 * 24 + 12] == 0);  // the floor
     CHECK(held > 100);
     CHECK(kept > 30);
 }
 
-TEST_CASE("a holdout that no channel asks for costs no rays", "[render][prefixes][law4]") {
+TEST_CASE("a holdout without a channel costs no rays", "[render][prefixes][law4]") {
     transport::RenderSettings settings;
     settings.samples.per_pixel = 4;
     const std::string text = plate_scene(constant_sky);
     const auto ordinary = render_of(scene_of(text), settings),
                output = render_of(with_holdout(text, "floor"), settings);
     CHECK(output.statistics.shadow_rays * 2 < ordinary.statistics.shadow_rays);
-    // And where only unshadowed light is asked for, no shadow ray is traced.
+    // If only unshadowed light is requested, no shadow ray is traced.
     settings.channels.beauty = false;
     settings.channels.list = {lpe_channel("clear", "unoccluded;C<RD>L")};
     const auto unshadowed = render_of(scene_of(text), settings);
@@ -229,7 +230,7 @@ TEST_CASE("a holdout that no channel asks for costs no rays", "[render][prefixes
     CHECK(beside.frame_buffer.resolve(1) == unshadowed.frame_buffer.resolve(0));
 }
 
-TEST_CASE("an instance can be a holdout, or not be one, against its shapes", "[render][prefixes]") {
+TEST_CASE("an instance can override the holdout flag of its shapes", "[render][prefixes]") {
     const std::string text = film + R"(
 LookAt 0 0 5  0 0 0  0 1 0
 Camera "perspective" "float fov" 40
@@ -268,7 +269,7 @@ AttributeBegin Translate 1 0 0 ObjectInstance "ball" AttributeEnd
     CHECK(plain_right == 0);
 }
 
-TEST_CASE("without throughput a channel gets what the light sends", "[render][prefixes]") {
+TEST_CASE("without throughput a channel receives the light's emission", "[render][prefixes]") {
     const std::string text = film + R"(
 LookAt 0 0 4  0 0 0  0 1 0
 Camera "perspective" "float fov" 20
@@ -286,22 +287,22 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-2 -2 0 2 -2 0 
         const std::vector<double> values = output.frame_buffer.resolve(id);
         return total(values) / static_cast<double>(values.size());
     };
-    // One light sample a camera sample, and no other way to find these lights.
+    // One light sample per camera sample, and no other way to find these lights.
     for (const char* light :
          {"LightSource \"point\" \"rgb I\" [3 3 3] \"point3 from\" [0 0 3]\n",
           "LightSource \"distant\" \"rgb L\" [3 3 3] \"point3 from\" [0 0 3] \"point3 to\" [0 0 0]\n"}) {
         const auto output = render_of(scene_of(text + light + wall), settings);
-        // Intensity times the squared distance that the sample was divided by: two roundings of a float.
+        // Intensity times the squared distance by which the sample was divided: two roundings of a float.
         CHECK(mean(output, 1) == Approx(3).epsilon(1e-6));
         CHECK(mean(output, 2) == Approx(3).epsilon(1e-6));
     }
-    // An emitter seen directly sends its radiance.
+    // A directly visible emitter contributes its radiance.
     settings.channels.list = {lpe_channel("sent", "nothruput;CL")};
     const auto seen = render_of(scene_of(text + "AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\n" + wall), settings);
     CHECK(mean(seen, 1) == 5);
 }
 
-TEST_CASE("RenderMan's albedo and normal recipes give the geometric AOVs", "[render][prefixes]") {
+TEST_CASE("RenderMan's albedo and normal recipes match the geometric AOVs", "[render][prefixes]") {
     transport::RenderSettings settings;
     settings.samples.per_pixel = 8;
     const std::string prefixes = "nothruput;noinfinitecheck;noclamp;unoccluded;overwrite;";
@@ -327,7 +328,7 @@ TEST_CASE("RenderMan's albedo and normal recipes give the geometric AOVs", "[ren
             CHECK(largest > 0.2);
             CHECK(worst < 1e-6);  // the AOV's normal is normalised once more, in float
         }
-        // The plate's albedo in the floor's glossy coat, and an albedo that throughput darkens.
+        // The plate's albedo in the floor's glossy coat, and an albedo that throughput attenuates.
         CHECK((total(output.frame_buffer.resolve(3)) > 0) == (depth > 0));
         CHECK((total(output.frame_buffer.resolve(4)) > 0) == (depth > 0));
     }

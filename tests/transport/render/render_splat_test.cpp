@@ -1,4 +1,4 @@
-// Filter mode splat in whole renders: the laws, and the same image in the mean as importance mode.
+// Filter mode splat in whole renders: the laws, and the same mean image as importance mode.
 #include "transport/render_support.h"
 
 using namespace render_test;
@@ -48,12 +48,12 @@ TEST_CASE("splatted images have the same bits for any number of threads and chan
     CHECK(light > 0);
 }
 
-// Per pixel over independent seeds: the share of the quad by either mode, and Welch's t of the two means. Where the
-// share is so near 0 or 1 that few of importance mode's samples tell, their scatter is no estimate and the share itself
-// is compared: it is a count of N = 24 x 64 samples. With 64 samples a pixel the bias of a ratio of sums, one part in
-// the number of samples in reach, is a tenth of a standard error.
+// Per pixel over independent seeds: the share of the quad in either mode, and Welch's t of the two means. If the share
+// is so close to 0 or 1 that few samples of importance mode differ, their scatter is no estimate, and the share itself
+// is compared: it is a count of N = 24 x 64 samples. With 64 samples a pixel, the bias of a ratio of sums, one over the
+// number of samples in reach, is a tenth of a standard error.
 TEST_CASE("splat and importance mode agree in the mean, at edges and borders too", "[splat][render][statistical]") {
-    // A bright quad over the image's border, on a dark sky: what differs between modes shows at edges and borders.
+    // A bright quad across the image's border, on a dark sky: modes would differ at edges and borders.
     const auto scene = scene_of(R"(
 Film "rgb" "integer xresolution" 24 "integer yresolution" 24
 Sampler "independent" "integer pixelsamples" 64
@@ -87,7 +87,7 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 -0.71 0 0.37
             }
         double worst = 0, squares = 0;
         int uncertain = 0;
-        for (std::size_t i = 1; i < sum[0].size(); i += 3) {  // green; the others are the same hits
+        for (std::size_t i = 1; i < sum[0].size(); i += 3) {  // green; the others use the same hits
             double difference = 0, variance = 0;
             const double share = (sum[1][i] / seeds - 0.2) / (1 - 0.2);
             for (const std::size_t mode : {0u, 1u}) {
@@ -97,7 +97,7 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 -0.71 0 0.37
             }
             constexpr double count = seeds * 64;
             const double rare = std::min(share, 1 - share);
-            // Fewer than 31 such samples: 6 deviations of a Poisson count, and one sample for counts near 0.
+            // Fewer than 31 such samples: 6 standard deviations of a Poisson count, and one sample for counts near 0.
             if (rare < 0.02) {
                 CHECK(std::abs(difference) / 0.8 <= 6 * std::sqrt(std::max(rare, 1 / count) / count) + 1 / count);
                 continue;
@@ -109,15 +109,15 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-3 -0.71 0 0.37
         }
         CAPTURE(worst, uncertain);
         CHECK(uncertain > 40);
-        // t with 2 x 23 degrees of freedom: 5.2 is as rare as 4.5 of a normal deviate.
+        // t with 2 x 23 degrees of freedom: 5.2 is as rare as 4.5 for a normal deviate.
         CHECK(worst < 5.2);
-        // Mean square of t: 46 / 44; its standard error over `uncertain` pixels, a few of which share samples: 4 of
-        // them.
+        // The mean square of t is 46 / 44. 4 times its standard error over `uncertain` pixels, a few of which share
+        // samples.
         CHECK(squares / uncertain < 46.0 / 44 + 4 * std::sqrt(3 * 2.2 / uncertain));
     }
 }
 
-TEST_CASE("what splat mode cannot do is refused by name", "[splat][render][law7]") {
+TEST_CASE("features that splat mode does not support are refused by name", "[splat][render][law7]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
     settings.film.splat = true;

@@ -1,4 +1,4 @@
-// The stages of a render come one from the other, and budgets become schedules.
+// The stages of a render follow from one another, and budgets become schedules.
 #include <array>
 #include <chrono>
 #include <type_traits>
@@ -21,7 +21,7 @@ static_assert(!std::is_default_constructible_v<transport::FinishedLoop>);
 
 namespace {
 
-/// Calls look(schedule) with what `settings` make of the room, 24 x 24 pixels: 4 tiles.
+/// Calls look(schedule) with the schedule of `settings` for the room, 24 x 24 pixels: 4 tiles.
 template <class Look>
 void with_schedule(const transport::RenderSettings& settings, const Look& look) {
     const auto scene = transport::BuiltScene::build(scene_of(room));
@@ -35,7 +35,7 @@ void with_schedule(const transport::RenderSettings& settings, const Look& look) 
     look(*transport::make_schedule(*prepared, *target));
 }
 
-/// Tasks of the phases from `position` on, while ends of phases change nothing but the position.
+/// The tasks of the phases from `position` on; ends of phases change only the position.
 std::vector<std::array<std::uint64_t, 2>> phases_of(transport::Schedule& schedule) {
     std::vector<std::array<std::uint64_t, 2>> phases;
     transport::RenderPosition position = schedule.beginning();
@@ -48,7 +48,7 @@ std::vector<std::array<std::uint64_t, 2>> phases_of(transport::Schedule& schedul
 
 }  // namespace
 
-TEST_CASE("a budget becomes the schedule that it asks for", "[render][schedule]") {
+TEST_CASE("each budget becomes its own kind of schedule", "[render][schedule]") {
     using Phases = std::vector<std::array<std::uint64_t, 2>>;
     transport::RenderSettings settings;
     settings.samples.per_pixel = 40;  // three blocks
@@ -87,7 +87,7 @@ TEST_CASE("a budget becomes the schedule that it asks for", "[render][schedule]"
     });
 }
 
-TEST_CASE("thousands of labels and as many materials are no table of all pairs", "[release-only]") {
+TEST_CASE("thousands of labels and materials need no table of all pairs", "[release-only]") {
     std::string text =
         "Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2\nWorldBegin\n"
         "LightSource \"infinite\"\n";

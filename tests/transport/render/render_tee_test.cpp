@@ -1,11 +1,11 @@
-// The tee pattern: what a material's texture passes on, in a channel of its own.
+// The tee pattern: the value that a material's texture passes through, in a channel of its own.
 #include "transport/render_support.h"
 
 using namespace render_test;
 
 namespace {
 
-/// A plane that fills the image, in the given material; behind `textures`.
+/// A plane that fills the image, in the given material, after `textures`.
 std::string plane(const std::string& textures, const std::string& material) {
     return R"(
 Film "rgb" "integer xresolution" 8 "integer yresolution" 8
@@ -29,7 +29,7 @@ Texture "paint" "spectrum" "tee" "texture input" "board" "string channel" "paint
 
 }  // namespace
 
-TEST_CASE("a tee writes what it passes on, at first hits, and changes nothing else", "[render][tee]") {
+TEST_CASE("a tee writes its input, at first hits, and changes nothing else", "[render][tee]") {
     const std::string direct = plane(teed, "Material \"diffuse\" \"texture reflectance\" \"board\"");
     const std::string through = plane(teed, "Material \"diffuse\" \"texture reflectance\" \"paint\"");
     transport::RenderSettings settings;
@@ -38,7 +38,7 @@ TEST_CASE("a tee writes what it passes on, at first hits, and changes nothing el
     settings.machine.threads = 2;
     const auto output = render_of(scene_of(through), settings);
     const std::vector<double> beauty = plain.frame_buffer.resolve(0);
-    CHECK(unasked.frame_buffer.resolve(0) == beauty);  // Law 2, and a tee is its input
+    CHECK(unasked.frame_buffer.resolve(0) == beauty);  // Law 2; the value of a tee is its input
     CHECK(output.frame_buffer.resolve(0) == beauty);
     CHECK(output.frame_buffer.channels()[1].type == display::ChannelType::rgb);
     // A diffuse surface's albedo is its reflectance: the tee's own channel and the geometric AOV agree to the bit.
@@ -54,7 +54,7 @@ TEST_CASE("a tee writes what it passes on, at first hits, and changes nothing el
     CHECK(alone.statistics.shadow_rays + alone.statistics.scattering_rays == 0);  // Law 4
 }
 
-TEST_CASE("tees are written where the look-up comes by: branches, floats, mixes, several in a row", "[render][tee]") {
+TEST_CASE("tees write wherever they are evaluated: branches, floats, mixes, several in a row", "[render][tee]") {
     transport::RenderSettings settings;
     settings.channels.list = {aov("left"), aov("right"), aov("whole"), aov("rough"), aov("never")};
     const auto output =
@@ -81,14 +81,14 @@ MakeNamedMaterial "other" "string type" "conductor" "texture roughness" "rough"
         const double value = first ? right[3 * p] / 0.75 : left[3 * p] / 0.25;
         CHECK(value >= 0);
         CHECK(whole[3 * p] == Approx(left[3 * p] + right[3 * p]));
-        CHECK(rough[p] / 0.375 == Approx(1 - value));  // the mix takes the one material or the other
+        CHECK(rough[p] / 0.375 == Approx(1 - value));  // the mix chooses one of the two materials
         painted += value / 64;
     }
     CHECK(std::abs(painted - 0.5) <= 4.5 * std::sqrt(0.25 / (64 * 16)));  // binomial
     for (const double value : output.frame_buffer.resolve(5)) CHECK(value == 0);
 }
 
-TEST_CASE("tees that cannot be are refused where they are written", "[render][tee][law7]") {
+TEST_CASE("invalid tees are errors at their position", "[render][tee][law7]") {
     struct Slip {
         const char *text, *message;
         int line;

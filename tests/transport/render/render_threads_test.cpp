@@ -1,10 +1,10 @@
-// Threads that meet in one tile.
+// Threads that add to the same tile.
 #include "transport/render_support.h"
 
 using namespace render_test;
 
-TEST_CASE("an image of one tile is the same bits when several threads hold its blocks at once", "[render][law3]") {
-    // 1024 blocks of one tile of 4 x 4 pixels: with four threads, nearly always in the frame buffer together.
+TEST_CASE("an image of one tile has the same bits if several threads add its blocks at once", "[render][law3]") {
+    // 1024 blocks of one tile of 4 x 4 pixels: four threads nearly always add to the frame buffer at once.
     auto scene = scene_of(room);
     auto built = transport::BuiltScene::build(scene);
     REQUIRE(built.ok());

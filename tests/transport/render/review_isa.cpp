@@ -2,7 +2,7 @@
 
 using namespace render_test;
 
-TEST_CASE("The record names the instruction set that was used, and asking for it gives the same bits", "[law3]") {
+TEST_CASE("The record names the instruction set that was used, and requesting it gives the same bits", "[law3]") {
     const transport::SceneDescription scene = scene_of(room);
     transport::RenderSettings settings;
     settings.samples.per_pixel = 4;

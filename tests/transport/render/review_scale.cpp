@@ -1,4 +1,4 @@
-// The same scene in other units, and far from the origin.
+// One scene in other units, and far from the origin.
 #include "transport/render_support.h"
 
 using namespace render_test;
@@ -11,8 +11,8 @@ std::string number(double v) {
     return text;
 }
 
-/// A room with an area light, in units of `s` (its walls 2 apart), around (x, 0, 0). No light that has a unit of
-/// length.
+/// A room with an area light, in units of `s` (its walls are 2 apart), around (x, 0, 0). It has no light that depends
+/// on the unit of length.
 std::string room_at(double s, double x) {
     const auto p = [&](double a, double b, double c) { return number(x + s * a) + number(s * b) + number(s * c); };
     const auto quad = [&](const std::string& points) {
@@ -34,7 +34,7 @@ std::string room_at(double s, double x) {
 
 }  // namespace
 
-TEST_CASE("The unit of length does not show", "[law6]") {
+TEST_CASE("The unit of length does not affect the image", "[law6]") {
     const Estimate expected = estimate(render_of(scene_of(room_at(1, 0))));
     for (const double s : {1e-8, 1e-6, 1e-3, 1e3, 1e6, 1e8}) {
         const Estimate scaled = estimate(render_of(scene_of(room_at(s, 0))));  // counts no invalid sample
@@ -45,7 +45,7 @@ TEST_CASE("The unit of length does not show", "[law6]") {
 
 TEST_CASE("Triangles of 1e-10 have a normal", "[law6]") {
     // The squared length of their edges' cross product is below the smallest float. One bounce off a wall that fills
-    // the view, under a sky of 1: the albedo, exactly but for single roundings.
+    // the view, under a sky of radiance 1: exactly the albedo, except for single roundings.
     const Estimate e = estimate(render_of(scene_of(film + R"(
 Integrator "path" "integer maxdepth" 1
 LookAt 0 0 -1e-10  0 0 0  0 1 0
@@ -59,9 +59,9 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3]
     CHECK(e.mean == Approx(0.5).epsilon(1e-6));
 }
 
-TEST_CASE("A room far from the origin keeps its light", "[law6]") {
-    // At 1e5 a float steps by 2^-7, so a room of 200 is built of coordinates exact to 4e-5 of it: the image's mean
-    // moves by less than its standard error of half a percent.
+TEST_CASE("A room far from the origin has the same light", "[law6]") {
+    // At 1e5 the spacing of floats is 2^-7, so a room of size 200 has coordinates exact to 4e-5 of it. The image's mean
+    // changes by less than its standard error of half a percent.
     const Estimate expected = estimate(render_of(scene_of(room_at(100, 0)))),
                    far = estimate(render_of(scene_of(room_at(100, 1e5))));
     INFO(far.mean << " +- " << far.error << ", expected " << expected.mean << " +- " << expected.error);
@@ -69,9 +69,9 @@ TEST_CASE("A room far from the origin keeps its light", "[law6]") {
 }
 
 TEST_CASE("The weights of bidirectional strategies do not depend on the unit of length", "[bdpt][mis]") {
-    // Every kind of light, each with units of its own: what a light at infinity sends in is per area across the beam,
-    // what one without extent sends out per steradian, an area's per both. A weight that takes one for another is
-    // right in one unit at most.
+    // Every kind of light has units of its own: emission is per area across the beam for a light at infinity, per
+    // steradian for one without extent, and per both for an area light. A weight that confuses them is right in at most
+    // one unit of length.
     const auto image = [](int exponent, const std::string& channel) {
         const double unit = std::ldexp(1, exponent);
         const auto point = [&](double x, double y, double z) {

@@ -1,4 +1,4 @@
-// Renders that end by a clock or by their error, and shards: the bits are those of a render with the samples they
+// Renders that end by time or error, and shards: their bits are those of a render with the number of samples that they
 // reached.
 #include "tests/transport/render_support.h"
 
@@ -20,7 +20,7 @@ transport::RenderSettings settings_with(std::uint64_t samples) {
     return settings;
 }
 
-/// What a render that ended by itself must be: the one with as many samples, on another number of threads.
+/// Checks that a render with a limit equals the render with its number of samples, with another number of threads.
 void check_replay(const transport::SceneDescription& scene, const transport::RenderOutput& output) {
     CHECK(output.samples.complete);
     CHECK(output.statistics.camera_samples == output.samples.per_pixel * 24 * 24);
@@ -31,7 +31,7 @@ void check_replay(const transport::SceneDescription& scene, const transport::Ren
 
 }  // namespace
 
-TEST_CASE("a render that ends by the clock is the render with the samples it reached", "[law3]") {
+TEST_CASE("a render with a time limit equals the render with the samples that it reached", "[law3]") {
     const auto scene = scene_of(room);
     for (const double seconds : {1e-9, 0.15}) {
         transport::RenderSettings settings = settings_with(1);
@@ -41,13 +41,13 @@ TEST_CASE("a render that ends by the clock is the render with the samples it rea
         if (seconds < 1e-6) CHECK(output.samples.per_pixel == 1);
         check_replay(scene, output);
     }
-    // A pass that is expected to take longer than there is time for is cut to what fits before it is begun.
+    // A pass that would take longer than the remaining time is shortened before it begins.
     transport::RenderSettings settings = settings_with(1 << 20);
     settings.stop.limit = transport::SampleLimit{.seconds = 1000, .seconds_per_sample = 300};
     CHECK(render_of(scene, settings).samples.per_pixel == 3);
 }
 
-TEST_CASE("any sample that a limited render may come to can be replayed, in no time and with no checkpoint") {
+TEST_CASE("any sample that a limited render can reach can be replayed at once, without a checkpoint") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = settings_with(1);
     settings.samples.per_pixel.reset();
@@ -63,7 +63,7 @@ TEST_CASE("any sample that a limited render may come to can be replayed, in no t
     CHECK(output.frame_buffer.sample_count(5, 7) == 1);
 }
 
-TEST_CASE("a render that ends by its error has it, and not for one pass less") {
+TEST_CASE("a render with an error limit reaches the error, and one pass less would not") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = settings_with(100'000);
     settings.stop.limit = transport::SampleLimit{.error = 0.08};
@@ -72,8 +72,7 @@ TEST_CASE("a render that ends by its error has it, and not for one pass less") {
     CHECK(output.samples.adaptive->error <= 0.08);
     CHECK(output.samples.per_pixel > 64);
     check_replay(scene, output);
-    // Errors fall with the root of the samples and passes grow by an eighth: what is done too much is less than a
-    // quarter.
+    // The error is proportional to 1 / sqrt(samples), and passes grow by an eighth: the excess is less than a quarter.
     CHECK(output.samples.adaptive->error > 0.08 / 1.25);
 
     settings.film.splat = true;

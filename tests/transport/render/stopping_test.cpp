@@ -1,4 +1,4 @@
-// Renders whose paths do not end hear a stop and the clock all the same, and what they leave can be gone on with.
+// Renders whose paths never end react to a stop and to time limits, and their results can be continued.
 #include "tests/transport/interrupted_render.h"
 
 #include <chrono>
@@ -8,7 +8,7 @@ using namespace render_test;
 
 namespace {
 
-/// The path integrator; once, in the batch that holds this sample of the pixel (0, 0), it never comes back by itself.
+/// The path integrator, except that it never returns from the batch with this sample of the pixel (0, 0), once.
 class Stalling final : public transport::Integrator {
   public:
     Stalling(std::unique_ptr<transport::Integrator> path, std::uint64_t sample)
@@ -54,7 +54,7 @@ transport::SceneEntity stalling(std::uint64_t sample) {
     return entity;
 }
 
-/// Nothing that goes in comes out, or is lost.
+/// A medium from which no light escapes and in which none is absorbed.
 const std::string endless = film + R"(
 Integrator "path" "integer maxdepth" 1000000
 LookAt 0 0 0  0 0 1  0 1 0
@@ -95,12 +95,12 @@ transport::SceneEntity without_roulette(const std::string& type) {
     return entity;
 }
 
-/// What a busy machine may add to the second that a stop may take.
+/// The time that a busy machine may add to the second that a stop may take.
 constexpr double busy = 1;
 
 }  // namespace
 
-TEST_CASE("Paths without end are left within a second of a stop", "[stopping]") {
+TEST_CASE("Endless paths are left within a second of a stop", "[stopping]") {
     const std::string integrator = GENERATE("path", "lighttracer", "pssmlt");
     INFO(integrator);
     transport::RenderSettings settings;
@@ -111,7 +111,7 @@ TEST_CASE("Paths without end are left within a second of a stop", "[stopping]") 
     CHECK(ended.seconds < 1 + busy);
 }
 
-TEST_CASE("Paths without end are left within a second of the time", "[stopping]") {
+TEST_CASE("Endless paths are left within a second of the time limit", "[stopping]") {
     transport::RenderSettings settings;
     settings.paths.integrator = without_roulette("path");
     settings.stop.limit = transport::SampleLimit{.seconds = 0.1};
@@ -121,7 +121,7 @@ TEST_CASE("Paths without end are left within a second of the time", "[stopping]"
     CHECK(ended.seconds < 0.1 + 1 + busy);
 }
 
-TEST_CASE("A render that had to leave a batch goes on to the same bits", "[law3][stopping][checkpoint]") {
+TEST_CASE("A render that had to leave a batch continues to the same bits", "[law3][stopping][checkpoint]") {
     const transport::SceneDescription scene = scene_of(room);
     transport::RenderSettings settings;
     settings.machine.threads = 2;
@@ -162,7 +162,8 @@ TEST_CASE("A render that had to leave a batch goes on to the same bits", "[law3]
     CHECK(resumed.statistics.path_length_histogram == whole.statistics.path_length_histogram);
 }
 
-TEST_CASE("A pass that the clock ends is taken back, so that the samples told give the same bits", "[law3][stopping]") {
+TEST_CASE("A pass stopped by the time limit is undone, so that the reported samples give the same bits",
+          "[law3][stopping]") {
     const transport::SceneDescription scene = scene_of(room);
     transport::RenderSettings settings;
     settings.machine.threads = 2;
@@ -171,7 +172,7 @@ TEST_CASE("A pass that the clock ends is taken back, so that the samples told gi
     Stalling::stalls = true;
     const transport::RenderOutput limited = render_of(scene, settings);
     CHECK(limited.samples.complete);
-    // Passes of 16 and 16 samples, and what the third is of is gone.
+    // Passes of 16 and 16 samples remain, and the third is undone.
     REQUIRE(limited.samples.per_pixel == 32);
     CHECK(limited.statistics.camera_samples == 24 * 24 * 32);
     Stalling::stalls = false;
@@ -182,11 +183,11 @@ TEST_CASE("A pass that the clock ends is taken back, so that the samples told gi
     CHECK(limited.statistics.scattering_rays == asked.statistics.scattering_rays);
 }
 
-TEST_CASE("A first pass that is too long is begun again with fewer samples", "[law3][stopping]") {
+TEST_CASE("A first pass that is too long is started again with fewer samples", "[law3][stopping]") {
     const transport::SceneDescription scene = scene_of(room);
     transport::RenderSettings settings;
     settings.machine.threads = 2;
-    settings.paths.integrator = stalling(7);  // once: the second time all goes well
+    settings.paths.integrator = stalling(7);  // once: the second attempt succeeds
     settings.stop.limit = transport::SampleLimit{.seconds = 1};
     Stalling::stalls = true;
     const transport::RenderOutput limited = render_of(scene, settings);
@@ -199,7 +200,7 @@ TEST_CASE("A first pass that is too long is begun again with fewer samples", "[l
     CHECK(limited.frame_buffer.resolve(limited.beauty) == asked.frame_buffer.resolve(asked.beauty));
 }
 
-TEST_CASE("An integrator asked for by name keeps what the scene says of depth", "[render]") {
+TEST_CASE("An integrator selected by name keeps the scene's depth", "[render]") {
     transport::SceneEntity scene, asked;
     scene.type = "volpath";
     Parameter depth;

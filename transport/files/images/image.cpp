@@ -26,13 +26,13 @@ bool starts_with(const std::string& content, std::string_view magic) {
     return content.compare(0, magic.size(), magic) == 0;
 }
 
-/// What a file is that raylex does not read.
+/// The error for an image format that raylex does not read.
 std::string unread_format(const std::string& content) {
     static constexpr std::pair<std::string_view, const char*> known[] = {
         {"GIF8", "GIF"},        {"8BPS", "Photoshop (PSD)"}, {"P5", "PGM"},   {"P6", "PPM"},
         {{"II*\0", 4}, "TIFF"}, {{"MM\0*", 4}, "TIFF"},      {"DDS ", "DDS"}, {"RIFF", "WebP"}};
     for (const auto& [magic, name] : known)
-        if (starts_with(content, magic)) return std::string(name) + " images are not read";
+        if (starts_with(content, magic)) return std::string(name) + " images are not supported";
     return "unknown image format";
 }
 
@@ -66,7 +66,7 @@ Result<Encoding> parse_encoding(const std::string& text) {
         "unknown image encoding '" + text + "'; expected sRGB, linear or gamma <exponent above 0>", {}, 0, 0, {}, {}};
 }
 
-// The content decides, not the name: only TGA has no magic number.
+// The content decides, not the file name: only TGA has no magic number.
 Result<Image> read_image(const std::string& path, const std::string& encoding) {
     const Result<Encoding> decoding = parse_encoding(encoding);
     if (!decoding) {

@@ -1,4 +1,4 @@
-// Image files for textures and image lights: PNG, EXR, HDR, PFM, JPEG, TGA.
+// Image files for textures and image lights: PNG, JPEG, TGA, BMP, QOI, HDR, OpenEXR, PFM.
 #pragma once
 
 #include <optional>
@@ -14,9 +14,9 @@ namespace raylex::transport {
 struct Image {
     int width = 0, height = 0, channels = 0;
     std::vector<float> pixels;
-    ColorSpace space = ColorSpace::srgb;  ///< of RGB: what an OpenEXR file says; other formats do not, and are sRGB
-    bool other_space = false;             ///< it says another, of which nothing is known here
-    std::string warning{};                ///< what its reader did that the file may not mean; else empty
+    ColorSpace space = ColorSpace::srgb;  ///< of RGB, as an OpenEXR file specifies it; sRGB for other formats
+    bool other_space = false;             ///< the file specifies a colour space that raylex does not know
+    std::string warning{};                ///< set if the reader had to guess the file's meaning; else empty
 
     [[nodiscard]] float at(int x, int y, int c) const {
         return pixels[(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *
@@ -25,17 +25,18 @@ struct Image {
     }
 };
 
-/// `encoding`: "sRGB" (the default for 8-bit files), "linear", or "gamma <exponent>"; ignored for float formats.
+/// Reads an image. `encoding`: "sRGB" (the default for 8-bit files), "linear", or "gamma <exponent>"; ignored for float
+/// formats.
 Result<Image> read_image(const std::string& path, const std::string& encoding = {});
 
-/// What to say where colours are used of an image that has Image::other_space.
+/// The warning where colours of an image with Image::other_space are used.
 inline constexpr const char* space_is_unknown =
     "its chromaticities are none of sRGB, DCI-P3, Rec. 2020 or ACES2065-1; taken as sRGB, as pbrt-v4 does";
 
-/// Textures keep negative values, and their users settle what they mean: displacements may be negative.
+/// Textures keep negative values, which may be meaningful: displacements may be negative.
 enum class NegativeTexels : std::uint8_t { kept, cleared };
-/// Takes values that are not finite as 0, before interpolation spreads them, and negative ones if asked to. Says how
-/// many there were and where the first one is; nothing when there were none.
+/// Sets values that are not finite, and with NegativeTexels::cleared negative ones, to 0 before interpolation spreads
+/// them. Returns a message with their number and the position of the first; nothing if there were none.
 std::optional<std::string> clear_invalid_texels(Image& image, NegativeTexels negative);
 
 }  // namespace raylex::transport

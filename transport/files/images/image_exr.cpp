@@ -14,7 +14,7 @@ namespace raylex::transport {
 
 namespace {
 
-/// Names of the channels to read, in the order they are interleaved; empty when the layout has none that make sense.
+/// Names of the channels to read, in interleaved order; empty if raylex does not support the layout.
 std::vector<std::string> choose_channels(const Imf::ChannelList& channels) {
     const auto has = [&channels](const char* name) { return channels.findChannel(name) != nullptr; };
     std::vector<std::string> names;

@@ -1,4 +1,4 @@
-// What readers of integer images share: budgets and the way from stored integers to linear values.
+// Code that readers of integer images share: budgets, and the conversion of stored integers to linear values.
 #include <limits>
 
 #include "lpe/budgets.h"
@@ -14,7 +14,7 @@ Image decoded(int width, int height, int channels, std::span<const Sample> sampl
     std::vector<float> table(most + 1);
     for (std::size_t i = 0; i <= most; ++i) table[i] = encoding.decode(static_cast<double>(i) / most);
     Image image{width, height, channels, std::vector<float>(samples.size())};
-    // Alpha too, as in pbrt-v4: cut-outs are made to look right there.
+    // Alpha is decoded too, as in pbrt-v4: authors tune cutouts there.
     for (std::size_t i = 0; i < samples.size(); ++i) image.pixels[i] = table[samples[i]];
     return image;
 }

@@ -1,4 +1,4 @@
-// PNG by libpng. Colour chunks (gAMA, iCCP) are passed over: the scene says how values are encoded.
+// PNG by libpng. Colour chunks (gAMA, iCCP) are ignored: the scene specifies the encoding.
 #include <png.h>
 
 #include <bit>
@@ -11,8 +11,8 @@ namespace raylex::transport {
 
 namespace {
 
-/// What libpng's callbacks reach. libpng leaves a failed call by longjmp, so whatever lives across its calls is kept
-/// here, outside the functions that call it.
+/// The state of libpng's callbacks. libpng leaves a failed call by longjmp, so objects that live across its calls are
+/// stored here, outside the functions that call it.
 struct Decoder {
     const std::string& content;
     std::size_t at = 0;
@@ -47,11 +47,11 @@ struct Decoder {
         if (setjmp(png_jmpbuf(png)) != 0) return false;
         png_set_read_fn(png, this, read);
         png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
-        png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // the budgets judge
+        png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // the budgets limit the size
         png_read_info(png, info);
         width = static_cast<int>(png_get_image_width(png, info));
         height = static_cast<int>(png_get_image_height(png, info));
-        // As read_rows() has it expanded: libpng itself says so only once it has memory for a row.
+        // The channels after read_rows() has expanded them. libpng reports them only after it has allocated a row.
         channels = png_get_color_type(png, info) == PNG_COLOR_TYPE_PALETTE ? 3 : png_get_channels(png, info);
         if (png_get_valid(png, info, PNG_INFO_tRNS) != 0) ++channels;
         wide = png_get_bit_depth(png, info) == 16;
@@ -64,7 +64,7 @@ struct Decoder {
         if constexpr (std::endian::native == std::endian::little) png_set_swap(png);
         png_set_interlace_handling(png);
         png_read_update_info(png, info);
-        if (png_get_rowbytes(png, info) != row_bytes()) png_error(png, "its rows are not as long as its header says");
+        if (png_get_rowbytes(png, info) != row_bytes()) png_error(png, "its rows are not as long as its header states");
         png_read_image(png, rows.data());
         png_read_end(png, nullptr);
         return true;

@@ -1,5 +1,5 @@
-// QOI, after its specification (qoiformat.org, version 1.0): chunks of one to five bytes, each a pixel, told by what
-// went before, or a run of the last one.
+// QOI, after its specification (qoiformat.org, version 1.0): chunks of one to five bytes. Each is a pixel, coded
+// relative to earlier pixels, or a run of the last one.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -17,7 +17,7 @@ constexpr std::string_view end_marker("\0\0\0\0\0\0\0\1", 8);
 
 class QoiReader {
   public:
-    /// `content` is at least a header.
+    /// `content` contains at least a header.
     explicit QoiReader(const std::string& content) : content_(content) {}
 
     [[nodiscard]] std::uint8_t byte(std::size_t i) const { return static_cast<std::uint8_t>(content_[i]); }
@@ -25,7 +25,7 @@ class QoiReader {
         return std::uint32_t{byte(i)} << 24 | std::uint32_t{byte(i + 1)} << 16 | std::uint32_t{byte(i + 2)} << 8 |
                std::uint32_t{byte(i + 3)};
     }
-    /// False where the chunks end before `samples` is full, or a run goes on behind it.
+    /// Returns false if the chunks end before `samples` is full, or if a run continues beyond it.
     bool read(std::span<std::uint8_t> samples, std::size_t channels) {
         if (!content_.ends_with(end_marker) || content_.size() < header_bytes + end_marker.size()) return false;
         end_ = content_.size() - end_marker.size();
@@ -61,7 +61,7 @@ class QoiReader {
         seen_[(pixel_[0] * 3u + pixel_[1] * 5u + pixel_[2] * 7u + pixel_[3] * 11u) % seen_.size()] = pixel_;
         return true;
     }
-    /// Differences wrap around.
+    /// Adds differences to the pixel; they wrap around.
     void add(int red, int green, int blue) {
         const std::array<int, 3> by{red, green, blue};
         for (std::size_t c = 0; c < 3; ++c) pixel_[c] = static_cast<std::uint8_t>(pixel_[c] + by[c]);
@@ -84,7 +84,7 @@ Result<Image> read_qoi(const std::string& content, const std::string& path, cons
     const int space = reader.byte(13);
     constexpr std::uint32_t most = std::numeric_limits<int>::max();
     if (width == 0 || height == 0 || width > most || height > most)
-        return failure("QOI has no size; expected a width and a height from 1 to 2147483647");
+        return failure("the QOI header has no size; expected a width and a height from 1 to 2147483647");
     if (channels != 3 && channels != 4) return failure("QOI has other than 3 or 4 channels");
     if (space > 1) return failure("QOI is of an unknown colour space; expected 0 (sRGB) or 1 (linear)");
     if (Status fits =
@@ -92,11 +92,11 @@ Result<Image> read_qoi(const std::string& content, const std::string& path, cons
         !fits)
         return fits.error();
     constexpr std::uint64_t longest_run = 62;
-    if (std::uint64_t{width} * height > longest_run * content.size())  // before there is memory for them
-        return failure("QOI is truncated; expected as many pixels as its header says");
+    if (std::uint64_t{width} * height > longest_run * content.size())  // checked before memory is allocated
+        return failure("QOI is truncated; expected as many pixels as its header states");
     std::vector<std::uint8_t> samples(std::size_t{width} * height * channels);
     if (!reader.read(samples, channels))
-        return failure("QOI is truncated or damaged; expected as many pixels as its header says, and its end marker");
+        return failure("QOI is truncated or damaged; expected as many pixels as its header states, and its end marker");
     return from_integers(static_cast<int>(width), static_cast<int>(height), static_cast<int>(channels), samples,
                          encoding.value_or(Encoding{space == 0 ? Encoding::Kind::srgb : Encoding::Kind::linear, 1}));
 }

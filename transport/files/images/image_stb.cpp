@@ -1,4 +1,4 @@
-// The one file that compiles stb_image. Its warnings are not ours.
+// The one file that compiles stb_image, with its compiler warnings disabled.
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wall"
@@ -35,8 +35,8 @@ struct StbFree {
     void operator()(void* pixels) const { stbi_image_free(pixels); }
 };
 
-/// stb_image reads zeros behind the end of a file, so a TGA that was cut short decodes without complaint: its packets
-/// have to cover all pixels.
+/// stb_image reads zeros after the end of a file, so it decodes a truncated TGA without an error. Checks that its
+/// packets cover all pixels.
 bool tga_is_whole(const std::string& content) {
     constexpr std::size_t header = 18;
     if (content.size() < header) return false;
@@ -56,7 +56,7 @@ bool tga_is_whole(const std::string& content) {
     return at <= content.size();
 }
 
-/// Likewise of a BMP: its rows, padded to four bytes each, have to be there. stb_image refuses compressed ones.
+/// Checks that the rows of a BMP, padded to four bytes each, are in the file. stb_image refuses compressed ones.
 bool bmp_is_whole(const std::string& content) {
     constexpr std::size_t old_header = 26, header = 54;
     const auto number = [&content](std::size_t i, std::size_t bytes) {
@@ -67,7 +67,7 @@ bool bmp_is_whole(const std::string& content) {
     if (content.size() < old_header) return false;
     const bool old = number(14, 4) == 12;  // OS/2 1.x
     if (!old && content.size() < header) return false;
-    const auto side = [](std::uint64_t written) {  // rows from the top down are written as a negative height
+    const auto side = [](std::uint64_t written) {  // a negative height means rows from the top down
         return static_cast<std::uint64_t>(std::abs(std::int64_t{static_cast<std::int32_t>(written)}));
     };
     const std::uint64_t width = old ? number(18, 2) : side(number(18, 4)),
@@ -77,8 +77,9 @@ bool bmp_is_whole(const std::string& content) {
     return row > 0 && content.size() >= begin && (content.size() - begin) / row >= height;
 }
 
-/// Of an HDR file stb_image takes a run of no pixels for progress, and zeros behind the end for such runs: it would not
-/// come back. Scanlines of runs begin with 2 2 and their width; others are plain pixels from there on.
+/// Checks the runs of an HDR file. stb_image accepts a run of no pixels, and reads zeros after the end as such runs, so
+/// it would never return. Scanlines of runs begin with 2 2 and their width; other scanlines, and all after them, are
+/// plain pixels.
 bool hdr_is_whole(const std::string& content, int width, int height) {
     const std::size_t blank = content.find("\n\n");
     const std::size_t resolution = blank == std::string::npos ? blank : content.find('\n', blank + 2);
@@ -112,14 +113,14 @@ Result<Image> read_with_stb(const std::string& content, const std::string& path,
     const auto failure = [&path](const char* reason) { return undecodable(reason != nullptr ? reason : "", path); };
     if (content.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return failure("larger than 2 GiB");
     const bool hdr = content.starts_with("#?"), bmp = content.starts_with("BM");
-    if (bmp && !bmp_is_whole(content)) return failure("BMP is truncated; expected as many rows as its header says");
+    if (bmp && !bmp_is_whole(content)) return failure("BMP is truncated; expected as many rows as its header states");
     if (!hdr && !bmp && !tga_is_whole(content))
-        return failure("TGA is truncated; expected as many pixels as its header says");
+        return failure("TGA is truncated; expected as many pixels as its header states");
     const auto* bytes = reinterpret_cast<const stbi_uc*>(content.data());
     const int size = static_cast<int>(content.size());
     int width = 0, height = 0, channels = 0;
     if (stbi_info_from_memory(bytes, size, &width, &height, &channels) == 0) return failure(stbi_failure_reason());
-    height = std::abs(height);  // of a BMP that is written from the top down
+    height = std::abs(height);  // BMP from the top down: the height is negative
     const std::uint64_t pixel_bytes = static_cast<std::uint64_t>(channels) * (hdr ? sizeof(float) : 1);
     if (Status fits = check_unpacked_size(width, height, pixel_bytes, content.size(), path); !fits) return fits.error();
     if (hdr && !hdr_is_whole(content, width, height))

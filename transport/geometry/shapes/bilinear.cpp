@@ -6,7 +6,7 @@
 
 namespace raylex::transport {
 
-// A ray meets the patch where, for some u, it meets the straight line between the two edges' points at u. That is a
+// A ray meets the patch if, for some u, it meets the straight line between the points at u of two edges. That is a
 // quadratic in u; v and t follow from the two lines (Reshetov 2019, "Cool Patches", Ray Tracing Gems 8).
 bool BilinearPatch::intersect(const DVec3& o, const DVec3& d, double t_min, double t_max, double& t, double& u,
                               double& v) const {
@@ -17,7 +17,8 @@ bool BilinearPatch::intersect(const DVec3& o, const DVec3& d, double t_min, doub
     const double b = end - a - c;  // a + b u + c u^2 = 0
     double roots[2];
     int count = 0;
-    // Planar trapezoids and parallelograms leave rounding noise in c: at 1e-14 of the other terms it moves u by 1e-14.
+    // Planar trapezoids and parallelograms leave rounding noise in c, which moves u by 1e-14 where c is 1e-14 of the
+    // others.
     if (std::abs(c) <= 1e-14 * (std::abs(a) + std::abs(end))) {
         if (b == 0) return false;
         roots[count++] = -a / b;
@@ -30,7 +31,7 @@ bool BilinearPatch::intersect(const DVec3& o, const DVec3& d, double t_min, doub
     }
     double nearest = t_max;
     bool found = false;
-    // Neighbouring patches share an edge: a hair beyond it is accepted so that no ray slips between them.
+    // Neighbouring patches share an edge: hits slightly beyond it are accepted so that no ray passes between them.
     constexpr double slack = 1e-12;
     for (int i = 0; i < count; ++i) {
         const double root = roots[i];
@@ -59,7 +60,7 @@ double BilinearPatch::extent() const {
 }
 
 double BilinearPatch::area() const {
-    // 16 x 16 midpoints: exact for parallelograms, and only a selection weight for the others.
+    // 16 x 16 midpoints: exact for parallelograms. For other patches the area is only a selection weight.
     double sum = 0;
     for (int j = 0; j < 16; ++j)
         for (int i = 0; i < 16; ++i) sum += length(cross(dpdu((j + 0.5) / 16), dpdv((i + 0.5) / 16)));

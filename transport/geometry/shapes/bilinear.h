@@ -14,10 +14,10 @@ struct BilinearPatch {
     [[nodiscard]] DVec3 dpdu(double v) const { return (p10 - p00) * (1 - v) + (p11 - p01) * v; }
     [[nodiscard]] DVec3 dpdv(double u) const { return (p01 - p00) * (1 - u) + (p11 - p10) * u; }
 
-    /// Smallest t in (t_min, t_max), or false.
+    /// Finds the smallest t in (t_min, t_max); returns false if there is no hit.
     bool intersect(const DVec3& origin, const DVec3& direction, double t_min, double t_max, double& t, double& u,
                    double& v) const;
-    /// The sum of the largest coordinates.
+    /// The sum of the largest absolute coordinates.
     [[nodiscard]] double extent() const;
     [[nodiscard]] double area() const;  ///< by quadrature unless planar and a parallelogram
 };

@@ -16,13 +16,13 @@ DVec3 cubic_derivative(const DVec3 (&p)[4], double u) {
     return ((p[1] - p[0]) * (v * v) + (p[2] - p[1]) * (2 * u * v) + (p[3] - p[2]) * (u * u)) * 3;
 }
 
-/// Newton's method for both equations of the head comment.
+/// Newton's method for the two equations at the top of curve.h.
 class CurveSolver {
   public:
     CurveSolver(const CurveSegment& segment, const DVec3& origin, const DVec3& direction)
         : segment_(segment), origin_(origin), direction_(direction), square_(dot(direction, direction)) {}
 
-    /// The ray's distance at which it meets what stands at u; `front`: of a tube, where it enters.
+    /// The distance at which the ray meets the curve at u; `front`: where it enters a tube.
     [[nodiscard]] double distance_at(double u, bool front) const {
         const DVec3 to_curve = segment_.point(u) - origin_;
         if (segment_.type == CurveType::ribbon) {
@@ -36,7 +36,7 @@ class CurveSolver {
         return front ? nearest - inside : nearest + inside;
     }
 
-    /// Whether it settled.
+    /// Returns whether the method converged.
     bool solve(double& u, double& t) const {
         for (int step = 0; step < 12; ++step) {
             const DVec3 c = segment_.point(u), d1 = segment_.derivative(u), d2 = segment_.second_derivative(u);
@@ -50,7 +50,7 @@ class CurveSolver {
             u += du;
             t += dt;
             if (!(std::abs(u - 0.5) < 1)) return false;
-            // A step this small, of a method whose error is about the square of the last step, is the last one.
+            // The error is about the square of the last step, so a step this small is the last one.
             if (std::abs(du) < 1e-9 && std::abs(dt) <= 1e-9 * std::abs(t)) return true;
         }
         return false;
@@ -94,7 +94,7 @@ DVec3 CurveSegment::second_derivative(double u) const {
 
 DVec3 CurveSegment::tangent(double u) const {
     const DVec3 d = derivative(u), chord = points[3] - points[0];
-    // Of three control points that coincide, or two at an end, the derivative is 0 there and points to the others.
+    // If three control points coincide, or two at an end, the derivative is 0 there: use the direction to the others.
     const double tiny = 1e-12 * (std::abs(chord.x) + std::abs(chord.y) + std::abs(chord.z));
     if (length(d) > tiny) return d;
     const DVec3 inwards = u < 0.5 ? points[2] - points[0] : points[3] - points[1];
@@ -137,8 +137,8 @@ bool meet_curve(const CurveSegment& segment, const DVec3& origin, const DVec3& d
     const DVec3 p = origin + direction * t;
     const CurveFrame frame = curve_frame(segment, direction, u, 0, p);
     const double r = segment.radius(u), h = dot(p - segment.point(u), frame.across) / r;
-    // Not past the edge, nor on another bend or the other side of a tube than the one that was found: the pieces of a
-    // flat curve are off by a tenth of r across, more along rays that nearly follow it; tubes are met as they are.
+    // Rejects points past the edge, on another bend, or on the other side of a tube than the hit. The pieces of a flat
+    // curve are off by a tenth of r across, and more along rays that nearly follow it; Embree hits tubes exactly.
     const double off = std::abs(t - place.t) * length(direction);
     const bool there = std::abs(h) <= 1 + 1e-3 && t > 0 && t <= t_max &&
                        off <= (segment.type == CurveType::flat ? 4 : 0.25) * r + 1e-5 * place.t * length(direction);
@@ -159,7 +159,8 @@ CurveFrame curve_frame(const CurveSegment& segment, const DVec3& direction, doub
         return frame;
     }
     DVec3 across = cross(direction, tangent);
-    if (!(length(across) > 0)) across = cross(direction, DVec3{direction.y, -direction.z, direction.x});  // along it
+    // the ray runs along the curve
+    if (!(length(across) > 0)) across = cross(direction, DVec3{direction.y, -direction.z, direction.x});
     frame.across = normalize(across);
     const DVec3 facing = normalize(cross(frame.across, tangent));
     frame.normal = facing;

@@ -1,14 +1,14 @@
-// Curves: cubic Bezier segments with a width, as Embree meets them and as rendering sees them.
+// Curves: cubic Bezier segments with a width, as Embree intersects them and as rendering uses them.
 //
-// Embree says which segment a ray meets. Where on it is computed here, in double, by Newton's method from a start that
-// is rounded so that the last bits of Embree's answer do not matter; where that does not settle (silhouettes of tubes,
-// bends that Embree's pieces cut off) Embree's own numbers stay.
+// Embree finds the segment that a ray hits. The place on it is computed here, in double, by Newton's method. The start
+// is rounded, so that the last bits of Embree's result do not matter. Where the method does not converge (silhouettes
+// of tubes, bends that Embree's pieces cut off), Embree's own numbers remain.
 //
-// A point C(u) of the centre line is where the ray's point P stands across the tangent, (P - C) . C' = 0, and
+// The solution is a point C(u) of the centre line and a point P of the ray with (P - C) . C' = 0, and
 //     flat      (P - C) . d = 0        the ribbon that faces the ray
 //     cylinder  |P - C| = r(u)         the tube swept by circles across the tangent
 //     ribbon    (P - C) . N(u) = 0     the ribbon across the tangent and the normal
-// with |P - C| at most r(u), half the width. h = -1..1 is how far aside P is, in units of r.
+// where |P - C| is at most r(u), half the width. h = -1..1 is the offset of P across the curve, in units of r.
 #pragma once
 
 #include <cstdint>
@@ -28,83 +28,86 @@ struct CurvePoint {
 
 struct CurveSegment {
     CurveType type = CurveType::flat;
-    DVec3 points[4], normals[4];  ///< control points; normals of ribbons alone
+    DVec3 points[4], normals[4];  ///< control points; normals for ribbons only
     double radius_start = 0, radius_end = 0;
 
     [[nodiscard]] DVec3 point(double u) const;
     [[nodiscard]] DVec3 derivative(double u) const;
     [[nodiscard]] DVec3 second_derivative(double u) const;
-    /// The derivative, or where it is 0 (control points that coincide) a direction along the curve.
+    /// The derivative at u. Where it is 0 (control points that coincide), a direction along the curve.
     [[nodiscard]] DVec3 tangent(double u) const;
     [[nodiscard]] double radius(double u) const { return radius_start + (radius_end - radius_start) * u; }
-    /// Not normalised.
+    /// The normal at u, not normalised.
     [[nodiscard]] DVec3 normal(double u) const;
     [[nodiscard]] DVec3 normal_derivative(double u) const;
 };
 
-/// All curves of one SceneShape where they are traced.
+/// All curves of one SceneShape, in the space in which they are traced.
 struct CurveBatch {
     CurveType type = CurveType::flat;
-    const CurvePoint* points = nullptr;       ///< Embree's, or own_points
-    const StoredVec3* normals = nullptr;      ///< one a control point; null but for ribbons
+    const CurvePoint* points = nullptr;       ///< Embree's buffer, or own_points
+    const StoredVec3* normals = nullptr;      ///< one per control point; null except for ribbons
     std::vector<std::uint32_t> first_points;  ///< [segment]
-    std::uint32_t splits = 1;                 ///< Embree's primitives a segment; more than 1 for bent ribbons
-    std::vector<CurvePoint> own_points;       ///< where Embree has others
+    std::uint32_t splits = 1;                 ///< Embree primitives per segment; more than 1 for bent ribbons
+    std::vector<CurvePoint> own_points;       ///< if Embree stores split ones
     std::vector<StoredVec3> own_normals;
-    bool mirrored = false;  ///< the placement swaps handedness: v goes the other way across than h
-    bool reversed = false;  ///< outside is where rays do not come from (ReverseOrientation)
-    double extent = 0;      ///< the largest coordinate
+    bool mirrored = false;  ///< the placement swaps handedness: v runs against h
+    bool reversed = false;  ///< the outside is the side that rays do not come from (ReverseOrientation)
+    double extent = 0;      ///< the largest absolute coordinate
 
-    /// That the primitive is of, whole.
+    /// The whole segment that the primitive is part of.
     [[nodiscard]] CurveSegment segment(std::uint32_t primitive) const;
-    /// The segment's u at `u` of the primitive.
+    /// The parameter u of the segment at `u` of the primitive.
     [[nodiscard]] double along(std::uint32_t primitive, double u) const { return (primitive % splits + u) / splits; }
 };
 
-/// What place_curves() makes: control points for Embree, and where segments begin.
+/// The result of place_curves(): control points for Embree, and the beginnings of segments.
 struct PlacedCurves {
     std::vector<CurvePoint> points;
     std::vector<StoredVec3> normals;
     std::vector<std::uint32_t> first_points;
     double extent = 0;
-    std::size_t dropped = 0;        ///< segments whose control points coincide, or that have no width
-    bool widths_are_means = false;  ///< the placement does not keep circles: widths go by the mean of its scales
-    std::uint32_t splits = 1;       ///< into how many segments each is to be split for Embree
-    unsigned pieces = 1;            ///< into how many straight ones Embree cuts each segment of a flat curve
+    std::size_t dropped = 0;  ///< segments whose control points coincide, or that have no width
+    /// the placement does not keep circles: widths are scaled by the mean of its scales
+    bool widths_are_means = false;
+    std::uint32_t splits = 1;  ///< the number of parts into which each segment is to be split for Embree
+    /// the number of straight pieces into which Embree cuts each segment of a flat curve
+    unsigned pieces = 1;
 };
 
-/// Counts that do not fit, numbers that are not finite, negative widths, normals of ribbons without direction.
+/// Checks counts that do not match, numbers that are not finite, negative widths, and normals of ribbons that are zero.
 Status check_curves(const SceneShape& shape);
 
-/// Control points through `placement` in double, then rounded; widths by its scale. Errors: those of
-/// check_curves(), a placement without inverse, what leaves the range of float.
+/// Transforms control points by `placement` in double, rounds them, and scales widths. Errors: those of check_curves(),
+/// a placement without inverse, numbers beyond the range of float.
 Result<PlacedCurves> place_curves(const SceneShape& shape, const Transform& placement);
 
-/// The same curves with each segment split into `splits`; those are the result's splits no more.
+/// Splits each segment of the curves into `splits` segments; `splits` of the result is 1.
 PlacedCurves split_curves(const PlacedCurves& curves);
 
-/// Where a ray meets a curve.
+/// The place at which a ray meets a curve.
 struct CurvePlace {
     double t = 0, u = 0, h = 0;
 };
 
-/// Takes `place` from what the intersector found to where the ray meets the segment; false, and `place` unchanged,
-/// where no such point within `t_max` is found.
+/// Replaces the intersector's `place` by the point at which the ray meets the segment. Returns false and leaves `place`
+/// unchanged if no such point within `t_max` is found.
 bool meet_curve(const CurveSegment& segment, const DVec3& origin, const DVec3& direction, double t_max,
                 CurvePlace& place);
 
-/// Directions at a hit, unit: across the curve towards h = 1, out of the surface, along the curve.
+/// Unit directions at a hit: across the curve towards h = 1, out of the surface, along the curve.
 struct CurveFrame {
     DVec3 across, normal, along;
     DVec3 offset;  ///< from the centre line to the point, in units of the radius
 };
-/// `ray_point`: about where the ray met the surface; says on which side of a tube that is.
+/// `ray_point` is approximately the point at which the ray met the surface; it decides the side of a tube.
 CurveFrame curve_frame(const CurveSegment& segment, const DVec3& direction, double u, double h, const DVec3& ray_point);
 
-/// How far a ray must start off a curve along its normal. A fibre is one event: what goes through it starts behind it,
-/// as in pbrt-v4. From a ribbon that faces rays a step of r is enough (from (h r, 0) a step along the normal to
-/// (h r, r) leaves no direction on that side that comes within r of the axis); through a tube it is 2 r. A quarter more
-/// is for bends and tapers. Ribbons that stand still need what Embree's single precision makes of their width.
+/// The distance off a curve, along its normal, at which a ray must start. A fibre is one event: rays that pass through
+/// it start behind it, as in pbrt-v4. For a ribbon that faces rays a step of r is enough: after a step along the normal
+/// from (h r, 0) to (h r, r), no direction on that side comes within r of the axis. Through a tube it is 2 r. A quarter
+/// more allows for bends and tapers. Ribbons with a fixed orientation need the rounding of their width in Embree's
+/// single precision.
 constexpr Real curve_offset(CurveType type, Real radius) {
     return radius * (type == CurveType::flat ? Real(1.25) : type == CurveType::cylinder ? Real(2.5) : Real(0x1p-6));
 }

@@ -29,7 +29,8 @@ Matrix34 rounded(const Transform& transform) {
     return result;
 }
 
-/// Keys for `steps` steps, and how far they leave a corner off in the middle of one, over the longest way of any.
+/// The matrices of `steps` steps, and the largest error of a corner in the middle of a step, over the longest way of
+/// any.
 std::vector<Matrix34> keys_of(const std::function<Transform(double)>& placement, const DBounds& box, std::size_t steps,
                               double& off) {
     const std::array<DVec3, 8> corners = corners_of(box);
@@ -62,7 +63,7 @@ InstanceMotion::InstanceMotion(const std::function<Transform(double)>& placement
 }
 
 Placement InstanceMotion::at(Real time) const {
-    // In float, as Embree finds the step.
+    // In float, since Embree finds the step in float.
     const auto steps = static_cast<float>(keys_.size() - 1);
     const float scaled = to_float(time) * steps;
     const float step = std::clamp(std::floor(scaled), 0.0f, steps - 1);
@@ -73,12 +74,13 @@ Placement InstanceMotion::at(Real time) const {
     return placement;
 }
 
-// Embree mixes the two matrices (3 roundings an entry) and inverts the result for every ray, in single precision, by
-// its adjoint over its determinant. The determinant's relative error is below gamma(8) K, where K is what its six
-// products add up to in magnitude over itself, an entry's of the adjoint below gamma(3), those of the mixing as much
-// again on either, and three more roundings make the entry: below gamma(24) K together for entries of about the
-// inverse's rows' size. A point at p of a matrix with translation t sees it times |p| + |t| of the world, twice what a
-// row of the inverse says of p alone. A matrix at rest has gamma(6).
+// For every ray, Embree interpolates the two matrices (3 roundings an entry) and inverts the result in single
+// precision, by its adjoint over its determinant. K is the sum of the magnitudes of the determinant's six products,
+// over the determinant. The determinant's relative error is below gamma(8) K, and the error of an entry of the adjoint
+// is below gamma(3). Interpolation adds as much again to both, and three more roundings make the entry: below gamma(24)
+// K together, for entries about as large as the rows of the inverse. A point p, seen through a matrix with translation
+// t, is |p| + |t| from the world's origin, twice what a row of the inverse gives for p alone. A matrix that does not
+// move has gamma(6).
 double InstanceMotion::rounding_growth(const Matrix34& to_world) {
     const auto& m = to_world.m;
     const auto minor = [&](int a, int b) { return std::abs(m[1][a] * m[2][b]) + std::abs(m[1][b] * m[2][a]); };

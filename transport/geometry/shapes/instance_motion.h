@@ -1,9 +1,9 @@
-// Where a moving instance is at a ray's time: linear between matrices that follow one another at even steps of time, as
-// Embree has its motion, so that both speak of the same place at every time.
+// The place of a moving instance at a ray's time: linear interpolation between matrices at equal steps of time. Embree
+// interpolates in the same way, so both use the same place at every time.
 //
-// Rotation is no linear motion. The steps are as many as it takes for no corner of the object's box to be further from
-// where it should be than 1e-4 of the longest way that one of them goes: a corner that turns by an angle a in n steps
-// is off by a / (8 n^2) of its way, so that half a turn takes 64, and 128 (Embree takes no more) are never needed.
+// Rotation is not linear. There are as many steps as it takes to keep each corner of the object's box within 1e-4 of
+// its right place, relative to the longest way of a corner. A corner that turns by an angle a in n steps is off by a /
+// (8 n^2) of its way, so half a turn takes 64 steps, and 128, Embree's limit, are never needed.
 #pragma once
 
 #include <functional>
@@ -17,18 +17,18 @@ namespace raylex::transport {
 class InstanceMotion {
   public:
     static constexpr std::size_t most_steps = 128;
-    /// Of what corners go, what the steps may leave them off by.
+    /// The largest error of a corner, relative to the longest way of a corner.
     static constexpr double tolerance = 1e-4;
 
-    /// `placement` of a time from 0 to 1; `box` holds the object in its own space.
+    /// `placement` gives the transform at a time from 0 to 1; `box` contains the object in its own space.
     InstanceMotion(const std::function<Transform(double)>& placement, const DBounds& box);
 
-    /// One more than there are steps: from time 0 to time 1. Numbers are floats.
+    /// The matrices from time 0 to time 1, one more than there are steps. Their numbers are floats.
     [[nodiscard]] const std::vector<Matrix34>& keys() const { return keys_; }
-    /// At a time from 0 to 1. The inverse is that of the interpolated matrix.
+    /// The placement at a time from 0 to 1. Its inverse is that of the interpolated matrix.
     [[nodiscard]] Placement at(Real time) const;
-    /// How much more than that of a matrix at rest the rounding of Embree's own inverse may move a point: see the
-    /// source.
+    /// The factor by which the rounding of Embree's inverse may move a point further than for a matrix that does not
+    /// move; derived in the source.
     [[nodiscard]] static double rounding_growth(const Matrix34& to_world);
 
   private:

@@ -1,4 +1,4 @@
-// Curves where they are traced.
+// Curves in the space in which they are traced.
 #include "transport/geometry/shapes/curve.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace raylex::transport {
 namespace {
 
-/// The mean scale of a linear map, and whether it keeps circles.
+/// The mean scale of a linear map; `similarity` receives whether it keeps circles.
 double scale_of(const Transform& placement, bool& similarity) {
     const Matrix4& m = placement.matrix();
     const DVec3 x{m[0][0], m[1][0], m[2][0]}, y{m[0][1], m[1][1], m[2][1]}, z{m[0][2], m[1][2], m[2][2]};
@@ -23,8 +23,8 @@ double scale_of(const Transform& placement, bool& similarity) {
     return std::sqrt(mean);
 }
 
-/// Normals between two at the ends of a segment, as control points: the cubic that leaves and arrives as the great
-/// circle between them does at constant speed (pbrt interpolates along it).
+/// Appends control points of the normals along a segment: the cubic whose ends have the direction and constant speed of
+/// the great circle between the normals (pbrt interpolates along it).
 void append_normals(std::vector<StoredVec3>& normals, const DVec3& start, const DVec3& end) {
     const double cosine = std::clamp(dot(start, end), -1.0, 1.0), sine = std::sqrt(1 - cosine * cosine);
     const double third = sine > 1e-6 ? elementary::acos(cosine) / (3 * sine) : 1.0 / 3;
@@ -33,8 +33,8 @@ void append_normals(std::vector<StoredVec3>& normals, const DVec3& start, const 
     normals.push_back(to_float(end.to_real()));
 }
 
-/// How many straight pieces keep within a twentieth of the width (pbrt-v4's measure): a chord of one of N pieces is off
-/// by |C''| / (8 N^2) at most.
+/// The number of straight pieces that stay within a twentieth of the width (pbrt-v4's measure): the chord of one of N
+/// pieces is off by at most |C''| / (8 N^2).
 double pieces_of(const CurvePoint* p) {
     double bend = 0, radius = 0;
     for (int i = 0; i < 4; ++i) radius = std::max(radius, static_cast<double>(p[i].radius));
@@ -47,8 +47,9 @@ double pieces_of(const CurvePoint* p) {
     return radius > 0 ? std::sqrt(6 * bend / (8 * 0.1 * radius)) : 1;
 }
 
-/// Embree takes the edges of a ribbon for cubics with the tangents of its ends: good for short arcs. How many of at
-/// most 0.2 radians a segment is: the legs of its control polygon turn at least as far as it does, and so do normals.
+/// The number of parts of at most 0.2 radians. Embree replaces the edges of a ribbon by cubics with the tangents at its
+/// ends, which is accurate for short arcs only. The legs of the control polygon turn at least as far as the segment,
+/// and so do those of the normals.
 double splits_of(const CurvePoint* p, const DVec3& start, const DVec3& end) {
     const auto leg = [p](int i) {
         return DVec3{static_cast<double>(p[i + 1].x) - p[i].x, static_cast<double>(p[i + 1].y) - p[i].y,
@@ -62,7 +63,7 @@ double splits_of(const CurvePoint* p, const DVec3& start, const DVec3& end) {
     return std::max(turn, between(start, end)) / 0.2;
 }
 
-/// Of three arguments of the polar form of a cubic, the control points between a and b.
+/// The polar form of a cubic. It gives the control points of the part between a and b.
 DVec3 blossom(const DVec3 (&p)[4], double a, double b, double c) {
     const auto mix = [](const DVec3& from, const DVec3& to, double t) { return from * (1 - t) + to * t; };
     const DVec3 q[3] = {mix(p[0], p[1], a), mix(p[1], p[2], a), mix(p[2], p[3], a)};
@@ -85,7 +86,7 @@ class CurvePlacer {
             const std::size_t end = k + 1 < shape_.indices.size() ? shape_.indices[k + 1] : shape_.positions.size();
             if (Status s = place_curve(k, begin, (end - begin) / 3); !s) return s.error();
         }
-        // Four pieces are no dearer than one: Embree takes as many at a time at least.
+        // Four pieces cost no more than one: Embree processes at least as many at a time.
         placed_.splits = static_cast<std::uint32_t>(std::clamp(std::ceil(splits_), 1.0, 16.0));
         placed_.pieces = static_cast<unsigned>(std::clamp(std::ceil(pieces_), 4.0, 16.0));
         return std::move(placed_);
@@ -114,8 +115,9 @@ class CurvePlacer {
         if (shape_.curve_type == CurveType::ribbon) place_normals((begin - number) / 3 + number, segments);
         return success();
     }
-    /// Embree halves what it is given until pieces are as wide as long: a ray takes 0.1 ms where a ribbon is 10^4 times
-    /// as wide, 0.4 ms at 10^5, 1.5 ms at 10^6, and does not end at 10^8. None is that wide by intent.
+    /// Rejects ribbons that are too wide. Embree halves a ribbon until its pieces are as wide as long: a ray takes 0.1
+    /// ms for a ribbon that is 10^4 times as wide as long, 0.4 ms at 10^5, 1.5 ms at 10^6, and never ends at 10^8. No
+    /// scene needs such a ribbon.
     Status check_ribbon(std::size_t number, std::size_t first, std::size_t segments) {
         constexpr double most = 1e5;
         for (std::size_t i = 0; i < segments; ++i) {
@@ -125,12 +127,12 @@ class CurvePlacer {
                 length = std::max({length, std::abs(double{p[k].x} - p[0].x), std::abs(double{p[k].y} - p[0].y),
                                    std::abs(double{p[k].z} - p[0].z)});
             const double width = 2 * double{std::max(p[0].radius, p[3].radius)};
-            if (length > 0 && width > most * length)  // without a length it is left out
+            if (length > 0 && width > most * length)  // ribbons without length are omitted
                 return error_at(shape_.location,
                                 "segment " + std::to_string(i) + " of ribbon " + std::to_string(number) +
                                     " is more than 10^5 times as wide (" + short_number(width) + ") as it is long (" +
                                     short_number(length) + "); expected at most that",
-                                "a patch, such as a bilinearmesh, can be as wide as it likes");
+                                "a patch, such as a bilinearmesh, can have any width");
         }
         return success();
     }
@@ -173,7 +175,8 @@ Status check_curves(const SceneShape& shape) {
     for (std::size_t k = 0; k < curves; ++k) {
         const std::size_t begin = shape.indices[k], end = k + 1 < curves ? shape.indices[k + 1] : points;
         if (begin >= end || end > points || (end - begin) % 3 != 1 || end - begin < 4 || (k == 0 && begin != 0))
-            return fail("curve " + std::to_string(k) + " has no whole number of segments; expected 3 n + 1 positions");
+            return fail("curve " + std::to_string(k) +
+                        " has a number of positions that is not 3 n + 1; expected whole segments");
         const StoredVec2 width = shape.curve_widths[k];
         if (!(width.x >= 0 && width.y >= 0) || !std::isfinite(width.x) || !std::isfinite(width.y))
             return fail("a width of curve " + std::to_string(k) + " is negative or not finite; expected at least 0");
@@ -184,7 +187,7 @@ Status check_curves(const SceneShape& shape) {
     const std::size_t normals = ribbon && points >= curves ? (points - curves) / 3 + curves : 0;
     if (shape.normals.size() != normals)
         return fail(std::to_string(shape.normals.size()) + " normals of curves; expected " + std::to_string(normals) +
-                    ": ribbons have one at each end of every segment, others none");
+                    ": ribbons have one at each end of every segment, other curves have none");
     for (std::size_t i = 0; i < normals; ++i)
         if (!is_finite(shape.normals[i]) || shape.normals[i] == StoredVec3())
             return fail("normal " + std::to_string(i) + " of the ribbons is zero or not finite; expected a direction");

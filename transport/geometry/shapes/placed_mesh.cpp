@@ -3,8 +3,8 @@
 namespace raylex::transport {
 namespace {
 
-/// Twice the area is exactly 0. In double the differences of float coordinates and their products are exact up to
-/// differences of 2^29 in magnitude, so a thin triangle is not mistaken for a degenerate one.
+/// Whether twice the area is exactly 0. In double, differences of float coordinates and their products are exact unless
+/// magnitudes differ by more than 2^29, so a thin triangle does not count as degenerate.
 bool has_no_area(const StoredVec3& a, const StoredVec3& b, const StoredVec3& c) {
     const double ux = double(b.x) - a.x, uy = double(b.y) - a.y, uz = double(b.z) - a.z;
     const double vx = double(c.x) - a.x, vy = double(c.y) - a.y, vz = double(c.z) - a.z;

@@ -32,8 +32,8 @@ Quadric::Quadric(const SceneShape& shape, const Transform& to_world) : kind(shap
         theta_min = elementary::acos(z_min / radius);
         theta_max = elementary::acos(z_max / radius);
     }
-    // flip_normal is ReverseOrientation xor handedness; a normal goes through the transform by the inverse transpose,
-    // which keeps outside outside, so only ReverseOrientation is left to apply.
+    // flip_normal is ReverseOrientation xor handedness. The inverse transpose that transforms normals keeps the outside
+    // outside, so only ReverseOrientation remains to be applied.
     reversed = shape.flip_normal != to_world.swaps_handedness();
 }
 
@@ -118,7 +118,7 @@ DVec3 Quadric::object_dpdv(const DVec3& p) const {
 
 double Quadric::object_area() const {
     if (kind == ShapeKind::disk) return phi_max * 0.5 * (radius * radius - inner_radius * inner_radius);
-    return phi_max * radius * (z_max - z_min);  // Archimedes: the sphere's zone has its cylinder's area
+    return phi_max * radius * (z_max - z_min);  // Archimedes: a zone of the sphere has the area of its cylinder
 }
 
 void Quadric::sample_area(double a, double b, double& u, double& v) const {

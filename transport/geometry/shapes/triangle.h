@@ -1,4 +1,4 @@
-// A face of a mesh, and what of a hit on it is the same wherever on it the hit is.
+// A face of a mesh, with the data that all hits on it share.
 #pragma once
 
 #include <array>
@@ -9,14 +9,15 @@
 
 namespace raylex::transport {
 
-/// Half a cache line (in float), which a hit needs whole.
+/// Half a cache line (in float); a hit needs all of it.
 struct alignas(32) Triangle {
-    std::array<std::uint32_t, 3> corners;  ///< numbers of vertices; where Embree reads them
-    Vec3 normal;                           ///< unit, by the order of the corners, where they stand
-    OffsetBound offset;                    ///< of points on it, but for what rounding those adds; see surface.cpp
+    std::array<std::uint32_t, 3> corners;  ///< indices of vertices in Embree's buffer
+    Vec3 normal;                           ///< unit, by the order of the corners, in the space of the stored vertices
+    /// of all points on it, without the rounding of the point itself; see surface.cpp
+    OffsetBound offset;
 };
 
-/// Computes `normal` and `offset`. Of a triangle of some area: place_mesh() drops the others.
+/// Computes `normal` and `offset` of a triangle whose area is not 0: place_mesh() drops the others.
 Triangle make_triangle(const std::array<std::uint32_t, 3>& corners, const StoredVec3* positions);
 
 }  // namespace raylex::transport

@@ -1,8 +1,8 @@
-// Where a ray meets a triangle that the intersector says it hits.
+// The place at which a ray meets a triangle that the intersector found.
 //
-// Embree divides by approximate reciprocals, whose last bits are the processor maker's. Only which primitive was hit is
-// taken from it: where, is computed here from the ray and the stored vertices, in double, so that it depends on nothing
-// else.
+// Embree divides by approximate reciprocals, whose last bits depend on the processor's maker. Only the primitive is
+// taken from Embree: the place is computed here from the ray and the stored vertices, in double, so that it depends on
+// nothing else.
 #pragma once
 
 #include <algorithm>
@@ -17,9 +17,9 @@ struct TriangleHit {
     Number t, u, v;  ///< u, v: weights of p1 and p2
 };
 
-/// Where a ray meets a triangle's plane, or two rays two (DVec3Pair), by Moeller and Trumbore 1997, "Fast, minimum
-/// storage ray/triangle intersection", section 2. Differences of floats and products of those are nearly exact in
-/// double: u, v and t are good to 2^-24 down to an angle of 2^-24 between ray and plane.
+/// The intersection of a ray with a triangle's plane, or of two rays with two planes (DVec3Pair), by Moeller and
+/// Trumbore 1997, "Fast, minimum storage ray/triangle intersection", section 2. Differences of floats and their
+/// products are nearly exact in double: u, v and t are good to 2^-24 down to an angle of 2^-24 between ray and plane.
 template <class Vector>
 auto meet_plane(const Vector& origin, const Vector& direction, const Vector& p0, const Vector& p1, const Vector& p2) {
     const Vector e1 = p1 - p0, e2 = p2 - p0, s = origin - p0;
@@ -29,13 +29,14 @@ auto meet_plane(const Vector& origin, const Vector& direction, const Vector& p0,
         dot(e2, across_edge) * inverse, dot(s, across_ray) * inverse, dot(direction, across_edge) * inverse};
 }
 
-/// Where the ray meets the triangle: u, v >= 0, u + v <= 1. Where it only does by the intersector's rounding, or runs
-/// in its plane, the point is the triangle's nearest in (u, v), and t the ray's distance to there.
+/// The place at which the ray meets the triangle: u, v >= 0, u + v <= 1. If the ray meets it only within the
+/// intersector's rounding, or runs in its plane, the result is the triangle's nearest point in (u, v), and t is the
+/// ray's distance to it.
 inline TriangleHit<double> meet_triangle(const DVec3& origin, const DVec3& direction, const DVec3& p0, const DVec3& p1,
                                          const DVec3& p2) {
     TriangleHit<double> hit = meet_plane(origin, direction, p0, p1, p2);
     if ((hit.u >= 0) & (hit.v >= 0) & (hit.u + hit.v <= 1)) return hit;
-    const auto unit = [](double x) { return x > 0 ? std::min(x, 1.0) : 0.0; };  // 0 for what is no number
+    const auto unit = [](double x) { return x > 0 ? std::min(x, 1.0) : 0.0; };  // NaN becomes 0
     hit.u = unit(hit.u);
     hit.v = unit(hit.v);
     if (const double sum = hit.u + hit.v; sum > 1) {
@@ -46,17 +47,17 @@ inline TriangleHit<double> meet_triangle(const DVec3& origin, const DVec3& direc
     return hit;
 }
 
-/// Nearer to an edge than this share of the triangle a hit may have to move; see keep_off_edges().
+/// A hit nearer to an edge than this share of the triangle may have to move; see keep_off_edges().
 inline constexpr double near_edge = 0x1p-8;
 
-/// Moves a hit inwards until it is `off` away from each of the triangle's edges, where the triangle has room for that:
-/// rounding must not carry the point across a neighbouring face, from behind which a leaving ray would never come back
-/// (a closed room loses what leaves within an ulp of its edges). Triangles that are less than 1 / near_edge such
-/// distances wide may keep less.
+/// Moves a hit inwards until it is `off` away from each edge, if the triangle is wide enough. Otherwise rounding could
+/// carry the point across a neighbouring face, from behind which a leaving ray would never come back (a closed room
+/// loses rays that leave within an ulp of its edges). Triangles narrower than 1 / near_edge such distances may keep a
+/// smaller distance.
 inline void keep_off_edges(TriangleHit<double>& hit, const DVec3& p0, const DVec3& p1, const DVec3& p2, double off) {
     const double b0 = 1 - hit.u - hit.v;
     if (std::min({b0, hit.u, hit.v}) > near_edge) return;
-    // A weight b_i is the distance from edge E_i, opposite p_i, by |E_i| / (2 area); its gradient along the inward
+    // The weight b_i is the distance from edge E_i, opposite p_i, times |E_i| / (2 area). Its gradient along the inward
     // normal of E_j is E_i . E_j / (2 area |E_j|).
     const DVec3 edges[3] = {p2 - p1, p0 - p2, p1 - p0};
     const double doubled_area = length(cross(edges[2], edges[1])), old[3] = {b0, hit.u, hit.v};

@@ -37,7 +37,7 @@ Status check_numbers(const Parameter& parameter) {
         const std::string which = numbers.size() > 1 ? "value " + std::to_string(i) + " of parameter '" : "parameter '";
         return error_at(parameter.location, which + parameter.name + "' is " + what);
     };
-    // Public meshes have such normals: what reads them computes others.
+    // Public meshes contain such normals; their readers compute others.
     const bool repaired = parameter.type == ParameterType::normal && parameter.name == "N";
     const bool integers = parameter.type == ParameterType::integer;
     for (std::size_t i = 0; i < numbers.size(); ++i) {

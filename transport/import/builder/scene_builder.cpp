@@ -23,7 +23,7 @@ bool names_a_file(const Parameter& parameter) {
              !Aperture::is_built_in(parameter.strings.front())));
 }
 
-/// pbrt's three spellings of "nothing but a boundary".
+/// Maps pbrt's three spellings of a material without a surface to "interface".
 std::string material_type(const std::string& written) {
     return written.empty() || written == "none" ? "interface" : written;
 }
@@ -46,7 +46,7 @@ SceneBuilder::SceneBuilder(std::string file, SearchPath search) : search_(std::m
     material_references_.push_back({0, {}, {}});
 }
 
-/// All parameters, known ones alone, the own ones first.
+/// Checks the parameters and returns the known ones, those of the directive itself first.
 Result<ParameterSet> SceneBuilder::checked(const std::string& type, EntityKind kind, SceneParameters parameters,
                                            const SourceLocation& where, bool float_texture) {
     if (Status s = check_open(where); !s) return s.error();
@@ -55,7 +55,8 @@ Result<ParameterSet> SceneBuilder::checked(const std::string& type, EntityKind k
     for (Parameter& parameter : set.parameters)
         if (parameter.location.file.empty()) parameter.location = where;
     const std::size_t own = set.parameters.size();
-    // Against the own ones alone, as there may be thousands of others, of which no two have the same name.
+    // Compared with the directive's own parameters only: there may be thousands of fallbacks, and no two have the same
+    // name.
     for (Parameter& fallback : parameters.fallbacks)
         if (std::none_of(set.parameters.begin(), set.parameters.begin() + static_cast<std::ptrdiff_t>(own),
                          [&](const Parameter& p) { return p.name == fallback.name; }))
@@ -141,7 +142,7 @@ Status SceneBuilder::set_camera(const std::string& type, SceneParameters paramet
     if (Status s = resolve_files(scene_.camera.parameters); !s) return s;
     scene_.camera_to_world = transform->inverse();
     scene_.camera_moved_to.reset();
-    scene_.camera_medium = medium.reference;  // until finish()
+    scene_.camera_medium = medium.reference;  // resolved in finish()
     return success();
 }
 
@@ -158,8 +159,7 @@ Status SceneBuilder::set_moving_camera(const std::string& type, SceneParameters 
 }
 
 Status SceneBuilder::set_transform_times(double start, double end, const SourceLocation& where) {
-    const std::string times =
-        "the times of transformations are " + short_number(start, 6) + " and " + short_number(end, 6);
+    const std::string times = "the transformation times are " + short_number(start, 6) + " and " + short_number(end, 6);
     if (!std::isfinite(start) || !std::isfinite(end)) return error_at(where, times + "; expected finite ones");
     if (!(start < end)) return error_at(where, times + "; expected the earlier one first");
     scene_.transform_times = {start, end};
@@ -168,7 +168,9 @@ Status SceneBuilder::set_transform_times(double start, double end, const SourceL
 
 Status SceneBuilder::scale_displacement_edges(double factor, const SourceLocation& where) {
     if (!(factor > 0) || !std::isfinite(factor))
-        return error_at(where, "the scale of displaced meshes' edges is not above 0 and finite");
+        return error_at(
+            where,
+            "the factor of the edge lengths of displaced meshes is not above 0 and finite; expected a positive number");
     edge_scale_ = factor;
     return success();
 }
@@ -236,7 +238,7 @@ Status SceneBuilder::add_texture(const SceneName& name, TextureValue value, cons
     Result<SceneEntity> entity = make_entity(type, EntityKind::texture, std::move(parameters), where, !spectrum);
     if (!entity) {
         Error error = entity.error();  // finding the file would not help
-        if (type == "ptex") error.hint += "; of ptex textures raylex reads no files: imagemap takes images";
+        if (type == "ptex") error.hint += "; raylex does not read ptex files: imagemap reads images";
         return error;
     }
     SceneTexture texture;

@@ -1,6 +1,6 @@
 // Makes a SceneDescription in code: one call for every camera, film, material, texture, light, medium, shape, object
-// and instance. The importer of pbrt files makes its scenes by these calls too, so that there is one place that knows
-// names, checks parameters and refuses what does not fit.
+// and instance. The importer of pbrt files uses the same calls, so names are resolved and parameters checked in one
+// place.
 //
 //     using namespace raylex::transport::typed;  // real(), rgb() ...
 //     SceneBuilder scene("my scene");
@@ -11,8 +11,8 @@
 //     Result<SceneDescription> description = scene.finish();
 //
 // Types, parameters and defaults are those of pbrt-v4's file format and of plugins (`raylex plugins`). Points and
-// directions stand in the space of the transform given with them; rgb in the colour space of the scene. Errors name the
-// source file and line of the call.
+// directions are in the space of the transform passed with them; rgb is in the colour space of the scene. Errors name
+// the source file and line of the call.
 #pragma once
 
 #include <initializer_list>
@@ -32,7 +32,7 @@
 
 namespace raylex::transport {
 
-/// A name, and where it was written when that is not where the call is.
+/// A name, with its position if that differs from the position of the call.
 struct SceneName {
     SceneName(const char* name) : text(name) {}             // NOLINT(google-explicit-constructor)
     SceneName(std::string name) : text(std::move(name)) {}  // NOLINT(google-explicit-constructor)
@@ -44,20 +44,21 @@ struct SceneName {
     SourceLocation where;
 };
 
-/// What a call gives to a type.
+/// The parameters of an entity.
 struct SceneParameters {
     SceneParameters() = default;
     SceneParameters(std::initializer_list<Parameter> list) { own.parameters = list; }
     SceneParameters(ParameterSet set) : own(std::move(set)) {}  // NOLINT(google-explicit-constructor)
-    ParameterSet own;                                           ///< the type must know them all
-    std::vector<Parameter> fallbacks;  ///< fill gaps; what means nothing to the type is left out (pbrt's Attribute)
+    ParameterSet own;                                           ///< the type must know all of them
+    /// defaults for parameters that are not given; those unknown to the type are dropped (pbrt's Attribute)
+    std::vector<Parameter> fallbacks;
 };
 
-/// What calls hand out, for other calls of the same builder: any other refuses it. The values are its own business;
-/// what a caller makes is the default, which is every builder's.
+/// The result of a call, for other calls of the same builder; other builders refuse it. The values are private to the
+/// builder. A default-constructed handle is the default material, which every builder accepts.
 struct MaterialHandle {
     int reference = 0;          ///< by default the first material: diffuse, reflectance 0.5
-    std::uint32_t builder = 0;  ///< who handed it out; 0: nobody
+    std::uint32_t builder = 0;  ///< the builder that returned it; 0: none
 };
 struct MediumHandle {
     int reference = -1;  ///< vacuum
@@ -74,56 +75,56 @@ struct ObjectHandle {
 
 enum class TextureValue : std::uint8_t { real, spectrum };
 
-/// Where a shape stands, and what it is made of.
+/// The place of a shape, and its material, light and media.
 struct ShapePlacement {
-    Transform to_world{};  ///< in an object: to the object's space
-    /// Where it ends, if it moves: it becomes an object of its own, and an instance of that. In an object, all
-    /// instances of that place it too, by transforms in which theirs and its own are one.
+    Transform to_world{};  ///< for a shape of an object: to the object's space
+    /// The transform at the end of the motion, if the shape moves: it becomes an object of its own with one instance.
+    /// If it is part of an object, every instance of that object places it too, by combined transforms.
     std::optional<Transform> moved_to{};
     MaterialHandle material{};
-    AreaLightHandle area_light{};  ///< not in an object: instances do not emit (pbrt's rule)
+    AreaLightHandle area_light{};  ///< not for shapes of an object: instances do not emit (pbrt's rule)
     MediumHandle inside{}, outside{};
     bool reverse_orientation = false;
     ObjectHandle object{};  ///< the object that it is part of
     std::string label{};    ///< LPE object label; empty: the name of its material
 };
 
-/// A mesh without a file. Normals and texture coordinates: one a vertex, or none.
+/// A mesh without a file. Normals and texture coordinates: one per vertex, or none.
 struct MeshData {
     std::vector<StoredVec3> positions;
-    std::vector<std::uint32_t> indices;  ///< three a triangle; four a bilinear patch, p00 p10 p01 p11
+    std::vector<std::uint32_t> indices;  ///< three per triangle; four per bilinear patch, p00 p10 p01 p11
     std::vector<StoredVec3> normals{};
     std::vector<StoredVec2> uvs{};
     bool patches = false;
 };
 
-/// Curves without a file, as many as share material and type: cubic Bezier segments, 3 n + 1 points a curve.
+/// Curves without a file that share material and type: cubic Bezier segments, 3 n + 1 points per curve.
 struct CurveData {
     CurveType type = CurveType::flat;
     std::vector<StoredVec3> points;
     std::vector<std::uint32_t> first_points;  ///< of each curve
-    std::vector<StoredVec2> widths;           ///< of each curve, at its start and end
-    std::vector<StoredVec3> normals{};        ///< ribbons: n + 1 a curve
+    std::vector<StoredVec2> widths;           ///< of each curve, at its start and its end
+    std::vector<StoredVec3> normals{};        ///< for ribbons: n + 1 per curve
 };
 
 class SceneBuilder {
   public:
-    /// `file` is what the scene goes by in messages. Relative names of files are looked for in `search`: by default in
-    /// the current folder.
+    /// `file` is the name of the scene in messages. Relative file names are searched in `search`, by default in the
+    /// current folder.
     explicit SceneBuilder(std::string file, SearchPath search = {});
-    // A copy's handles would be those of the original, though each goes its own way.
+    // Not copyable: handles of the original would also be accepted by the copy, although the two differ.
     SceneBuilder(const SceneBuilder&) = delete;
     SceneBuilder& operator=(const SceneBuilder&) = delete;
     SceneBuilder(SceneBuilder&&) = default;
     SceneBuilder& operator=(SceneBuilder&&) = default;
     ~SceneBuilder() = default;
     void set_search(SearchPath search) { search_ = std::move(search); }
-    /// What a file that is not there does; by default it is refused.
+    /// How to treat a missing file; by default it is an error.
     void set_missing_files(MissingFiles missing) { missing_ = missing; }
 
-    // The last argument of calls is where they stand, by default in the source that calls.
+    // The last argument of each call is the position for messages, by default the calling source line.
 
-    /// Of all colours in parameters and textures; before any of them.
+    /// Sets the space of all colours in parameters and textures. Call it before adding any.
     void set_color_space(ColorSpace space) { scene_.color.scene_space = space; }
     [[nodiscard]] ColorSpace color_space() const { return scene_.color.scene_space; }
     Status set_film(const std::string& type, SceneParameters parameters,
@@ -134,15 +135,15 @@ class SceneBuilder {
                        const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
     Status set_integrator(const std::string& type, SceneParameters parameters,
                           const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
-    /// `world_to_camera` as Transform::look_at gives it; `moved_to` too, if the camera moves.
+    /// Sets a camera that moves. `world_to_camera` and `moved_to` are transforms like those of Transform::look_at.
     Status set_moving_camera(const std::string& type, SceneParameters parameters, const Transform& world_to_camera,
                              const Transform& moved_to, MediumHandle medium = {},
                              const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
-    /// When what moves starts and when it ends, by the clock of the camera's "shutteropen" and "shutterclose"; by
-    /// default at 0 and 1. How things go from here to there: math/animated_transform.h.
+    /// Sets the start and end times of all motion, in the units of the camera's "shutteropen" and "shutterclose"; the
+    /// defaults are 0 and 1. math/animated_transform.h describes the interpolation.
     Status set_transform_times(double start, double end,
                                const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
-    /// `world_to_camera` as Transform::look_at gives it.
+    /// Sets the camera. `world_to_camera` is a transform like those of Transform::look_at.
     Status set_camera(const std::string& type, SceneParameters parameters, const Transform& world_to_camera,
                       MediumHandle medium = {}, const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
 
@@ -151,23 +152,24 @@ class SceneBuilder {
     Result<MaterialHandle> add_named_material(const SceneName& name, const std::string& type,
                                               SceneParameters parameters,
                                               const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
-    /// A material that is defined somewhere, perhaps later.
+    /// A material by name; it may be defined later.
     MaterialHandle material_named(const SceneName& name,
                                   const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
-    /// `to_world` is where a grid's box stands.
+    /// Adds a medium. `to_world` places the box of a grid.
     Result<MediumHandle> add_medium(const SceneName& name, const std::string& type, SceneParameters parameters,
                                     const Transform& to_world = {},
                                     const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
-    /// A medium that is defined somewhere, perhaps later.
+    /// A medium by name; it may be defined later.
     MediumHandle medium_named(const SceneName& name,
                               const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
-    /// `to_world` is what mappings other than uv stand in. Textures may use those before them; materials use any.
+    /// Adds a texture. `to_world` is the space of mappings other than uv. A texture may use those before it; materials
+    /// use any.
     Status add_texture(const SceneName& name, TextureValue value, const std::string& type, SceneParameters parameters,
                        const Transform& to_world = {},
                        const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
     Status add_light(const std::string& type, SceneParameters parameters, const Transform& to_world = {},
                      const std::string& group = {}, const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
-    /// Makes all shapes that are placed with it emit.
+    /// Adds an area light; all shapes placed with it emit.
     Result<AreaLightHandle> add_area_light(const std::string& type, SceneParameters parameters,
                                            const std::string& group = {},
                                            const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
@@ -181,7 +183,7 @@ class SceneBuilder {
 
     Result<ObjectHandle> add_object(const SceneName& name,
                                     const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
-    /// An object that is defined somewhere, perhaps later.
+    /// An object by name; it may be defined later.
     ObjectHandle object_named(const SceneName& name,
                               const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
     Status add_instance(ObjectHandle object, const Transform& to_world = {},
@@ -189,19 +191,21 @@ class SceneBuilder {
     Status add_moving_instance(ObjectHandle object, const Transform& to_world, const Transform& moved_to,
                                const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
 
-    /// All images are read as they are, whatever their textures' "filter" says.
+    /// Disables filtering of all images, whatever the "filter" of their textures.
     void disable_texture_filtering() { unfiltered_ = true; }
-    /// Of all displaced meshes, whatever their own "edgelength" is.
+    /// Multiplies the "edgelength" of all displaced meshes by `factor`.
     Status scale_displacement_edges(double factor, const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
 
-    /// What the scene's reader should hear of: SceneDescription::warnings.
+    /// Appends a warning of the scene's reader to SceneDescription::warnings.
     void warn(Error warning) { scene_.warnings.push_back(std::move(warning)); }
 
-    /// How many threads read meshes; 0: all. `progress`, if any, is told how many there are and how many are read.
+    /// Sets the number of threads that read meshes (0: all). `progress`, unless null, receives the numbers of meshes
+    /// and of those read.
     void set_loading(int threads, LoadingProgress* progress) { threads_ = threads, progress_ = progress; }
 
-    /// Reads mesh files, resolves names and hands over the scene. Errors: a mesh that cannot be read, a name that
-    /// nothing has and a shape, the camera or another entity uses. The builder is spent either way, and refuses more.
+    /// Reads mesh files, resolves names and returns the scene. Errors: a mesh that cannot be read, an undefined name
+    /// that a shape, the camera or another entity uses. The builder accepts no calls afterwards, even if this one
+    /// fails.
     Result<SceneDescription> finish(const SourceLocation& where = {__builtin_FILE(), __builtin_LINE()});
 
   private:
@@ -212,7 +216,7 @@ class SceneBuilder {
     };
 
     // scene_builder_handles.cpp
-    /// A handle as calls hand it out.
+    /// Makes a handle to return from a call.
     template <typename Handle>
     [[nodiscard]] Handle handle(int reference) const {
         return {reference, id_};
@@ -225,19 +229,19 @@ class SceneBuilder {
     // scene_builder.cpp
     Status settings(SceneEntity& target, EntityKind kind, const std::string& type, SceneParameters parameters,
                     const SourceLocation& where);
-    /// `float_texture`: a texture of single numbers.
+    /// `float_texture` is true for a texture of single numbers.
     Result<SceneEntity> make_entity(const std::string& type, EntityKind kind, SceneParameters parameters,
                                     const SourceLocation& where, bool float_texture = false);
     Result<ParameterSet> checked(const std::string& type, EntityKind kind, SceneParameters parameters,
                                  const SourceLocation& where, bool float_texture = false);
     Status resolve_files(ParameterSet& set) const;
-    /// Resolves an entity's files, or puts something magenta in its place, with a warning.
+    /// Resolves an entity's files, or replaces a missing one by a magenta constant, with a warning.
     Status resolve_entity(SceneEntity& entity, bool float_texture);
     void count_placeholder(const std::string& file, const SourceLocation& where);
-    /// A box of magenta from -0.5 to 0.5 where a mesh's file is missing.
+    /// Adds a magenta box from -0.5 to 0.5 in place of a mesh whose file is missing.
     Status place_missing_mesh(const std::string& file, const ShapePlacement& placement, const SourceLocation& where);
     // scene_builder_shapes.cpp
-    /// Where shapes go: the scene's own, or an object's.
+    /// The list to which a shape is added: the scene's own, or an object's.
     Result<std::vector<SceneShape>*> shapes_of(const ShapePlacement& placement, const SourceLocation& where);
     Status place(std::vector<SceneShape> shapes, const ShapePlacement& placement, const SourceLocation& where);
     void append(std::vector<SceneShape>& target, std::vector<SceneShape> shapes, const ShapePlacement& placement);
@@ -256,7 +260,7 @@ class SceneBuilder {
     [[nodiscard]] bool has_texture(const std::string& name, bool spectrum, bool any_kind, std::size_t before) const;
     Error no_such_texture(const std::string& name, const SourceLocation& where, const char* kind) const;
 
-    /// A mesh file that read_meshes() reads, with the place that its shapes and warnings have in the order of calls.
+    /// A mesh file for read_meshes(), with the position of its shapes and warnings in the order of calls.
     struct NamedMesh {
         ParameterSet parameters;
         Transform to_world;
@@ -264,7 +268,7 @@ class SceneBuilder {
         SearchPath search;
         std::size_t shapes_before, warnings_before;
     };
-    /// A shape that moves in the object whose reference is `object`: an object of its own.
+    /// A shape that moves within the object whose reference is `object`; it is an object of its own.
     struct MovingPart {
         int object;
         ObjectHandle part;

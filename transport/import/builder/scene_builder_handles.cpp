@@ -1,4 +1,4 @@
-// Who handed out a handle, and whether a call can be taken at all.
+// Checks the handles of calls, and whether the builder still accepts calls.
 #include <atomic>
 
 #include "transport/import/builder/scene_builder.h"
@@ -21,7 +21,7 @@ Status SceneBuilder::check_handle(const Handle& handle, const char* what, const 
     if (handle.builder == id_ || (handle.builder == 0 && handle.reference == Handle().reference)) return success();
     if (handle.builder == 0)
         return error_at(where, std::string("the ") + what +
-                                   " is a handle that no scene builder handed out; expected one of this builder");
+                                   " is a handle that no scene builder returned; expected one of this builder");
     return error_at(
         where, std::string("the ") + what + " belongs to another scene builder; expected a handle of this builder");
 }

@@ -1,4 +1,4 @@
-// Mesh files: read at the end, in parallel, and put where the order of calls has them.
+// Mesh files: read at the end, in parallel, and inserted in the order of calls.
 #include <iterator>
 #include <optional>
 
@@ -15,7 +15,7 @@ struct ReadMesh {
     std::vector<Error> warnings;
 };
 
-/// Puts what begins at `place` of `extra` before the element that has that place in `list`; places ascend.
+/// Inserts the elements of `extra` that begin at `place` before the element of `list` with that index; places ascend.
 template <typename T>
 void splice(std::vector<T>& list, std::vector<std::pair<std::size_t, std::vector<T>>>& extra) {
     std::vector<T> merged;
@@ -32,7 +32,7 @@ void splice(std::vector<T>& list, std::vector<std::pair<std::size_t, std::vector
 
 }  // namespace
 
-/// Which thread reads which file does not matter: files know nothing of one another.
+/// The assignment of files to threads does not matter, since files are independent.
 Status SceneBuilder::read_meshes() {
     if (meshes_.empty()) return success();
     if (progress_ != nullptr) progress_->begin("meshes", meshes_.size());

@@ -1,4 +1,4 @@
-// Files that a scene names and that are not there: what SceneBuilder puts in their place when it is told to.
+// Placeholders for missing files, if set_missing_files() enables them.
 #include "transport/import/builder/scene_builder.h"
 
 namespace raylex::transport {
@@ -6,7 +6,7 @@ namespace raylex::transport {
 void SceneBuilder::count_placeholder(const std::string& file, const SourceLocation& where) {
     scene_.placeholders.push_back(file);
     const Result<std::string> found = search_.find(file, where);
-    warn(error_at(where, "cannot find file '" + file + "'; something magenta takes its place",
+    warn(error_at(where, "cannot find file '" + file + "'; a magenta placeholder is used",
                   found ? std::string() : found.error().hint));
 }
 

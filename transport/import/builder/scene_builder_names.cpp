@@ -1,4 +1,4 @@
-// At the end of a scene: every name that was used must have been defined somewhere.
+// At the end of a scene, every name that was used must be defined.
 #include "transport/import/builder/scene_builder.h"
 #include "transport/scene/film_sensor.h"
 #include "transport/scene/used_surfaces.h"
@@ -11,7 +11,7 @@ std::string did_you_mean(const std::string& name, const std::vector<std::string>
     return known.empty() ? "none is defined" : near_miss(name, known);
 }
 
-/// Up to the first failure.
+/// Calls the function for each shape until the first failure.
 template <typename Function>
 Status for_each_shape(SceneDescription& scene, const Function& function) {
     for (SceneShape& shape : scene.shapes)
@@ -34,7 +34,7 @@ Result<SceneDescription> SceneBuilder::finish(const SourceLocation& where) {
         return check_textures();
     };
     const Status settled = settle();
-    spent_ = true;  // what fails leaves names half resolved and meshes read
+    spent_ = true;  // after a failure, names are half resolved and meshes half read
     if (!settled) return settled.error();
     const auto sensor = read_sensor(scene_.film, scene_.camera, scene_.color.scene_space, scene_.warnings);
     if (!sensor) return sensor.error();
@@ -42,7 +42,7 @@ Result<SceneDescription> SceneBuilder::finish(const SourceLocation& where) {
     scene_.color.measured = sensor->measured;
     if (unfiltered_) read_images_unfiltered(scene_);
     for (auto* names : {&named_materials_, &named_media_, &named_objects_})
-        names->clear();  // what they lead to is gone
+        names->clear();  // the handles behind the names are no longer valid
     for (auto& names : named_textures_) names.clear();
     return std::move(scene_);
 }
@@ -62,7 +62,7 @@ Status SceneBuilder::resolve_materials() {
                     return missing(name, parameter.location);
         }
     }
-    // What no shape uses need not exist, as in pbrt.
+    // Materials that no shape uses need not exist, as in pbrt.
     return for_each_shape(scene_, [&](SceneShape& shape) -> Status {
         Reference& reference = material_references_[static_cast<std::size_t>(shape.material)];
         if (reference.index < 0) {
@@ -135,7 +135,7 @@ Error SceneBuilder::no_such_texture(const std::string& name, const SourceLocatio
         near == name ? "'" + name + "' is defined later or with the other value type" : did_you_mean(name, known));
 }
 
-// A texture may use those before it, and what texture_may_come_later() has; materials and shapes may use all.
+// A texture may use those before it and those that texture_may_come_later() allows; materials and shapes may use all.
 Status SceneBuilder::check_textures() const {
     const auto check_set = [this](const ParameterSet& set, std::size_t before, const SceneTexture* user) -> Status {
         const auto comes_later = [&](const std::string& name) {

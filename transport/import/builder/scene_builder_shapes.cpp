@@ -1,5 +1,5 @@
-// Shapes, objects and instances of a SceneBuilder. Mesh files are only named here: read_meshes() reads them all at the
-// end, at once.
+// Shapes, objects and instances of a SceneBuilder. Mesh files are only recorded here: read_meshes() reads all of them
+// at the end.
 #include <algorithm>
 #include <cmath>
 
@@ -15,7 +15,7 @@ namespace raylex::transport {
 
 namespace {
 
-/// As those of mesh files.
+/// Sets texture coordinates that are not finite to 0, as for mesh files.
 void set_broken_uvs(SceneShape& mesh, std::vector<Error>& warnings) {
     std::size_t broken = 0;
     for (StoredVec2& uv : mesh.uvs) {
@@ -62,8 +62,8 @@ Status SceneBuilder::add_shape(const std::string& type, SceneParameters paramete
     return place(std::move(*shapes), placement, where);
 }
 
-/// Under a transformation without inverse meshes are as flat as it makes them, as in pbrt, but for normals, of which it
-/// says nothing. What else there is has no area.
+/// Adds a shape whose transformation has no inverse. Meshes become flat, as in pbrt, except that normals are dropped,
+/// since pbrt defines none. Other shapes have no area.
 Status SceneBuilder::add_flattened(const std::string& type, const ParameterSet& set, const ShapePlacement& placement,
                                    const SourceLocation& where) {
     Result<std::vector<SceneShape>> shapes =
@@ -83,7 +83,7 @@ Status SceneBuilder::add_flattened(const std::string& type, const ParameterSet& 
     std::erase_if(*shapes, [](const SceneShape& shape) { return shape.indices.empty(); });
     warn(error_at(where, std::string("its transformation cannot be inverted: ") +
                              (shapes->empty() ? "the shape has no area and is left out"
-                                              : "the shape is flat, and its normals are the faces'")));
+                                              : "the shape is flat and uses face normals")));
     ShapePlacement flat = placement;
     flat.to_world = Transform();
     return place(std::move(*shapes), flat, where);
@@ -151,7 +151,7 @@ Status SceneBuilder::add_curves(const CurveData& curves, const ShapePlacement& p
     return place({std::move(shape)}, placement, where);
 }
 
-/// A shape that moves is an object that has one instance: its placement in that object.
+/// Turns a moving shape into an object with one instance; returns the placement of the shape in that object.
 Result<ShapePlacement> SceneBuilder::as_moving_object(const ShapePlacement& placement, const SourceLocation& where) {
     const bool in_object = placement.object.reference >= 0;
     if (placement.area_light.reference >= 0 && !in_object)
@@ -173,7 +173,7 @@ Result<ShapePlacement> SceneBuilder::as_moving_object(const ShapePlacement& plac
     return still;
 }
 
-/// Every instance of an object with moving parts is one of each part, too.
+/// Adds, for every instance of an object with moving parts, an instance of each part.
 Status SceneBuilder::place_moving_parts() {
     const std::size_t instances = scene_.instances.size();
     for (std::size_t i = 0; i < instances && !moving_parts_.empty(); ++i)
@@ -213,7 +213,7 @@ void SceneBuilder::append(std::vector<SceneShape>& target, std::vector<SceneShap
         return material_references_[static_cast<std::size_t>(of.material)];
     };
     for (SceneShape& shape : shapes) {
-        shape.material = placement.material.reference;  // references until finish()
+        shape.material = placement.material.reference;  // resolved in finish()
         shape.inside_medium = placement.inside.reference;
         shape.outside_medium = placement.outside.reference;
         shape.area_light = placement.object.reference >= 0 ? -1 : placement.area_light.reference;
@@ -235,7 +235,7 @@ Result<ObjectHandle> SceneBuilder::add_object(const SceneName& name, const Sourc
 }
 
 ObjectHandle SceneBuilder::object_named(const SceneName& name, const SourceLocation& where) {
-    // A million instances of a few objects need a few references.
+    // A million instances of a few objects share a few references.
     const auto [found, fresh] = object_reference_of_.emplace(name.text, static_cast<int>(object_references_.size()));
     if (fresh) object_references_.push_back({-1, name.text, name.place(where)});
     return handle<ObjectHandle>(found->second);
@@ -251,9 +251,9 @@ Status SceneBuilder::add_instance(ObjectHandle object, const Transform& to_world
     if (!transform) return transform.error();
     if (!is_affine(transform->matrix()))
         return error_at(where, "an instance's transformation must be affine: the last row of its matrix 0 0 0 1",
-                        "a shape's own transform need not be: place the shapes without an instance");
+                        "transforms of shapes need not be affine: place the shapes without an instance");
     SceneInstance instance;
-    instance.object = object.reference;  // a reference until finish()
+    instance.object = object.reference;  // resolved in finish()
     instance.to_world = *transform;
     instance.location = where;
     scene_.instances.push_back(std::move(instance));

@@ -8,7 +8,7 @@ namespace raylex::transport {
 
 namespace {
 
-/// What follows a directive's word.
+/// The form of the arguments after a directive's word.
 enum class Form : std::uint8_t {
     nothing,  // AttributeBegin
     numbers,  // Translate 1 2 3
@@ -28,7 +28,7 @@ struct DirectiveRow {
     const char* arguments;  ///< for messages
 };
 
-// Ordered as DirectiveId.
+// In the order of DirectiveId.
 constexpr DirectiveRow table[] = {
     {"Accelerator", Form::typed, 0, "a type in quotes"},
     {"ActiveTransform", Form::word, 0, "StartTime, EndTime or All"},
@@ -80,7 +80,7 @@ Error unknown_directive(const Tokenizer& tokenizer, const Token& token) {
     for (const DirectiveRow& row : table) names.emplace_back(row.name);
     std::string hint;
     if (token.text == "WorldEnd") {
-        hint = "pbrt-v3 wrote WorldEnd; pbrt-v4 files end without it";
+        hint = "WorldEnd belongs to pbrt-v3; pbrt-v4 files end without it";
     } else if (token.text == "SurfaceIntegrator" || token.text == "Renderer" || token.text == "VolumeIntegrator") {
         hint = "this is a directive of an older pbrt; raylex reads pbrt-v4 files";
     } else if (const std::string near = nearest_name(token.text.substr(0, 40), names); !near.empty()) {

@@ -1,4 +1,4 @@
-// Tokens into directives: the grammar of pbrt-v4 scene files, without any meaning.
+// Parses tokens into directives: the grammar of pbrt-v4 scene files, without semantics.
 #pragma once
 
 #include <array>
@@ -55,25 +55,26 @@ enum class DirectiveId : std::uint8_t {
     world_begin
 };
 
-/// A directive with its arguments, located. What the arguments are depends on the directive: names and types in
-/// `strings`, matrices and vectors in `numbers`.
+/// A directive with its position and arguments: names and types in `strings`, matrices and vectors in `numbers`.
 struct Directive {
     DirectiveId id = DirectiveId::identity;
-    std::string_view name;    ///< as pbrt spells it
-    SourceLocation location;  ///< of the directive's word
+    std::string_view name;    ///< in pbrt's spelling
+    SourceLocation location;  ///< position of the directive's word
     std::vector<std::string> strings;
     std::vector<SourceLocation> string_locations;
     std::array<double, 16> numbers{};
     ParameterSet parameters;
-    std::vector<Error> warnings;  ///< parameters given twice (the last one holds)
+    std::vector<Error> warnings;  ///< parameters given twice (the last value is used)
 };
 
-/// The next directive, or nothing at the end of the text. Errors carry line, column, excerpt and what was expected.
+/// Returns the next directive, or nothing at the end of the text. Errors contain line, column, excerpt and what was
+/// expected.
 Result<std::optional<Directive>> parse_directive(Tokenizer& tokenizer);
 
-/// Whether parameters may follow `directive`'s own: a file may include others in the midst of them.
+/// Whether parameters may follow those of `directive`: an included file may continue the parameters of its Include's
+/// directive.
 bool takes_parameters(const Directive& directive);
-/// Adds the parameters that `tokenizer` goes on with, if any.
+/// Appends the parameters at the position of `tokenizer`, if any.
 Status parse_more_parameters(Tokenizer& tokenizer, Directive& directive);
 
 }  // namespace raylex::transport

@@ -49,7 +49,7 @@ Error unknown_type(const Tokenizer& tokenizer, const Token& token, const std::st
         names.emplace_back(row.name);
         list += std::string(list.empty() ? "" : ", ") + row.name;
     }
-    // Spellings of pbrt-v3, which pbrt-v4 dropped.
+    // Spellings of pbrt-v3 that pbrt-v4 does not read.
     const std::string near = type == "point"     ? "point3"
                              : type == "vector"  ? "vector3"
                              : type == "normal3" ? "normal"
@@ -88,7 +88,7 @@ bool plain_number(std::string_view text, double& value) {
     return status == std::errc() && stop == text.data() + text.size() && std::isfinite(value);
 }
 
-/// Reads the values of one parameter; knows the parameter for its messages.
+/// Reads the values of one parameter, which its messages name.
 class ValueReader {
   public:
     ValueReader(const Tokenizer& tokenizer, const TypeRow& row, Parameter& parameter)
@@ -104,7 +104,7 @@ class ValueReader {
         return add_number(token);
     }
 
-    /// As many numbers as stand in a row and are such as add() takes without a word.
+    /// Adds the numbers that follow each other, up to the first that add() has to check.
     void add_numbers(Tokenizer& tokenizer) {
         if (row_.kind != ValueKind::number && (row_.kind != ValueKind::either || !parameter_.strings.empty())) return;
         if (parameter_.numbers.empty()) parameter_.numbers.reserve(tokenizer.words_in_list());
@@ -158,7 +158,7 @@ class ValueReader {
     Status add_number(const Token& token) {
         double number = 0;
         if (!plain_number(token.text, number)) {
-            if (is_broken_normal(token.text)) {  // what reads normals repairs and counts them
+            if (is_broken_normal(token.text)) {  // the readers of normals repair and count them
                 parameter_.numbers.push_back(std::numeric_limits<double>::quiet_NaN());
                 return success();
             }
@@ -182,7 +182,7 @@ class ValueReader {
         return success();
     }
 
-    /// Everything downstream is float: what it cannot hold would be infinite there without a word.
+    /// All later code uses float, where a value beyond its range would become infinite silently.
     static bool in_range(double number) {
         return std::abs(number) <= static_cast<double>(std::numeric_limits<float>::max());
     }
@@ -229,7 +229,7 @@ void keep_last(ParameterSet& set, Parameter parameter, std::vector<Error>& warni
     for (Parameter& earlier : set.parameters) {
         if (earlier.name != parameter.name) continue;
         warnings.push_back(
-            error_at(parameter.location, "parameter '" + parameter.name + "' is given twice; the last value holds"));
+            error_at(parameter.location, "parameter '" + parameter.name + "' is given twice; the last value is used"));
         earlier = std::move(parameter);
         return;
     }
@@ -250,7 +250,7 @@ Result<double> parse_number(const Tokenizer& tokenizer, const Token& token, cons
     const auto [stop, status] = std::from_chars(begin, end, value);
     if (status == std::errc::invalid_argument || stop != end) return failure("");
     if (status == std::errc::result_out_of_range) {
-        // Too small is zero for our purposes, too large is not a number we can hold: the exponent's sign tells.
+        // A number too small for double becomes 0; one that is too large is an error. The sign of the exponent decides.
         const bool tiny =
             token.text.find("e-") != std::string_view::npos || token.text.find("E-") != std::string_view::npos;
         if (!tiny) return failure(", too large for a double");
@@ -276,8 +276,8 @@ Status parse_parameters(Tokenizer& tokenizer, ParameterSet& set, std::vector<Err
         const Declaration declaration = split_declaration(token->text);
         if (declaration.type.empty() || declaration.name.empty())
             return tokenizer.error(*token, "found " + describe(*token) + "; expected a parameter, \"type name\"");
-        if (declaration.more)  // pbrt does not look at it
-            warnings.push_back(tokenizer.error(*token, "what follows type and name in " + describe(*token) +
+        if (declaration.more)  // pbrt ignores it
+            warnings.push_back(tokenizer.error(*token, "the text after type and name in " + describe(*token) +
                                                            " is ignored; expected a parameter, \"type name\""));
         const TypeRow* row = find_type(declaration.type);
         if (row == nullptr) return unknown_type(tokenizer, *token, declaration.type);

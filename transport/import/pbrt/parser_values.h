@@ -6,14 +6,14 @@
 
 namespace raylex::transport {
 
-/// A finite number from a word; infinite, NaN and other words are Errors that end in "expected <expected>".
+/// Parses a word as a finite number. Other words, infinity and NaN are Errors that end in "expected <expected>".
 Result<double> parse_number(const Tokenizer& tokenizer, const Token& token, const std::string& expected);
 
-/// All parameters that follow, up to the next directive. A name given twice keeps its last value and adds a warning.
+/// Parses all parameters up to the next directive. A name given twice keeps its last value and adds a warning.
 Status parse_parameters(Tokenizer& tokenizer, ParameterSet& set, std::vector<Error>& warnings);
 
-/// What stands between `name`, an option's without a type, and the next directive: one value, which says its type.
-/// pbrt takes letter case, '-' and '_' of such names for nothing.
+/// Parses the value of the option `name`, which has no type: one value, which determines the type. Like pbrt, it
+/// ignores letter case, '-' and '_' in such names.
 Status parse_option(Tokenizer& tokenizer, const Token& name, ParameterSet& set);
 
 }  // namespace raylex::transport

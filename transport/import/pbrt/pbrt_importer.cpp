@@ -19,7 +19,7 @@ namespace {
 
 /// One open scene file.
 struct Source {
-    std::string path, identity;  // identity: the same for every way to write the path
+    std::string path, identity;  // identity: equal for all spellings of the path
     std::shared_ptr<const std::string> text;
     Tokenizer tokenizer;
     bool imported = false;
@@ -48,7 +48,8 @@ class Importer {
         while (!sources_.empty()) {
             Source& source = *sources_.back();
             if (reading_stopped()) return reading_stopped_error(source.path);
-            // A directive looks for files where it begins, and most begin where the one before it did.
+            // File names are relative to the file in which a directive begins, and most begin in the file of the
+            // previous one.
             if (std::exchange(moved_on_, false)) reader_.set_search(search());
             Result<std::optional<Directive>> directive = parse_directive(source.tokenizer);
             if (!directive) return directive.error();
@@ -97,8 +98,8 @@ class Importer {
         return success();
     }
 
-    /// Text of an included file counts as if it stood in the place of its Include: a file may end in the midst of a
-    /// directive's parameters, and the file that includes it go on with them.
+    /// Reads on across the ends of files. The text of an included file replaces its Include: a file may end within the
+    /// parameters of a directive, which the including file then continues.
     Status read_on(Directive& directive) {
         while (takes_parameters(directive) && sources_.size() > 1 && !sources_.back()->imported) {
             Tokenizer& tokenizer = sources_.back()->tokenizer;
@@ -112,8 +113,8 @@ class Importer {
         return success();
     }
 
-    /// What a file holds; one that is included again is not read again. Files that include others several times each
-    /// grow like powers: counted by how often, how deep, and by the bytes that come again.
+    /// The content of a file; a file that is included again is not read again. Files that include others several times
+    /// each grow exponentially, so their number, depth and repeated bytes have budgets.
     Result<std::shared_ptr<const std::string>> text_of(const std::string& path, const std::string& identity,
                                                        const SourceLocation& where) {
         const auto refuse = [&](Budget which, const std::string& what) {
@@ -126,7 +127,7 @@ class Importer {
         if (const auto known = texts_.find(identity); known != texts_.end()) {
             repeated_bytes_ += known->second->size();
             if (repeated_bytes_ > budget(Budget::include_repeats))
-                return refuse(Budget::include_repeats, "the scene includes the same files again and again");
+                return refuse(Budget::include_repeats, "the scene includes the same files too many times");
             return known->second;
         }
         Result<std::string> text = read_file(path, NamedBy::file, "a scene file");
@@ -145,19 +146,20 @@ class Importer {
         const bool imported = sources_.back()->imported;
         Status status = imported ? reader_.end_import() : success();
         if (!status) return status;
-        closed_.try_emplace(sources_.back()->path, sources_.back()->text);  // for excerpts of errors found at the end
+        // for excerpts of errors that are found at the end
+        closed_.try_emplace(sources_.back()->path, sources_.back()->text);
         sources_.pop_back();
         moved_on_ = true;
         return success();
     }
 
-    /// The line behind the last one.
+    /// The position after the last line.
     static SourceLocation end_of(Source& source) {
         const Result<Token> token = source.tokenizer.next();
         return token ? source.tokenizer.location(*token) : SourceLocation{source.path, 0, 0};
     }
 
-    /// Errors of the builder know the place alone; the texts are kept here.
+    /// Adds an excerpt to errors of the builder, which contain the position only.
     [[nodiscard]] Error with_excerpt(Error error) const {
         if (error.line == 0 || !error.excerpt.empty()) return error;
         for (const auto& source : sources_)
@@ -169,10 +171,10 @@ class Importer {
 
     SceneReader reader_;
     fs::path folder_;
-    std::vector<std::unique_ptr<Source>> sources_;                              ///< open, the innermost last
+    std::vector<std::unique_ptr<Source>> sources_;                              ///< open files, the innermost last
     std::map<std::string, std::shared_ptr<const std::string>> closed_, texts_;  ///< by path, by identity
     std::uint64_t opened_ = 0, repeated_bytes_ = 0;
-    bool moved_on_ = false;  ///< to another file than the one that reader_ knows
+    bool moved_on_ = false;  ///< the current file is not the one whose search path reader_ has
 };
 
 }  // namespace

@@ -67,8 +67,8 @@ void append_number(std::string& text, double value) {
     append_shortest(text, value);
 }
 
-// The text is read as a double and then rounded to float: shortest digits of a float that lie next to the middle
-// between two floats would be rounded twice.
+// Readers parse a double and then round it to float. The shortest digits of a float that lie next to the middle between
+// two floats would be rounded twice.
 void append_number(std::string& text, float value) {
     const std::size_t start = text.size();
     append_shortest(text, value);
@@ -114,7 +114,7 @@ std::string alpha_text(const SceneShape& shape) {
 }
 
 std::string displacement_text(const SceneShape& shape) {
-    // An edge length means nothing without, but a scene that reads back is the same in everything.
+    // An edge length without displacement has no effect, but the scene that is read back is identical in every field.
     const std::string edge = shape.edge_length == 1 ? "" : number_parameter("edgelength", double{shape.edge_length});
     if (shape.displacement_texture.empty()) return edge;
     return " \"texture displacement\" " + quoted(shape.displacement_texture) + edge;
@@ -187,7 +187,7 @@ std::string ply_content(const SceneShape& shape, bool reverse_orientation) {
         append_bytes(text, static_cast<std::uint8_t>(group));
         append_bytes(text, k[0]);
         append_bytes(text, k[1]);
-        if (patches) append_bytes(text, k[3]);  // around the face; a patch has its corners row by row
+        if (patches) append_bytes(text, k[3]);  // around the face; a patch stores its corners row by row
         append_bytes(text, k[2]);
     }
     return text;

@@ -15,9 +15,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* name_of_color_space[] = {"srgb", "dci-p3", "rec2020", "aces2065-1"};
-constexpr std::size_t most_blocks = 64;  ///< inside one another: far below what readers take
+constexpr std::size_t most_blocks = 64;  ///< nesting depth of blocks: far below the limit of readers
 
-/// Shapes under AttributeBegin blocks that set what they have in common.
+/// Writes shapes inside AttributeBegin blocks that set their common attributes.
 class PbrtWriter {
   public:
     PbrtWriter(const SceneDescription& scene, std::string mesh_folder)
@@ -55,9 +55,9 @@ class PbrtWriter {
 
   private:
     enum class User : std::uint8_t { none, object, scene };
-    /// What a block sets.
+    /// The attribute that a block sets.
     struct Setting {
-        int material = -1, area_light = -1;  // one of them
+        int material = -1, area_light = -1;  // one of the two is set
     };
     struct State {
         int material = 0, area_light = -1;
@@ -66,7 +66,7 @@ class PbrtWriter {
 
     void line(const std::string& text) { (result_.text += text) += '\n'; }
     void leave_out(const std::string& what) {
-        const std::string sentence = what + " have no words in pbrt's files and are left out";
+        const std::string sentence = what + " cannot be written to pbrt files and are omitted";
         if (std::find(result_.left_out.begin(), result_.left_out.end(), sentence) == result_.left_out.end())
             result_.left_out.push_back(sentence);
     }
@@ -97,7 +97,7 @@ class PbrtWriter {
     void head() {
         if (scene_.color.scene_space != ColorSpace::srgb) {
             line("ColorSpace " + quoted(name_of_color_space[static_cast<std::size_t>(scene_.color.scene_space)]));
-            if (scene_.film.type.empty()) line("Film \"rgb\"");  // readers take the scene's space at its film
+            if (scene_.film.type.empty()) line("Film \"rgb\"");  // readers take the scene's colour space at its film
         }
         entity("Film", scene_.film);
         entity("PixelFilter", scene_.filter);
@@ -129,7 +129,7 @@ class PbrtWriter {
         line("WorldBegin");
     }
 
-    /// As SceneBuilder has it: a linear map after a translation, so that the camera's place is exact.
+    /// Writes a linear map after a translation, as SceneBuilder stores it, so that the camera's place is exact.
     void camera_place(const Transform& camera_to_world) {
         Matrix4 matrix = camera_to_world.inverse().matrix();
         const Matrix4& place = camera_to_world.matrix();
@@ -145,7 +145,7 @@ class PbrtWriter {
         line(text);
     }
 
-    // --- which material and which area light hold ---
+    // --- the current material and area light ---
 
     [[nodiscard]] bool is_named(int material) const {
         return !scene_.materials[static_cast<std::size_t>(material)].name.empty();
@@ -190,7 +190,7 @@ class PbrtWriter {
             else state.area_light = blocks_[i].area_light;
         return state;
     }
-    /// Whether `wanted` can be had from `state` by opening blocks; `once`: without writing anything a second time.
+    /// Whether opening blocks leads from `state` to `wanted`; `once`: without writing anything a second time.
     [[nodiscard]] bool reaches(const State& state, const State& wanted, bool once) const {
         if (wanted.area_light < 0 && state.area_light >= 0) return false;
         if (wanted.material == 0 && state.material != 0) return false;
@@ -263,20 +263,20 @@ class PbrtWriter {
         return "\"plymesh\" \"string filename\" " + quoted(path) + displacement_text(shape) + alpha_text(shape);
     }
 
-    /// Whether the next nameless material that is still to be written is an object's.
+    /// Whether the next material without a name that has not been written belongs to an object.
     bool object_brings_next() {
         std::size_t& next = next_material_;
         next = std::max(next, written_materials_);
         while (next < users_.size() && (users_[next] == User::none || is_named(static_cast<int>(next)))) ++next;
         return next == users_.size() || users_[next] == User::object;
     }
-    /// Nothing needs to be written for it but a name.
+    /// Whether the material has been written, so that a reference by name is enough.
     [[nodiscard]] bool is_ready(int material) const {
         return is_named(material) || static_cast<std::size_t>(material) < written_materials_;
     }
-    /// Objects and shapes, in an order that keeps that of materials where there is one.
+    /// Writes objects and shapes, in an order that keeps the order of materials if possible.
     void content() {
-        written_materials_ = 1;  // [0] is every scene's
+        written_materials_ = 1;  // [0] is part of every scene
         std::size_t next_object = 0, next_shape = 0;
         const auto& [objects, shapes] = std::tie(scene_.objects, scene_.shapes);
         while (next_object < objects.size() || next_shape < shapes.size()) {
@@ -315,8 +315,8 @@ class PbrtWriter {
     const SceneDescription& scene_;
     std::string mesh_folder_;
     PbrtText result_;
-    std::map<int, std::size_t> last_material_, last_light_;  ///< the last shape of the scene that has it
-    std::vector<User> users_;                                ///< [material] whose shapes it is of
+    std::map<int, std::size_t> last_material_, last_light_;  ///< the last shape of the scene that uses it
+    std::vector<User> users_;                                ///< [material] the owner of the shapes that use it
     std::vector<Setting> blocks_;                            ///< open around the next shape
     std::size_t written_materials_ = 0, written_lights_ = 0, next_material_ = 0;
 };

@@ -45,7 +45,7 @@ Where allowed_where(DirectiveId id) {
     }
 }
 
-// Names as pbrt spells them, letter case ignored.
+// pbrt's spellings; letter case is ignored.
 constexpr struct {
     const char* name;
     ColorSpace space;
@@ -192,7 +192,7 @@ Status SceneReader::color_space(const Directive& directive) {
     scene_.warn(error_at(directive.string_locations[0],
                          "unknown colour space '" + directive.strings[0] +
                              "'; expected srgb, dci-p3, rec2020 or "
-                             "aces2065-1, and the one before it stays, as in pbrt-v4",
+                             "aces2065-1. The previous space stays in use, as in pbrt-v4",
                          near_miss(name, known)));
     return success();
 }
@@ -221,7 +221,7 @@ Status SceneReader::option(const Directive& directive) {
                                                 "seed",
                                                 "wavefront"};
     Parameter parameter = directive.parameters.parameters.front();
-    std::erase_if(parameter.name, [](char c) { return c == '_' || c == '-'; });  // as pbrt-v4 reads them
+    std::erase_if(parameter.name, [](char c) { return c == '_' || c == '-'; });  // as pbrt-v4 does
     parameter.name = lower_case(parameter.name);
     if (std::find(known.begin(), known.end(), parameter.name) == known.end()) {
         return error_at(parameter.location, "unknown option '" + parameter.name + "'",
@@ -252,7 +252,7 @@ Status SceneReader::attribute(Directive& directive) {
         std::erase_if(defaults, [&](const DefaultParameter& d) { return d.parameter.name == parameter.name; });
         defaults.push_back({std::move(parameter), state_.color_space});
     }
-    // Each is looked at for every entity of its kind.
+    // All of them are checked for every entity of their kind.
     if (defaults.size() > budget(Budget::parameters))
         return over_budget(Budget::parameters, "Attribute has set too many parameters of '" + target + "'",
                            directive.location.file, directive.location.line, directive.location.column);
@@ -260,14 +260,14 @@ Status SceneReader::attribute(Directive& directive) {
     return success();
 }
 
-/// How intersections are found is Embree's business, and no image depends on it.
+/// Embree finds intersections, and no image depends on the accelerator.
 Status SceneReader::accelerator(Directive& directive) {
     ParameterSet& set = directive.parameters;
     const std::string& type = directive.strings[0];
     if (type != "bvh" && type != "kdtree")
         scene_.warn(error_at(directive.location, "accelerator '" + type +
-                                                     "' is none of pbrt's, bvh and kdtree; intersections "
-                                                     "are Embree's whatever is named here"));
+                                                     "' is unknown; expected bvh or kdtree. Embree finds "
+                                                     "intersections, whatever the accelerator"));
     std::vector<Error> warnings;
     Status checked =
         accelerators_.check(EntityKind::accelerator, directive.strings[0], set, set.parameters.size(), warnings);
@@ -309,7 +309,7 @@ void convert_colors(ParameterSet& set, ColorSpace to, ColorSpace from, bool ligh
         if (parameter.type != ParameterType::rgb || last == "eta" || last == "k" || last == "sigma_a" ||
             last == "sigma_s")
             continue;
-        // Colours outside the target space: a reflectance stays within [0, 1] and a light stays positive.
+        // Colours outside the target space: a reflectance is clamped to [0, 1], and a light stays positive.
         const double top = *std::max_element(parameter.numbers.begin(), parameter.numbers.end());
         for (std::size_t i = 0; i + 3 <= parameter.numbers.size(); i += 3) {
             const Triple rgb =

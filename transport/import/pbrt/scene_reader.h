@@ -1,4 +1,4 @@
-// Directives into calls of a SceneBuilder: the graphics state of pbrt's scene files.
+// Turns directives into calls of a SceneBuilder: the graphics state of pbrt's scene files.
 #pragma once
 
 #include <map>
@@ -22,16 +22,16 @@ class SceneReader {
         scene_.set_loading(threads, progress);
     }
 
-    /// Where directives look for files from here on.
+    /// Sets the search path for files of later directives.
     void set_search(SearchPath search) { scene_.set_search(std::move(search)); }
-    /// Carries out one directive other than Include and Import.
+    /// Executes one directive other than Include and Import.
     Status apply(Directive& directive);
 
-    /// Around an imported file: what it does to the graphics state and to coordinate systems ends with it.
+    /// Enters an imported file: its changes of the graphics state and of coordinate systems end with it.
     Status begin_import(const Directive& directive);
     Status end_import();
 
-    /// Resolves names and hands over the scene. `file_end` is where a missing WorldBegin is reported.
+    /// Resolves names and returns the scene. A missing WorldBegin is reported at `file_end`.
     Result<SceneDescription> finish(const SourceLocation& file_end);
 
   private:
@@ -40,7 +40,7 @@ class SceneReader {
         Block block;
         GraphicsState state;
         SourceLocation opened;
-        std::map<std::string, std::array<Transform, 2>> coordinate_systems;  // import only
+        std::map<std::string, std::array<Transform, 2>> coordinate_systems;  // for Import only
     };
 
     // scene_reader.cpp
@@ -84,8 +84,8 @@ class SceneReader {
     bool in_world_ = false;
 };
 
-/// rgb parameters of `set` from one colour space to another: lights keep their colour, all else keeps white white.
-/// Indices of refraction and coefficients (eta, k, sigma_a, sigma_s) are no colours and stay.
+/// Converts rgb parameters of `set` from one colour space to another: lights keep their colour, other parameters keep
+/// white white. Indices of refraction and coefficients (eta, k, sigma_a, sigma_s) are not colours and stay unchanged.
 void convert_colors(ParameterSet& set, ColorSpace to, ColorSpace from, bool light);
 
 }  // namespace raylex::transport

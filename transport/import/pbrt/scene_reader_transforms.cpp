@@ -1,4 +1,4 @@
-// The current transformation: composed on the right, so that the last one written acts first, as in pbrt.
+// The current transformation, composed on the right: the last directive acts first, as in pbrt.
 #include "transport/import/pbrt/scene_reader.h"
 
 namespace raylex::transport {
@@ -14,8 +14,8 @@ Transform from_columns(const std::array<double, 16>& numbers) {
 
 }  // namespace
 
-/// What cannot be inverted is refused where something is placed by it: files flatten and shrink to nothing what they
-/// hide.
+/// Applies a transformation. Singular ones are refused only when something is placed by them: some files hide objects
+/// by flattening or shrinking them.
 Status SceneReader::transform(const Directive& directive) {
     const std::array<double, 16>& n = directive.numbers;
     switch (directive.id) {
@@ -60,7 +60,7 @@ Status SceneReader::transform(const Directive& directive) {
         default:
             break;
     }
-    // Identity and Transform replace.
+    // Identity and Transform replace the current transformation.
     const Transform replacement = directive.id == DirectiveId::transform ? from_columns(n) : Transform();
     for (std::size_t i = 0; i < 2; ++i)
         if (state_.active[i]) state_.ctm[i] = replacement;
@@ -82,7 +82,7 @@ Status SceneReader::concatenate(const Transform& transform) {
     return success();
 }
 
-/// For what does not move in pbrt either: where it is at the start.
+/// The transformation at the start, for entities that do not move in pbrt either.
 const Transform& SceneReader::first_transform(const char* what, const SourceLocation& where) {
     if (moves())
         scene_.warn(error_at(

@@ -1,4 +1,4 @@
-// Directives after WorldBegin that add something to the scene.
+// Directives after WorldBegin that add entities to the scene.
 #include <algorithm>
 
 #include "transport/import/pbrt/scene_reader.h"
@@ -8,7 +8,7 @@ namespace raylex::transport {
 
 namespace {
 
-/// Takes "string type" out of a MakeNamed... directive's parameters.
+/// Removes "string type" from the parameters of a MakeNamed... directive and returns it.
 Result<std::string> take_type(Directive& directive, const std::string& kind, const std::string& example) {
     std::vector<Parameter>& parameters = directive.parameters.parameters;
     const auto type =
@@ -53,8 +53,8 @@ Status SceneReader::world_entity(Directive& directive) {
     return error_at(directive.location, std::string(directive.name) + " is not handled");
 }
 
-/// Own parameters, and those set by Attribute for `target` (what it calls entities of this kind). Colours end up in the
-/// film's space; a medium's are those of a light, "Le".
+/// The directive's own parameters, then those set by Attribute for `target` (its name for this kind of entity). Colours
+/// are converted to the film's space; a medium's "Le" is converted like a light.
 SceneParameters SceneReader::with_defaults(Directive& directive, const char* target, bool light) const {
     SceneParameters result(std::move(directive.parameters));
     convert_colors(result.own, scene_.color_space(), state_.color_space, light);
@@ -108,7 +108,7 @@ Status SceneReader::texture(Directive& directive) {
                               first_transform("textures", directive.location), directive.location);
 }
 
-/// Lights shine in the white of their own colour space where no colour is given.
+/// Lights without a colour emit the white of their own colour space.
 SceneParameters SceneReader::light_parameters(Directive& directive) const {
     SceneParameters result = with_defaults(directive, "light", true);
     if (state_.color_space == scene_.color_space()) return result;
@@ -174,7 +174,7 @@ Status SceneReader::instance(const Directive& directive) {
     return scene_.add_instance(object, state_.ctm[0], directive.location);
 }
 
-/// `file_end` is where a missing WorldBegin is reported.
+/// A missing WorldBegin is reported at `file_end`.
 Result<SceneDescription> SceneReader::finish(const SourceLocation& file_end) {
     if (!stack_.empty()) {
         const bool object = stack_.back().block == Block::object;

@@ -1,5 +1,5 @@
-// Any of pbrt's curves is kept as cubic Bezier segments ("Physically Based Rendering", 4th edition, 6.7): quadratic
-// ones are raised in degree, pieces of uniform B-splines get the control points that their blossoms give.
+// All kinds of pbrt's curves are stored as cubic Bezier segments ("Physically Based Rendering", 4th edition, 6.7): the
+// degree of quadratic ones is raised, and pieces of uniform B-splines get the control points of their blossoms.
 #include "transport/import/shapes/curve_shapes.h"
 
 #include <cmath>
@@ -13,7 +13,7 @@
 namespace raylex::transport {
 namespace {
 
-/// What the words of a directive say.
+/// The string parameters of a curve.
 struct CurveWords {
     CurveType type = CurveType::flat;
     bool bspline = false;
@@ -21,8 +21,8 @@ struct CurveWords {
     float width0 = 1, width1 = 1;
 };
 
-/// One of `choices`, by its place among them; for any other word `otherwise`, if pbrt-v4 goes on with that, with a
-/// warning.
+/// Returns the index of the parameter's value in `choices`. For any other value returns `otherwise` with a warning, if
+/// pbrt-v4 continues with that one, else an error.
 Result<std::size_t> choice(const ParameterSet& set, std::string_view name, std::initializer_list<const char*> choices,
                            std::optional<std::size_t> otherwise, std::vector<Error>& warnings) {
     const Result<std::string> word = set.string_or(name, *choices.begin());
@@ -36,7 +36,7 @@ Result<std::size_t> choice(const ParameterSet& set, std::string_view name, std::
     Error unknown =
         error_at(location_of(set, name), "'" + std::string(name) + "' of a curve is '" + *word + "'; expected " + list);
     if (!otherwise) return unknown;
-    unknown.message += std::string(", and it is taken as ") + choices.begin()[*otherwise] + ", as in pbrt-v4";
+    unknown.message += std::string(". It is read as ") + choices.begin()[*otherwise] + ", as in pbrt-v4";
     warnings.push_back(std::move(unknown));
     return *otherwise;
 }
@@ -87,7 +87,8 @@ Result<std::size_t> count_segments(const ParameterSet& set, const CurveWords& wo
                                                (words.bspline ? " or more" : " + " + std::to_string(degree) + " n"));
 }
 
-/// The cubic control points of one segment, whose own are at `p`; the first of them is known where one was before.
+/// Appends the cubic control points of one segment with the control points `p`; the first is shared with the previous
+/// segment.
 void append_segment(std::vector<StoredVec3>& out, const StoredVec3* p, const CurveWords& words) {
     DVec3 a(p[0]), b(p[1]), c(p[2]), d;
     if (words.degree == 2) {
@@ -119,7 +120,8 @@ Result<std::vector<StoredVec3>> read_normals(const ParameterSet& set, const Curv
     if (!normals) return normals;
     if (words.type != CurveType::ribbon) {
         if (!normals->empty())
-            warnings.push_back(error_at(location_of(set, "N"), "'N' of a curve turns ribbons alone and is ignored"));
+            warnings.push_back(
+                error_at(location_of(set, "N"), "'N' of a curve applies to ribbons only and is ignored"));
         return std::vector<StoredVec3>();
     }
     if (normals->size() != segments + 1)

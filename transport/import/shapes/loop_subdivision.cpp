@@ -2,9 +2,9 @@
 // cubic B-spline's along boundaries; limits and tangents: Hoppe et al. 1994, "Piecewise smooth surface reconstruction",
 // and "Physically Based Rendering", 3rd edition, section 3.8, whose parameters these are.
 //
-// Tangents are masks of the last level's control points, not of the limit points that pbrt-v4 takes: those masks are
-// what the limit surface has; the difference shrinks with every level. Outside is, as in pbrt, where faces go around
-// clockwise.
+// Tangents use masks of the last level's control points, not of the limit points as in pbrt-v4: these masks give the
+// tangents of the limit surface, and the difference shrinks with every level. As in pbrt, the outside is the side from
+// which faces go around clockwise.
 #include "transport/import/shapes/loop_subdivision.h"
 
 #include <algorithm>
@@ -22,21 +22,21 @@ namespace {
 
 constexpr std::uint32_t nobody = 0xffffffffu;
 
-/// What the edges of a mesh are, and what of them each vertex has.
+/// The edges of a mesh, and whether each vertex lies on a boundary.
 struct Topology {
     struct Edge {
         std::uint32_t low, high;
-        std::array<std::uint32_t, 2> opposite{nobody, nobody};  ///< the second: none at a boundary
+        std::array<std::uint32_t, 2> opposite{nobody, nobody};  ///< the second is absent at a boundary
         [[nodiscard]] bool boundary() const { return opposite[1] == nobody; }
     };
     std::vector<Edge> edges;
     std::vector<std::array<std::uint32_t, 3>> face_edges;  ///< [face]: edge from corner k to corner k + 1
     std::vector<std::uint32_t> valence;
     std::vector<std::uint8_t> boundary;  ///< [vertex]
-    std::size_t odd_edges = 0;           ///< of more than two faces, or of two that go around differently
+    std::size_t odd_edges = 0;           ///< of more than two faces, or of two with opposite orientations
 };
 
-/// One way along an edge of a face.
+/// One direction of an edge of a face.
 struct HalfEdge {
     std::uint32_t low, high, face, corner;
     bool upwards;
@@ -62,7 +62,7 @@ Result<Topology> topology_of(std::size_t vertices, const std::vector<MeshFace>& 
     t.boundary.resize(vertices);
     for (std::size_t i = 0; i < halves.size();) {
         const HalfEdge &one = halves[i], *other = i + 1 < halves.size() ? &halves[i + 1] : nullptr;
-        // Of three faces and more at an edge the first two go together, and so on, as in pbrt.
+        // Among three or more faces at an edge the first two are paired, and so on, as in pbrt.
         const std::size_t end = other != nullptr && other->low == one.low && other->high == one.high ? i + 2 : i + 1;
         const bool third = i > 0 && halves[i - 1].low == one.low && halves[i - 1].high == one.high;
         t.odd_edges += third || (end == i + 2 && one.upwards == other->upwards);
@@ -81,7 +81,7 @@ Result<Topology> topology_of(std::size_t vertices, const std::vector<MeshFace>& 
     return t;
 }
 
-/// (1 - n w) p + w (sum of n neighbours): all of them inside, at a boundary the two along it.
+/// (1 - n w) p + w (sum of n neighbours): all neighbours in the interior, and the two along the boundary on it.
 std::vector<DVec3> smoothed(const std::vector<DVec3>& p, const Topology& t, double boundary_weight,
                             double (*inner_weight)(std::uint32_t valence)) {
     std::vector<DVec3> sums(p.size());
@@ -105,8 +105,8 @@ double limit_weight(std::uint32_t valence) {
     return 1 / (valence + 3 / (8 * even_weight(valence)));
 }
 
-/// Of the faces that refine() makes, without a search: edge e becomes 2 e at its low end and 2 e + 1 at the high one,
-/// face f has 3 f + k across its corner k behind them.
+/// The topology of the faces that refine() makes, without a search: edge e becomes 2 e at its low end and 2 e + 1 at
+/// the high one. After these, face f has the edges 3 f + k across its corner k.
 Topology refined_topology(const Topology& t, std::size_t vertices, const std::vector<MeshFace>& faces,
                           const std::vector<MeshFace>& finer) {
     const auto first = static_cast<std::uint32_t>(vertices), inner = static_cast<std::uint32_t>(2 * t.edges.size());
@@ -161,8 +161,8 @@ void refine(std::vector<DVec3>& p, std::vector<MeshFace>& faces, Topology& t) {
     faces = std::move(finer);
 }
 
-/// The neighbours of each vertex in turn, in the order in which faces go around them: from one end of the boundary to
-/// the other where there is one.
+/// The neighbours of each vertex in the order in which faces go around it. On a boundary the order runs from one end of
+/// the boundary to the other.
 class Rings {
   public:
     Rings(std::size_t vertices, const std::vector<MeshFace>& faces) : begin_(vertices + 1) {
@@ -175,11 +175,11 @@ class Rings {
             for (std::size_t k = 0; k < 3; ++k) steps_[at[face[k]]++] = {face[(k + 1) % 3], face[(k + 2) % 3]};
     }
 
-    /// Into `ring`; false where the faces around the vertex are not one fan.
+    /// Writes the neighbours to `ring`; returns false if the faces around the vertex are not one fan.
     bool read(std::uint32_t vertex, std::vector<std::uint32_t>& ring) {
         const auto first = steps_.begin() + static_cast<std::ptrdiff_t>(begin_[vertex]),
                    last = steps_.begin() + static_cast<std::ptrdiff_t>(begin_[vertex + 1]);
-        // Sorted, as thousands of faces may meet at a vertex.
+        // Sorted, since thousands of faces may meet at a vertex.
         std::sort(first, last,
                   [](const Step& a, const Step& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
         ends_.clear();
@@ -210,7 +210,7 @@ class Rings {
     std::vector<std::uint32_t> ends_;  // of one vertex
 };
 
-/// The directions of n neighbours around a vertex; nearly all vertices have as many as the one before.
+/// The directions of n neighbours around a vertex, kept for the next vertex: most have as many.
 class Turns {
   public:
     struct Turn {
@@ -231,7 +231,7 @@ class Turns {
     std::vector<Turn> turns_;
 };
 
-/// Across two tangents of the limit surface; pbrt's ring goes the other way, and so does its normal.
+/// The normal across two tangents of the limit surface. pbrt's ring runs the other way, and so does its normal.
 DVec3 limit_normal(const DVec3& p, const std::vector<DVec3>& ring, bool boundary, Turns& turns) {
     const std::size_t n = ring.size();
     DVec3 s, t;
@@ -281,13 +281,13 @@ std::vector<StoredVec3> limit_normals(const std::vector<DVec3>& p, const std::ve
             if (const DVec3 limit = limit_normal(p[v], around, boundary[v] != 0, turns); dot(limit, limit) > 0)
                 n = limit;
         }
-        // Finite and not 0 but where all faces around have no area: those are left out, and their normal with them.
+        // It is finite, and not 0 unless all faces around have no area: those are omitted, and the normal with them.
         normals.push_back(dot(n, n) > 0 ? to_float(normalize(n).to_real()) : StoredVec3{0, 0, 1});
     }
     return normals;
 }
 
-/// Numbers the vertices that faces use, in their order.
+/// Renumbers the vertices that faces use, in their order, and returns them.
 std::vector<DVec3> used_vertices(const std::vector<StoredVec3>& positions, std::vector<MeshFace>& faces) {
     std::vector<std::uint32_t> number(positions.size(), nobody);
     for (const MeshFace& face : faces)
@@ -313,7 +313,7 @@ Result<SubdividedMesh> loop_subdivision(const std::vector<StoredVec3>& positions
     if (triangles > most)
         return over_budget(Budget::tessellated_triangles,
                            std::to_string(levels) + " levels make more triangles of " + std::to_string(faces.size()) +
-                               " faces than can be kept",
+                               " faces than the budget allows",
                            where.file, where.line, where.column);
     std::vector<MeshFace> current = faces;
     std::vector<DVec3> p = used_vertices(positions, current);
@@ -325,7 +325,7 @@ Result<SubdividedMesh> loop_subdivision(const std::vector<StoredVec3>& positions
     mesh.positions.reserve(p.size());
     for (const DVec3& limit : smoothed(p, *t, 1.0 / 5, limit_weight))
         mesh.positions.push_back(to_float(limit.to_real()));
-    // What edges are is not needed any more, and what follows needs as much memory again.
+    // The edges are no longer needed, and the next step needs as much memory again.
     const std::vector<std::uint8_t> boundary = std::move(t->boundary);
     *t = Topology();
     mesh.normals = limit_normals(p, current, boundary);
@@ -360,7 +360,7 @@ Result<std::vector<SceneShape>> make_loop_subdivision(const ParameterSet& set, c
             error_at(location_of(set, "indices"),
                      std::to_string(mesh->odd_edges) +
                          " edges of a loopsubdiv belong to more than two faces, or to two that go around "
-                         "differently; the surface is not smooth there"));
+                         "in opposite directions; the surface is not smooth there"));
     SceneShape shape;
     shape.location = set.location;
     shape.positions = std::move(mesh->positions);

@@ -14,17 +14,17 @@ using MeshFace = std::array<std::uint32_t, 3>;
 
 struct SubdividedMesh {
     std::vector<StoredVec3> positions;   ///< on the limit surface
-    std::vector<StoredVec3> normals;     ///< of the limit surface, unit
+    std::vector<StoredVec3> normals;     ///< unit normals of the limit surface
     std::vector<std::uint32_t> indices;  ///< 3 per triangle
-    std::size_t odd_edges = 0;           ///< of more than two faces, or of two that go around differently
+    std::size_t odd_edges = 0;           ///< of more than two faces, or of two with opposite orientations
 };
 
-/// `levels` times four triangles for each, then every vertex to where further levels would take it. Vertices that no
-/// face uses are left out. Errors, at `where`: a face with a corner twice, more triangles than the budget.
+/// Splits each triangle into four `levels` times, then moves every vertex to its limit position. Vertices that no face
+/// uses are omitted. Errors, at `where`: a face with a repeated corner, more triangles than the budget.
 Result<SubdividedMesh> loop_subdivision(const std::vector<StoredVec3>& positions, const std::vector<MeshFace>& faces,
                                         int levels, const SourceLocation& where);
 
-/// pbrt's `loopsubdiv`.
+/// Makes the triangles of pbrt's `loopsubdiv`.
 Result<std::vector<SceneShape>> make_loop_subdivision(const ParameterSet& parameters, const ShapeContext& context,
                                                       std::vector<Error>& warnings);
 

@@ -13,7 +13,7 @@ namespace raylex::transport {
 
 namespace {
 
-/// What becomes of values that belong to vertices when there are more or fewer of them: pbrt-v4 leaves them all out.
+/// Warns that the number of per-vertex values differs from the number of vertices: pbrt-v4 ignores them all.
 void warn_uneven(const ParameterSet& set, const std::string& name, const std::string& found, std::size_t vertices,
                  std::vector<Error>& warnings) {
     warnings.push_back(error_at(location_of(set, name), "'" + name + "' has " + found + " for " +
@@ -48,9 +48,10 @@ Result<std::vector<StoredVec3>> normals_of(const ParameterSet& set, std::size_t 
     return normals;
 }
 
-/// Public meshes hold normals that are not finite numbers or zero, mostly at vertices whose faces have no area. Such a
-/// normal becomes the mean of the faces around the vertex by area, each turned to the side of the normals at its other
-/// corners (files have faces that go around the other way), or any direction where there is none: no light falls there.
+/// Repairs normals. Public meshes contain normals that are zero or not finite, mostly at vertices whose faces have no
+/// area. Such a normal becomes the area-weighted mean of the faces around the vertex, each turned to the side of the
+/// normals at its other corners (some files have faces with the opposite orientation). Without faces of positive area
+/// it is arbitrary, since no ray hits there.
 std::size_t repair_normals(std::vector<StoredVec3>& normals, const std::vector<StoredVec3>& positions,
                            const std::vector<std::uint32_t>& triangles, const std::vector<std::uint32_t>& quads) {
     std::vector<std::uint8_t> broken(normals.size(), 0);
@@ -88,7 +89,7 @@ void warn_repaired(std::size_t count, const SceneShape& shape, const std::string
                                                         " are zero or not finite and were computed from the faces"));
 }
 
-/// The transform, and what ReverseOrientation turns.
+/// Sets the transform, and the normals and the side that ReverseOrientation turns.
 void take_context(SceneShape& shape, const ShapeContext& context) {
     shape.object_to_world = context.object_to_world;
     shape.flip_normal = context.reverse_orientation != context.object_to_world.swaps_handedness();
@@ -106,9 +107,9 @@ void warn_dropped(std::size_t dropped, const SceneShape& shape, const std::strin
             shape.location, std::to_string(dropped) + " of the faces of " + what + " have no area and are left out"));
 }
 
-/// `displacement` and `edgelength` of a plymesh. Displaced quadrilaterals are triangles, as in pbrt.
+/// Reads `displacement` and `edgelength` of a plymesh. Displaced quadrilaterals become triangles, as in pbrt.
 Status read_displacement(const ParameterSet& set, PlyMesh& mesh, SceneShape& shape) {
-    // pbrt's documentation and its source spell it differently.
+    // pbrt's documentation and its source spell the name differently.
     const char* const name = set.find("displacement.edgelength") != nullptr ? "displacement.edgelength" : "edgelength";
     const Result<double> edge = set.real_or(name, 1);
     if (!edge) return edge.error();
@@ -123,7 +124,7 @@ Status read_displacement(const ParameterSet& set, PlyMesh& mesh, SceneShape& sha
     if (mesh.uvs.empty())
         return error_at(displacement->location, mesh_name(shape) +
                                                     " has no texture coordinates; expected them for its "
-                                                    "displacement (pbrt-v4 asks for them, too)");
+                                                    "displacement (pbrt-v4 requires them, too)");
     shape.displacement_texture = displacement->strings.front();
     for (std::size_t i = 0; i + 4 <= mesh.quads.size(); i += 4) {
         const std::uint32_t* q = mesh.quads.data() + i;
@@ -133,7 +134,7 @@ Status read_displacement(const ParameterSet& set, PlyMesh& mesh, SceneShape& sha
     return success();
 }
 
-/// What both kinds of inline mesh share.
+/// The common part of both kinds of inline mesh.
 Result<std::vector<SceneShape>> make_inline_mesh(ShapeKind kind, const ParameterSet& set, const ShapeContext& context,
                                                  std::vector<Error>& warnings) {
     SceneShape shape;
@@ -179,7 +180,8 @@ Result<std::vector<SceneShape>> make_triangle_mesh(const ParameterSet& set, cons
 
 Result<std::vector<SceneShape>> make_bilinear_mesh(const ParameterSet& set, const ShapeContext& context,
                                                    std::vector<Error>& warnings) {
-    static_cast<void>(set.find("emissionfilename"));  // of pbrt's sampling alone: ours goes by the light's own image
+    // for pbrt's light sampling only: raylex samples by the image of the light itself
+    static_cast<void>(set.find("emissionfilename"));
     return make_inline_mesh(ShapeKind::bilinear_mesh, set, context, warnings);
 }
 

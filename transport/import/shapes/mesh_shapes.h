@@ -1,4 +1,4 @@
-// Meshes: from parameters or a file to checked vertices in the space they are written in.
+// Meshes: from parameters or a file to checked vertices, in the space of the parameters or file.
 #pragma once
 
 #include "transport/import/shapes/shapes.h"

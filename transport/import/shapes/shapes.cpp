@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view unsupported[] = {"cone", "paraboloid", "hyperboloid", "nurbs", "heightfield"};
 
-/// Reads real parameters one after the other and keeps the first failure.
+/// Reads real parameters one after the other and keeps the first error.
 class RealReader {
   public:
     explicit RealReader(const ParameterSet& set) : set_(set) {}
@@ -50,7 +50,7 @@ Result<std::vector<SceneShape>> make_quadric(ShapeKind kind, const ParameterSet&
     shape.flip_normal = context.reverse_orientation != context.object_to_world.swaps_handedness();
     RealReader real(set);
     shape.radius = real("radius", 1);
-    // pbrt-v4 keeps such shapes, and no ray ever meets them.
+    // pbrt-v4 keeps such shapes, but no ray hits them.
     const auto left_out = [&](const std::string& why) {
         warnings.push_back(error_at(set.location, why + ": the shape has no area and is left out"));
         return std::vector<SceneShape>();
@@ -59,26 +59,26 @@ Result<std::vector<SceneShape>> make_quadric(ShapeKind kind, const ParameterSet&
     real.require(shape.radius > 0, "radius is not above 0");
     shape.phi_max = std::clamp(real("phimax", 360), Real(0), Real(360));
     if (real.status() && shape.phi_max == 0)
-        return left_out("'phimax' leaves nothing; expected degrees above 0, at most 360");
+        return left_out("'phimax' leaves no surface; expected degrees above 0, at most 360");
     if (kind == ShapeKind::disk) {
         shape.height = real("height", 0);
         shape.inner_radius = real("innerradius", 0);
         real.require(shape.inner_radius >= 0, "'innerradius' is below 0");
         if (real.status() && shape.inner_radius >= shape.radius)
-            return left_out("'innerradius' leaves nothing; expected 0 up to below the radius");
+            return left_out("'innerradius' leaves no surface; expected at least 0 and less than the radius");
     } else {
         const bool sphere = kind == ShapeKind::sphere;
         const Real a = real("zmin", sphere ? -shape.radius : -1), b = real("zmax", sphere ? shape.radius : 1);
         const Real reach = sphere ? shape.radius : std::numeric_limits<Real>::infinity();
         shape.z_min = std::clamp(std::min(a, b), -reach, reach);
         shape.z_max = std::clamp(std::max(a, b), -reach, reach);
-        real.require(shape.z_min < shape.z_max, "'zmin' and 'zmax' leave nothing of the shape");
+        real.require(shape.z_min < shape.z_max, "'zmin' and 'zmax' leave no surface");
     }
     if (!real.status()) return real.status().error();
     return std::vector<SceneShape>{std::move(shape)};
 }
 
-/// The registry's entry, or an Error that says what pbrt knows and raylex does not.
+/// The registry's entry, or an Error that lists the types that raylex supports.
 Result<const Registry<ShapeFactory>::Entry*> find_shape(const std::string& type, const SourceLocation& where) {
     if (shape_registry().find(type) != nullptr ||
         std::find(std::begin(unsupported), std::end(unsupported), type) == std::end(unsupported))
@@ -88,7 +88,7 @@ Result<const Registry<ShapeFactory>::Entry*> find_shape(const std::string& type,
     return error_at(where, "shape '" + type + "' is not supported yet; supported are " + list);
 }
 
-/// `alpha`: a number or the name of a float texture, for every kind of shape.
+/// Reads `alpha` of any shape: a number or the name of a float texture.
 Status read_alpha(const ParameterSet& set, std::vector<SceneShape>& shapes) {
     const Parameter* alpha = set.find("alpha");
     if (alpha == nullptr) return success();
@@ -129,11 +129,11 @@ Registry<ShapeFactory>& shape_registry() {
                "triangles and quadrilaterals of a PLY file",
                {{"filename", T::string, "", "beside the scene file, or absolute"},
                 {"displacement", T::texture, "", "along normals; a float texture"},
-                {"edgelength", T::real, "1", "of a displaced mesh, in the world: longer edges are halved first"},
+                {"edgelength", T::real, "1", "longest edge of a displaced mesh, in the world: longer edges are halved"},
                 {"displacement.edgelength", T::real, "1", "the same"}},
                make_ply_mesh});
         r.add({"sphere",
-               "around the origin",
+               "a sphere around the origin",
                {radius, {"zmin", T::real, "-radius", "cut below"}, {"zmax", T::real, "radius", "cut above"}, phi_max},
                quadric(ShapeKind::sphere)});
         r.add({"disk",
@@ -142,11 +142,11 @@ Registry<ShapeFactory>& shape_registry() {
                quadric(ShapeKind::disk)});
         r.add({"cylinder",
                "around z, open",
-               {radius, {"zmin", T::real, "-1", "its lower end"}, {"zmax", T::real, "1", "its upper end"}, phi_max},
+               {radius, {"zmin", T::real, "-1", "lower end"}, {"zmax", T::real, "1", "upper end"}, phi_max},
                quadric(ShapeKind::cylinder)});
         r.add({"curve",
                "Bezier or B-spline curves with a width",
-               {{"type", T::string, "flat", "flat (faces every ray), cylinder (round) or ribbon (turned by N)"},
+               {{"type", T::string, "flat", "flat (faces every ray), cylinder (round) or ribbon (oriented by N)"},
                 {"basis", T::string, "bezier", "bezier or bspline"},
                 {"degree", T::integer, "3", "2 or 3"},
                 {"P", T::point3, "", "control points"},
@@ -157,7 +157,7 @@ Registry<ShapeFactory>& shape_registry() {
                make_curve});
         r.add({"loopsubdiv",
                "Loop's subdivision surface, as the triangles of its limit",
-               {{"levels", T::integer, "3", "each makes four triangles of one"},
+               {{"levels", T::integer, "3", "each splits a triangle into four"},
                 points,
                 indices("three a face"),
                 {"scheme", T::string, "loop", "loop"}},

@@ -1,4 +1,4 @@
-// Shape directives into loaded geometry, still in the space it was written in.
+// Turns Shape directives into loaded geometry, in the space of the directive.
 #pragma once
 
 #include <functional>
@@ -10,33 +10,31 @@
 
 namespace raylex::transport {
 
-/// What surrounds a Shape directive.
+/// The graphics state around a Shape directive.
 struct ShapeContext {
     Transform object_to_world;
     bool reverse_orientation = false;
     SearchPath search;
 };
 
-/// The shapes of one directive. Material, area light, label and alpha are the caller's business.
+/// Makes the shapes of one directive. The caller sets material, area light, label and alpha.
 using ShapeFactory = std::function<Result<std::vector<SceneShape>>(
     const ParameterSet& parameters, const ShapeContext& context, std::vector<Error>& warnings)>;
-/// The shapes by their names in pbrt; plugins add theirs, as meshes (finish_mesh()) or as the kinds there are.
+/// The shapes by pbrt's names; plugins add theirs as meshes (finish_mesh()) or as existing kinds.
 Registry<ShapeFactory>& shape_registry();
 
-/// What every mesh goes through: `mesh` has its kind, location, positions and indices, and normals and texture
-/// coordinates if any, in the object's space, where they stay; normals that are no numbers are computed from the faces,
-/// and faces without area are left out, each with a warning that says `what` it was of. Where the shape stands in the
-/// world is `context`'s business, and what that does to its vertices place_mesh()'s, when the scene is built.
-///
-/// The caller has checked that indices and counts fit, and that positions are finite.
+/// Completes a mesh. `mesh` has its kind, location, positions and indices, and optionally normals and texture
+/// coordinates, in the object's space, where they stay. Normals that are not finite are computed from the faces, and
+/// faces without area are dropped, each with a warning that contains `what`. `context` contains the placement in the
+/// world; place_mesh() applies it to vertices when the scene is built.
+/// || The caller has checked that indices and counts fit, and that positions are finite.
 Result<std::vector<SceneShape>> finish_mesh(SceneShape mesh, const std::string& what, const ShapeContext& context,
                                             std::vector<Error>& warnings);
 
-/// The shapes of one directive: none when nothing of positive area is left (a warning says so), two for a mesh file
-/// that holds triangles and quadrilaterals. Material, area light and label are the caller's business.
-///
-/// Conventions of pbrt: vertices and normals are floats as written; normals change sign under ReverseOrientation; the
-/// surface's own side turns (flip_normal) under ReverseOrientation xor a transformation that swaps handedness.
+/// Makes the shapes of one directive: none if no positive area is left (with a warning), two for a mesh file with
+/// triangles and quadrilaterals. The caller sets material, area light and label.
+/// || Conventions of pbrt: vertices and normals are floats as written. Normals change sign under ReverseOrientation.
+/// The surface's own side turns (flip_normal) under ReverseOrientation xor a transformation that swaps handedness.
 Result<std::vector<SceneShape>> make_shapes(const std::string& type, const ParameterSet& parameters,
                                             const ShapeContext& context, std::vector<Error>& warnings);
 

@@ -8,7 +8,7 @@ namespace raylex::transport {
 
 namespace {
 
-/// Of a pixel's own radiance in what By::excess draws by.
+/// The share of a pixel's own radiance in the weights of By::excess.
 constexpr Real share_of_all = Real(0.1);
 
 }  // namespace

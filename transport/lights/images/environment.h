@@ -1,12 +1,12 @@
 // Image environments: radiance from every direction, in pbrt-v4's equal-area octahedral layout (math/octahedral.h),
 // importance-sampled.
 //
-// Where scattering finds the sky too, light samples are drawn by what stands out of it (MIS compensation: O. Karlik et
-// al. 2019, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", ACM TOG 38(6)): by
-// max(L - mean, 0), and by a share of L itself, so that the density is positive wherever there is light and what
-// scattering may miss is found whatever it is.
+// Where scattering finds the sky too, light samples are drawn by the excess over the mean (MIS compensation: O. Karlik
+// et al. 2019, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", ACM TOG 38(6)). The
+// weight is max(L - mean, 0) plus a share of L itself. So the density is positive wherever there is light, and light
+// that scattering misses is found.
 //
-// Look-ups take the nearest pixel, as pbrt-v4's image light does, so a piecewise-constant density over the pixels is
+// Look-ups take the nearest pixel, as pbrt-v4's image light does. So a piecewise-constant density over the pixels is
 // exactly proportional to the luminance, and every pixel covers the same solid angle.
 #pragma once
 
@@ -21,22 +21,22 @@
 
 namespace raylex::transport {
 
-/// What a pixel is sampled by: the mean of its channels serves every primary alike.
+/// The sampling weight of a pixel: the mean of its channels, since all primaries matter equally.
 inline Real sampling_weight(const Rgb& c) {
     return std::max(c.average(), Real(0));
 }
 
 class EnvironmentImage {
   public:
-    /// `pixels` row-major from the top, resolution^2 of them.
+    /// `pixels` is row-major from the top, with resolution^2 elements.
     EnvironmentImage(int resolution, std::vector<Rgb> pixels, const Placement& placement);
 
     [[nodiscard]] Rgb radiance(const Vec3& world_direction) const;
-    /// What directions are drawn by: radiance, or what stands out of its mean.
+    /// The weight by which directions are drawn: radiance, or its excess over the mean.
     enum class By : std::uint8_t { radiance, excess };
-    /// Per steradian; 0 where the image is black.
+    /// The density of sample() per steradian; 0 if the image is black.
     [[nodiscard]] Real pdf(const Vec3& world_direction, By by = By::radiance) const;
-    /// A world direction, or false when the image is black everywhere.
+    /// Draws a world direction; returns false if the image is black everywhere.
     bool sample(const Vec2& u, Vec3& world_direction, Rgb& radiance, Real& pdf, By by = By::radiance) const;
     [[nodiscard]] double mean_luminance() const { return mean_; }
 

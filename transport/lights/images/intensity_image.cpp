@@ -36,7 +36,7 @@ IntensityImage IntensityImage::projection(RgbImage image, double fov, const Plac
         for (int x = 0; x < width; ++x) {
             const DVec3 w = light.direction_of({(static_cast<Real>(x) + Real(0.5)) / static_cast<Real>(width),
                                                 (static_cast<Real>(y) + Real(0.5)) / static_cast<Real>(height)});
-            const double cubed = w.z * w.z * w.z;  // of what faces the light at distance 1 to solid angle
+            const double cubed = w.z * w.z * w.z;  // of area facing the light at distance 1 to solid angle
             weights.push_back(sampling_weight(light.image_.at(x, y)) * cubed);
             light.flux_ += luminance(light.image_.at(x, y)) * cubed;
         }

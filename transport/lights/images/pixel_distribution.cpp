@@ -7,7 +7,7 @@
 namespace raylex::transport {
 namespace {
 
-/// Largest i with cumulative[i] <= u, and where u stands within that step.
+/// The largest i with cumulative[i] <= u; `within` receives the position of u within that step.
 std::size_t find_step(const Real* cumulative, std::size_t steps, Real u, Real& within) {
     const Real* upper = std::upper_bound(cumulative, cumulative + steps + 1, u);
     std::size_t i = upper == cumulative ? 0 : static_cast<std::size_t>(upper - cumulative) - 1;
@@ -56,7 +56,7 @@ std::size_t PixelDistribution::pixel_of(const Vec2& at) const {
 }
 
 Real PixelDistribution::density(std::size_t pixel) const {
-    // From the stored cumulative shares and not from the pixel's weight: what sample() really does.
+    // Uses the stored cumulative shares, not the pixel's weight: they are what sample() uses.
     const std::size_t y = pixel / width_, x = pixel % width_;
     const Real* row = columns_.data() + y * (width_ + 1);
     const Real share = (rows_[y + 1] - rows_[y]) * (row[x + 1] - row[x]);

@@ -13,15 +13,15 @@ namespace raylex::transport {
 class PixelDistribution {
   public:
     PixelDistribution() = default;
-    /// `weights` row-major, width x height of them, >= 0; where all are 0 nothing is drawn.
+    /// `weights` is row-major, width x height elements, >= 0; if all are 0, nothing is drawn.
     PixelDistribution(int width, int height, const std::vector<double>& weights);
 
     struct Drawn {
         std::size_t pixel = 0;
         Vec2 at;           ///< in [0, 1)^2
-        Real density = 0;  ///< there; 0: nothing was drawn
+        Real density = 0;  ///< at `at`; 0: nothing was drawn
     };
-    /// u in [0, 1)^2.
+    /// Draws a point with u in [0, 1)^2.
     [[nodiscard]] Drawn sample(const Vec2& u) const;
     [[nodiscard]] Real density(std::size_t pixel) const;
     [[nodiscard]] std::size_t pixel_of(const Vec2& at) const;

@@ -13,19 +13,19 @@ namespace {
 
 constexpr double pi_d = std::numbers::pi;
 
-/// From an angle in (-pi/2, pi/2) of coordinates x and z to [0, 1].
+/// Maps the angle in (-pi/2, pi/2) of the coordinates x and z to [0, 1].
 double share_of_half_turn(double x, double z) {
     return std::clamp(elementary::atan2(x, z) / pi_d + 0.5, 0.0, 1.0);
 }
 
-/// A direction of the portal's frame; `at` in (0, 1)^2.
+/// The direction in the portal's frame of a point (x, y) in (0, 1)^2.
 DVec3 direction_of(double x, double y) {
     const auto a = elementary::sin_cos((x - 0.5) * pi_d), b = elementary::sin_cos((y - 0.5) * pi_d);
-    // (tan a, tan b, 1), times both cosines: at the border they are 0 and not infinite.
+    // (tan a, tan b, 1) times both cosines: at the border this is 0 instead of infinite.
     return normalize(DVec3{a.sin * b.cos, b.sin * a.cos, a.cos * b.cos});
 }
 
-/// Solid angle for each area of the turned image: pi^2 (1 - x^2) (1 - y^2) / z (Bitterli et al. 2015, section 3).
+/// Solid angle per area of the rectified image: pi^2 (1 - x^2) (1 - y^2) / z (Bitterli et al. 2015, section 3).
 double solid_angle(const DVec3& w) {
     return pi_d * pi_d * (1 - w.x * w.x) * (1 - w.y * w.y) / w.z;
 }
@@ -102,7 +102,7 @@ double PortalImage::sum(double x, double y) const {
 
 bool PortalImage::window_from(const Vec3& from, Window& window) const {
     const DVec3 near = to_frame(corner_ - DVec3(from)), far = to_frame(opposite_ - DVec3(from));
-    if (!(near.z > 0)) return false;  // in its plane or outside
+    if (!(near.z > 0)) return false;  // in the portal's plane or outside
     window.x0 = share_of_half_turn(near.x, near.z);
     window.y0 = share_of_half_turn(near.y, near.z);
     window.x1 = share_of_half_turn(far.x, near.z);
@@ -138,7 +138,8 @@ Real PortalImage::pdf(const Vec3& from, const Vec3& direction) const {
 bool PortalImage::sample(const Window& window, const Vec2& u, Vec3& direction, Rgb& radiance, Real& pdf) const {
     const double whole = sum(window);
     if (!(whole > 0)) return false;
-    // The column within which the integral reaches a share u.x, then how far into it; then the same down the column.
+    // Finds the column in which the integral reaches a share u.x and the position within it; then the same along the
+    // column.
     const auto find = [this](double lower, double upper, double wanted, auto integral_up_to, double& at) {
         const double n = resolution_;
         int first = std::min(static_cast<int>(lower * n), resolution_ - 1),

@@ -11,7 +11,7 @@ struct Four {
     Real across, down;
 };
 
-/// The pixel whose centre is up and left of a place, and where the place stands between it and the next.
+/// The pixel whose centre is above and left of a point, and the position of the point between it and the next.
 Four four_around(Real x, Real y, const RgbImage& image) {
     const Real px = x * static_cast<Real>(image.width) - Real(0.5),
                py = y * static_cast<Real>(image.height) - Real(0.5);
@@ -28,7 +28,7 @@ Rgb interpolate(const Four& f, Fetch fetch) {
 }  // namespace
 
 Rgb RgbImage::bilinear(Real x, Real y) const {
-    // Texture coordinates may be anything, and an int holds only so much.
+    // Texture coordinates are arbitrary, and the range of int is limited.
     x = std::clamp(x, Real(0), Real(1));
     y = std::clamp(y, Real(0), Real(1));
     return interpolate(four_around(x, y, *this),
@@ -44,7 +44,7 @@ double RgbImage::mean_luminance() const {
 Rgb octahedral_bilinear(const RgbImage& image, const Vec2& at) {
     const int n = image.width;
     return interpolate(four_around(at.x, at.y, image), [&](int x, int y) {
-        // Over an edge the sphere goes on at the place mirrored in the edge's middle.
+        // Across an edge the sphere continues at the point mirrored at the edge's middle.
         if (x < 0 || x >= n) {
             x = x < 0 ? -x - 1 : 2 * n - 1 - x;
             y = n - 1 - y;

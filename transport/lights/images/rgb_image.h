@@ -1,4 +1,4 @@
-// Pictures that lights show: linear RGB in the rendering space, row-major from the top.
+// Images that lights emit: linear RGB in the rendering space, row-major from the top.
 #pragma once
 
 #include <vector>
@@ -15,13 +15,14 @@ struct RgbImage {
     [[nodiscard]] const Rgb& at(int x, int y) const {
         return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
     }
-    /// At (x, y) in [0, 1]^2 from the top left corner, between the centres of four pixels; beyond the border the
-    /// border's.
+    /// The value at (x, y) in [0, 1]^2 from the top left corner, interpolated between the centres of four pixels.
+    /// Beyond the border, the border's value.
     [[nodiscard]] Rgb bilinear(Real x, Real y) const;
     [[nodiscard]] double mean_luminance() const;
 };
 
-/// Of a square equal-area octahedral image, between the centres of four pixels, across its edges too (Clarberg 2008).
+/// The value of a square equal-area octahedral image, interpolated between four pixel centres, across its edges too
+/// (Clarberg 2008).
 [[nodiscard]] Rgb octahedral_bilinear(const RgbImage& image, const Vec2& at);
 
 }  // namespace raylex::transport

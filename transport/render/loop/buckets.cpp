@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using display::RowRange;
 
-/// What this process has in memory now.
+/// The current resident memory of this process.
 std::uint64_t resident_bytes() {
     std::ifstream file("/proc/self/statm");
     std::uint64_t size = 0, resident = 0;
@@ -26,7 +26,7 @@ std::uint64_t resident_bytes() {
     return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
-/// Of one row of the image, rendered and saved, and of all that is there whatever the buckets are.
+/// The memory for one row of the image, rendered and saved, and the memory that does not depend on buckets.
 struct BucketMemory {
     std::uint64_t row = 0, scene = 0, writer = 0, threads = 0;
     [[nodiscard]] std::uint64_t beside() const { return scene + writer + threads; }
@@ -37,8 +37,8 @@ BucketMemory bucket_memory(const ResolvedJob& job) {
     display::FrameBufferLayout layout = layout_of(job);
     layout.height = 1;
     const auto width = static_cast<std::uint64_t>(layout.width);
-    // The record, and its packed bytes, which seldom are as many. Of what is being written, two layers as double and as
-    // they stand in the file, and the sums of a split.
+    // The record, and its packed bytes, which are usually fewer. While writing: two layers, as double and in the file's
+    // format, and the sums of a split.
     constexpr std::uint64_t written_pixel = 200;
     memory.row =
         2 * display::total_bytes(display::frame_buffer_memory(layout, job.channels.list)) + written_pixel * width;
@@ -64,25 +64,25 @@ Status check_buckets(const ResolvedJob& job) {
     if (job.settings.stop.limit)
         return error_at({},
                         what +
-                            " with an end by time: all pixels are to have as many samples, and how many that will be "
-                            "is not known when the first bucket is finished",
-                        "expected a number of samples; a time is possible without " + without);
+                            " with a time limit: all pixels need the same number of samples, which "
+                            "is unknown when the first bucket is finished",
+                        "expected a number of samples; a time limit is possible without " + without);
     if (!job.settings.mattes.kinds.empty())
         return error_at({}, what + " with cryptomattes, whose names and ranks are kept for the whole image",
-                        "leave out the cryptomattes, or render them by themselves without " + without +
-                            ": a render without a beauty and few samples does");
+                        "leave out the cryptomattes, or render them separately without " + without +
+                            ": few samples and no beauty are enough");
     if (job.integrator().starts_up())
-        return error_at({}, what + " by integrator '" + job.chosen.name + "', whose paths follow from one another",
+        return error_at({}, what + " by integrator '" + job.chosen.name + "', whose paths depend on one another",
                         "leave out " + without + ", or choose another integrator, such as path");
     if (job.integrator().traits().saved_state == SavedState::unknown)
         return error_at({},
                         what + " by integrator '" + job.chosen.name +
-                            "', which does not say how its state is saved, so that no bucket can be",
+                            "', whose state cannot be saved, so that no bucket can be saved",
                         "leave out " + without + ", or choose another integrator, such as path");
     return success();
 }
 
-/// How many rows a bucket has, or none when the image fits.
+/// The number of rows of a bucket; nothing if the image fits into memory.
 Result<std::optional<int>> rows_of(const ResolvedJob& job, bool begun) {
     const BucketSettings& asked = *job.settings.buckets;
     if (asked.memory == 0) return std::optional<int>(asked.rows);
@@ -90,7 +90,7 @@ Result<std::optional<int>> rows_of(const ResolvedJob& job, bool begun) {
     const std::uint64_t whole = display::total_bytes(plan_of(job).memory);
     if (asked.rows == 0 && !begun && memory.beside() + whole <= asked.memory) return std::optional<int>();
     const std::string need = "the image needs " + text_of(whole) + " beside " + text_of(memory.beside()) +
-                             ", more than the " + text_of(asked.memory) + " of --memory, ";
+                             ", but --memory allows " + text_of(asked.memory) + " of --memory, ";
     if (Status s = check_buckets(job); !s) {
         Error error = s.error();
         error.message = need + "and " + error.message + " is not possible";
@@ -110,7 +110,7 @@ Result<std::optional<int>> rows_of(const ResolvedJob& job, bool begun) {
     return std::optional<int>(static_cast<int>(rows));
 }
 
-/// "rows-00000-00032.bucket", or none.
+/// The rows in a name like "rows-00000-00032.bucket"; nothing for other names.
 std::optional<RowRange> rows_named(const fs::path& file) {
     RowRange rows;
     int length = 0;
@@ -121,7 +121,7 @@ std::optional<RowRange> rows_named(const fs::path& file) {
     return rows;
 }
 
-/// Of the buckets whose files are in the folder, in order.
+/// The rows of the buckets with files in the folder, in order.
 Result<std::vector<RowRange>> saved_buckets(const std::string& folder, const RowRange& image) {
     std::vector<RowRange> saved;
     std::error_code failed;
@@ -129,9 +129,9 @@ Result<std::vector<RowRange>> saved_buckets(const std::string& folder, const Row
         const std::optional<RowRange> rows = rows_named(each.path());
         if (!rows) continue;
         if (rows->first < image.first || rows->end > image.end || rows->first >= rows->end)
-            return error_at({each.path().string(), 0, 0},
-                            "cannot resume: the bucket is of rows that this render does not have",
-                            "render as it was begun, or, to begin again, remove the folder and leave out --resume");
+            return error_at(
+                {each.path().string(), 0, 0}, "cannot resume: the bucket contains rows that this render does not have",
+                "use the settings of the first session, or, to start again, remove the folder and leave out --resume");
         saved.push_back(*rows);
     }
     if (failed) return error_at({folder, 0, 0}, "cannot read the folder with the buckets: " + failed.message());
@@ -139,7 +139,7 @@ Result<std::vector<RowRange>> saved_buckets(const std::string& folder, const Row
     for (std::size_t i = 1; i < saved.size(); ++i)
         if (saved[i].first < saved[i - 1].end)
             return error_at({folder, 0, 0}, "cannot resume: two buckets have row " + std::to_string(saved[i].first),
-                            "one of them is of another render: remove it");
+                            "one of them belongs to another render: remove it");
     return saved;
 }
 
@@ -154,7 +154,8 @@ std::string BucketPlan::file_of(const RowRange& rows) const {
 Result<std::optional<BucketPlan>> plan_buckets(const PreparedJob& prepared) {
     const ResolvedJob& job = prepared.job;
     if (!job.settings.buckets || job.budget.only) return std::optional<BucketPlan>();
-    if (!job.checkpoint) return error_at({}, "a render in buckets without a folder for them; expected its name");
+    if (!job.checkpoint)
+        return error_at({}, "a render in buckets without a folder for them; expected the name of a folder");
     std::error_code failed;
     const bool begun = job.checkpoint->resume && fs::is_directory(job.checkpoint->file, failed);
     const auto rows = rows_of(job, begun);
@@ -164,7 +165,7 @@ Result<std::optional<BucketPlan>> plan_buckets(const PreparedJob& prepared) {
     if (job.checkpoint->resume && !begun && fs::exists(job.checkpoint->file, failed))
         return error_at({job.checkpoint->file, 0, 0},
                         "cannot resume: this is the checkpoint of a render without buckets",
-                        "leave out --memory and --bucket-rows, or, to begin again, remove this file and leave out "
+                        "leave out --memory and --bucket-rows, or, to start again, remove this file and leave out "
                         "--resume");
     BucketPlan plan;
     plan.folder = job.checkpoint->file;
@@ -187,7 +188,7 @@ Result<std::optional<BucketPlan>> plan_buckets(const PreparedJob& prepared) {
 
 namespace {
 
-/// Shows the caller the plan, and makes the folder.
+/// Passes the plan to the caller, and makes the folder.
 Status begin_buckets(const ResolvedJob& job, const BucketPlan& plan, const display::RecordIdentity& identity) {
     if (job.settings.before_rendering) {
         RenderPlan told = plan_of(job);
@@ -197,10 +198,11 @@ Status begin_buckets(const ResolvedJob& job, const BucketPlan& plan, const displ
         std::vector<display::SampleSink*> sinks;
         if (Status s = job.settings.before_rendering(told, sinks); !s) return s;
         if (!sinks.empty())
-            return error_at({},
-                            "a render in buckets beside what takes in raw samples of the whole image, such as a deep "
-                            "image or a path atlas",
-                            "leave out these, or --memory and --bucket-rows");
+            return error_at(
+                {},
+                "a render in buckets with an output that reads raw samples of the whole image, such as a deep "
+                "image or a path atlas",
+                "leave out these, or --memory and --bucket-rows");
     }
     std::error_code failed;
     fs::create_directories(plan.folder, failed);
@@ -209,7 +211,7 @@ Status begin_buckets(const ResolvedJob& job, const BucketPlan& plan, const displ
     return success();
 }
 
-/// What one loop tells, as part of the whole render.
+/// Converts the progress of one loop to progress of the whole render.
 std::function<void(const RenderProgress&)> of_whole(const ResolvedJob& job, const display::PixelRegion& region,
                                                     const std::function<void(const RenderProgress&)>& progress) {
     const std::uint64_t total = static_cast<std::uint64_t>(region.width()) *
@@ -224,7 +226,7 @@ std::function<void(const RenderProgress&)> of_whole(const ResolvedJob& job, cons
     };
 }
 
-/// An image of the buckets that are there.
+/// An image that reads the buckets that exist.
 std::unique_ptr<const display::BandedImage> image_of(const ResolvedJob& job, const BucketPlan& plan,
                                                      const std::vector<RowRange>& there) {
     display::FrameBufferLayout layout = layout_of(job);
@@ -283,7 +285,7 @@ Result<RenderOutput> render_buckets(PreparedJob& prepared, const BucketPlan& pla
     }
     job.bucket.reset();
     job.grid.region = region;
-    // The last bucket's memory, too, is given back before the image is read.
+    // The memory of the last bucket is released too, before the image is read.
     display::FrameBufferLayout row = layout_of(job);
     row.height = 1;
     output->frame_buffer = display::FrameBuffer(row, job.channels.list);
@@ -299,7 +301,7 @@ Result<RenderOutput> render_buckets(PreparedJob& prepared, const BucketPlan& pla
 Status remove_buckets(const std::string& folder) {
     std::error_code failed;
     std::vector<fs::path> files;
-    std::vector<std::string> begun;  // by a process that died: of buckets that this render may have cut otherwise
+    std::vector<std::string> begun;  // begun by a process that died; this render may divide the image differently
     for (const fs::directory_entry& each : fs::directory_iterator(folder, failed)) {
         const std::string name = each.path().filename().string(), ending = ".bucket";
         if (rows_named(each.path())) files.push_back(each.path());

@@ -4,7 +4,7 @@
 
 namespace raylex::transport {
 
-/// Tile by tile under the tile's lock, so that no thread waits long.
+/// Reads tile by tile under the tile's lock, so that no thread waits long.
 template <class Read>
 std::vector<double> TiledImage::by_tiles(const display::PixelRegion& region, std::size_t components, Read read) const {
     std::vector<double> result(static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height()) *

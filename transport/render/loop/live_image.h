@@ -1,4 +1,4 @@
-// The image while threads add to it: read tile by tile, under the locks that they take. Private to transport/render.
+// Reads the image while threads add to it, tile by tile, under their locks. Private to transport/render.
 #pragma once
 
 #include "transport/render/stages/render_state.h"

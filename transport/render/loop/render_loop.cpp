@@ -66,7 +66,7 @@ Status RenderLoop::run_phases(TaskRunner& runner, const std::function<void()>& r
         }
         const bool more = !schedule_->finished(state_.position);
         if (runner.stopped()) {
-            // Amid an iteration there is nothing consistent to save: the last checkpoint stays.
+            // Within an iteration there is no consistent state to save: the last checkpoint remains.
             if (saver_->enabled() && more && (*whole || schedule_->can_save_amid_phase()) &&
                 state_.samples_done.load() > 0 && !state_.splats_left_behind())
                 saver_->save(state_);
@@ -103,7 +103,7 @@ Result<FinishedLoop> RenderLoop::run(const std::function<void(const RenderProgre
         finished.warnings.push_back(error_at(
             {},
             std::to_string(threads) + " of " + std::to_string(state_.workers.size()) +
-                " threads rendered the image, to the same bits: the system starts no more",
+                " threads rendered the image, with the same bits: the system cannot start more",
             "its limit of processes or of address space is reached: expected --threads " + std::to_string(threads)));
     report();
     return finished;
@@ -125,7 +125,7 @@ FinishedLoop RenderLoop::finish() {
         warnings.push_back(error_at({},
                                     std::to_string(untraced) +
                                         " rays began or pointed beyond what can be traced (1e18, less where "
-                                        "instances shrink), or were not of numbers, and were taken to hit nothing",
+                                        "instances shrink), or contained NaN, and were treated as misses",
                                     "another unit of length, or a smaller scene, brings rays into range"));
     const display::FrameBuffer& frame_buffer = state_.target.frame_buffer;
     statistics.build_seconds = job.scene.build_seconds;

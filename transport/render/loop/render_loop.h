@@ -1,4 +1,4 @@
-// The fourth stage: the loop over phases, by whatever schedule the budget makes. Private to transport/render.
+// The fourth stage: the loop over phases, with the schedule that the budget selects. Private to transport/render.
 #pragma once
 
 #include <atomic>
@@ -14,7 +14,7 @@
 
 namespace raylex::transport {
 
-/// What a loop came to, beside what is in its RenderTarget; only RenderLoop::run() makes one.
+/// The result of a loop, beside its RenderTarget; only RenderLoop::run() makes one.
 class FinishedLoop {
   public:
     RenderStatistics statistics;
@@ -28,17 +28,17 @@ class FinishedLoop {
 
 class RenderLoop {
   public:
-    /// Ready to run, where a checkpoint left off if one is to be resumed. Both must outlive the loop; `since_call`
-    /// began when the render was asked for; `earlier` is what buckets before it took.
+    /// Prepares a loop, which continues from a checkpoint if one is to be resumed. Both arguments must outlive the
+    /// loop. `since_call` runs since the call of render(); `earlier` contains the statistics of earlier buckets.
     static Result<std::unique_ptr<RenderLoop>> begin(const PreparedJob& prepared, RenderTarget& target,
                                                      const Stopwatch& since_call, const RenderStatistics& earlier = {});
 
-    /// Whether a checkpoint had all there is to do.
+    /// Whether a checkpoint contained the finished render.
     [[nodiscard]] bool finished() const { return schedule_->finished(state_.position); }
-    /// After run(): saves what it came to, as a checkpoint that has all.
+    /// Saves the result after run(), as a checkpoint of a finished render.
     Status keep() { return saver_->keep(state_); }
-    /// Returns when the budget is spent, the time is over or `*stop` was seen; an Error when a thread ran out of
-    /// memory. Once.
+    /// Runs once, until the budget is spent, the time is over or `*stop` is set. Returns an Error if a thread ran out
+    /// of memory.
     Result<FinishedLoop> run(const std::function<void(const RenderProgress&)>& progress, const std::atomic<bool>* stop);
 
   private:
@@ -48,8 +48,8 @@ class RenderLoop {
 
     Status start_up(TaskRunner& runner, const std::function<void()>& report);
     Status run_phases(TaskRunner& runner, const std::function<void()>& report);
-    /// The tasks of the phase that the position is in, with what the integrator does around them. Returns whether all
-    /// of them are in the frame buffer; not so when the render has to end.
+    /// Runs the tasks of the current phase, and the integrator's work around them. Returns true if all of them are in
+    /// the frame buffer, false if the render has to end.
     Result<bool> run_phase(TaskRunner& runner, const std::function<void()>& report);
     FinishedLoop finish();
 
@@ -57,7 +57,7 @@ class RenderLoop {
     RenderState state_;
     std::optional<RenderSaver> saver_;
     std::uint64_t resumed_samples_ = 0, untraced_before_ = 0;
-    double start_up_seconds_ = 0, start_up_cpu_seconds_ = 0;  // counted as preparation
+    double start_up_seconds_ = 0, start_up_cpu_seconds_ = 0;  // included in preparation
 };
 
 }  // namespace raylex::transport

@@ -7,7 +7,7 @@ namespace raylex::transport {
 Result<RenderSaver> RenderSaver::make(const RenderState& state) {
     RenderSaver saver;
     const ResolvedJob& job = state.prepared.job;
-    if (!job.checkpoint || job.budget.only) return saver;  // one sample has nothing to go on from
+    if (!job.checkpoint || job.budget.only) return saver;  // a single sample needs no checkpoint
     if (Status s = check_checkpoint(*job.checkpoint, state); !s) return s.error();
     saver.settings_ = &*job.checkpoint;
     saver.identity_ = render_identity(job);
@@ -51,7 +51,7 @@ Status RenderSaver::keep(const RenderState& state) {
     if (writer_->last_written()) return success();
     Error error = writer_->failures().back();
     error.message = "a finished bucket could not be saved: " + error.message;
-    error.hint = "the buckets before it are safe: make room and go on with --resume";
+    error.hint = "the previous buckets are saved: free disk space and continue with --resume";
     return error;
 }
 

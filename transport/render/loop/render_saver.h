@@ -1,4 +1,4 @@
-// When a render is saved, and the saving. Private to transport/render.
+// Decides when a render is saved, and saves it. Private to transport/render.
 #pragma once
 
 #include <memory>
@@ -8,24 +8,24 @@
 
 namespace raylex::transport {
 
-/// Without CheckpointSettings nothing is ever due.
+/// Saves a render at intervals; without CheckpointSettings it never saves.
 class RenderSaver {
   public:
-    /// What may go wrong is found before the first ray: an Error names what cannot be saved.
+    /// Checks before the first ray that the render can be saved. Errors name what cannot.
     static Result<RenderSaver> make(const RenderState& state);
 
-    /// Goes on from the file when the settings say so; else where the state's schedule begins, after what `earlier`
-    /// tells.
+    /// Continues from the checkpoint file if the settings request it. Otherwise starts at the schedule's beginning,
+    /// with the statistics of `earlier`.
     Status set_out(RenderState& state, const RenderStatistics& earlier) const;
     [[nodiscard]] bool enabled() const { return settings_ != nullptr; }
     [[nodiscard]] bool due(const RenderState& state) const;
-    /// How long threads may go on without anybody asking whether a record is due.
+    /// The longest time in seconds that threads may run without a check whether a save is due.
     [[nodiscard]] double interval() const { return settings_ ? std::min(0.2, settings_->seconds) : 0.2; }
-    /// As save(), of a bucket that is finished: what goes wrong is an Error, since there will be nothing else of it.
+    /// Saves a finished bucket. Failures are Errors, since the bucket's memory is released next.
     Status keep(const RenderState& state);
-    /// While threads stand still. What goes wrong is no reason to give up the render.
+    /// Saves while threads are stopped. Failures do not end the render.
     void save(const RenderState& state);
-    /// After the last save(): puts on disk what is on its way, and tells of it.
+    /// Finishes pending writes after the last save(), and reports them.
     void finish(RenderStatistics& statistics, std::vector<Error>& warnings);
 
   private:
@@ -33,7 +33,7 @@ class RenderSaver {
     const CheckpointSettings* settings_ = nullptr;
     display::RecordIdentity identity_;
     std::unique_ptr<CheckpointWriter> writer_;
-    double last_ = 0, stall_ = 0;  // seconds of the session
+    double last_ = 0, stall_ = 0;  // seconds since the beginning of the session
 };
 
 }  // namespace raylex::transport

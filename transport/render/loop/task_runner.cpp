@@ -14,8 +14,8 @@
 namespace raylex::transport {
 namespace {
 
-/// How long threads may go on with their batches after a stop. Threads are looked at every 0.2 s: together that leaves
-/// a render half a second to end in.
+/// How long threads may continue their batches after a stop. Threads are checked every 0.2 s, which together leaves a
+/// render half a second to end.
 constexpr double stop_grace_seconds = 0.15;
 
 }  // namespace
@@ -47,7 +47,7 @@ void TaskRunner::work(const Schedule& schedule, RenderWorker& worker, std::uint6
             break;
         }
     } catch (const std::exception& e) { fail(e.what()); } catch (...) {
-        fail("a plugin threw something that is no std::exception");
+        fail("a plugin threw an object that is not a std::exception");
     }
     worker.cpu_seconds += thread_cpu_seconds() - begin;
 }
@@ -65,8 +65,8 @@ void TaskRunner::watch_threads(const Schedule& schedule) {
         state_.leave.store(true, std::memory_order_relaxed);
 }
 
-/// Tasks are taken in order: those before the next are in the frame buffer but for what threads had to leave, no
-/// others.
+/// Tasks are taken in order: the frame buffer contains all tasks before the next one, except those that threads had to
+/// leave, and no others.
 void TaskRunner::take_unfinished(std::uint64_t end) {
     state_.position.task = std::min(next_.load(), end);
     std::vector<UnfinishedTask>& unfinished = state_.position.unfinished;
@@ -91,9 +91,9 @@ Status TaskRunner::run(const Schedule& schedule, std::uint64_t end, double inter
         if (meanwhile()) pause_.store(true, std::memory_order_relaxed);
     };
     {
-        // Where stacks use address space up to its limit, some must be left to render in.
+        // If stacks use up the address space, some must remain for rendering.
         std::unique_ptr<char[]> reserve(new (std::nothrow) char[std::size_t{256} << 20]);
-        std::unique_lock lock(mutex);  // those that are done already wait until all are counted
+        std::unique_lock lock(mutex);  // threads that finish early wait until all are counted
         for (auto& worker : state_.workers) {
             std::thread thread = display::thread_or_none([&, w = worker.get()] {
                 work(schedule, *w, end, {});

@@ -1,4 +1,4 @@
-// The threads of a render: they go through the tasks of a phase. Private to transport/render.
+// The threads of a render, which process the tasks of a phase. Private to transport/render.
 #pragma once
 
 #include <atomic>
@@ -14,26 +14,26 @@ namespace raylex::transport {
 
 class TaskRunner {
   public:
-    /// Setting `*stop`, which may be null, has threads finish their tasks; a batch that takes them longer than a moment
-    /// is left.
+    /// When `*stop` (may be null) is set, threads finish their tasks, but leave a batch that takes longer than a
+    /// moment.
     TaskRunner(RenderState& state, const std::atomic<bool>* stop)
         : state_(state), stop_(stop), fewest_threads_(state.workers.size()) {}
 
-    /// From the state's position up to task `end`; the position then says how far it came. `meanwhile` is called on
-    /// this thread, every `interval` seconds at least; what it returns is whether threads shall stop at the ends of
-    /// their tasks. An Error when a thread threw. Where the system starts fewer threads than there are workers, those
-    /// do all; where it starts none, this one does.
+    /// Runs the tasks from the state's position up to task `end`, and moves the position. `meanwhile` is called on this
+    /// thread at least every `interval` seconds; if it returns true, threads stop at the ends of their tasks. Returns
+    /// an Error if a thread threw. If the system starts fewer threads than there are workers, those do all the work; if
+    /// it starts none, this thread does.
     Status run(const Schedule& schedule, std::uint64_t end, double interval, const std::function<bool()>& meanwhile);
 
     [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->load(std::memory_order_relaxed); }
-    /// Whether the render has to end, by `*stop` or because batches were left.
+    /// Whether the render has to end, because of `*stop` or because batches were left.
     [[nodiscard]] bool ending() const { return stopped() || state_.leave.load(std::memory_order_relaxed); }
 
-    /// Of all runs so far.
+    /// The smallest number of threads of all runs so far.
     [[nodiscard]] std::size_t fewest_threads() const { return fewest_threads_; }
 
   private:
-    /// `between`, which may be empty, is called after each task.
+    /// Calls `between`, unless empty, after each task.
     void work(const Schedule& schedule, RenderWorker& worker, std::uint64_t end, const std::function<void()>& between);
     void fail(const char* why);
     void watch_threads(const Schedule& schedule);
@@ -45,8 +45,8 @@ class TaskRunner {
     std::optional<double> stop_seen_;  // RenderState::seconds()
     std::atomic<std::uint64_t> next_{0}, next_unfinished_{0};
     std::atomic<bool> failed_{false}, pause_{false};
-    std::mutex mutex_;                        // of what follows
-    std::vector<UnfinishedTask> left_tasks_;  // by threads that had to leave
+    std::mutex mutex_;                        // protects the members below
+    std::vector<UnfinishedTask> left_tasks_;  // by threads that had to stop
     std::string failure_;
 };
 

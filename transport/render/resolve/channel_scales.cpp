@@ -8,7 +8,7 @@
 namespace raylex::transport {
 namespace {
 
-/// The power of two that a size is beyond 2^-20 ... 2^20.
+/// The binary exponent by which a size exceeds 2^20 or falls below 2^-20; 0 in between.
 int beyond(double size) {
     constexpr int usual = 20;
     if (!(size > 0) || !std::isfinite(size)) return 0;
@@ -16,7 +16,7 @@ int beyond(double size) {
     return exponent - std::clamp(exponent, -usual, usual);
 }
 
-/// The radiance of the brightest light, or what a light without extent is seen by from the scene's radius away.
+/// The radiance of the brightest light, or for a light without extent its irradiance at the scene's radius.
 double brightest_light(const BuiltScene& scene) {
     const double radius = double(scene.view().geometry->bounds().radius());
     double brightest = 0;
@@ -25,7 +25,7 @@ double brightest_light(const BuiltScene& scene) {
         const double seen = light.is_at_point() && radius > 0 ? emission / (radius * radius) : emission;
         brightest = std::max(brightest, seen);
     }
-    // What glows along the scene's diameter.
+    // The emission along the scene's diameter.
     const MediumTable& media = *scene.view().media;
     for (std::size_t i = 0; i < media.size(); ++i)
         brightest =
@@ -34,7 +34,7 @@ double brightest_light(const BuiltScene& scene) {
     return brightest;
 }
 
-/// The largest coordinate that positions of hits may have, in the world.
+/// The largest coordinate of hits, in the world.
 double extent(const BuiltScene& scene) {
     const Bounds& bounds = scene.view().geometry->bounds();
     const DVec3 origin = scene.view().geometry->space().origin;

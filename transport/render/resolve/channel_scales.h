@@ -1,4 +1,4 @@
-// How large the values of channels are in a scene, for the exact sums of the frame buffer.
+// The magnitude of channel values in a scene, for the exact sums of the frame buffer.
 #pragma once
 
 #include <vector>
@@ -8,9 +8,9 @@
 
 namespace raylex::transport {
 
-/// Sets ChannelDefinition::scale_exponent: 0 where the brightest light, or the scene's extent, is between 2^-20 and
-/// 2^20, so that most scenes have one quantum; beyond, what is left of it. Only the scene decides, so that shards,
-/// resumed renders and cells of a study agree.
+/// Sets ChannelDefinition::scale_exponent. It is 0 if the brightest light, or the scene's extent, is between 2^-20 and
+/// 2^20, so that most scenes have the same quantum; otherwise it is the excess. It depends on the scene only, so that
+/// shards, resumed renders and cells of a study agree.
 void set_scales(const BuiltScene& scene, std::vector<display::ChannelDefinition>& channels);
 
 }  // namespace raylex::transport

@@ -6,7 +6,7 @@
 namespace raylex::transport {
 namespace {
 
-/// Fewer samples say too little of their own error to end by it.
+/// Fewer samples do not estimate their own error well enough to stop by it.
 constexpr std::uint64_t least_for_error = 64;
 
 display::AdaptiveSettings measure_of(double error, std::uint64_t most) {
@@ -50,7 +50,7 @@ std::uint64_t LimitedPasses::within_error(std::uint64_t done, std::uint64_t end,
     error_->decide(buffer);
     const double error = error_->progress().error;
     if (error <= limit_.error) return done;
-    // No further than it takes, but by one block at least.
+    // As many samples as needed, but at least one block.
     const double wanted = display::samples_to_error(static_cast<double>(done), error, limit_.error);
     if (wanted >= static_cast<double>(end)) return end;
     const auto blocks =
@@ -63,12 +63,12 @@ std::uint64_t LimitedPasses::within_time(std::uint64_t done, std::uint64_t end, 
         done > first_ ? (seconds - first_seconds_) / static_cast<double>(done - first_) : limit_.seconds_per_sample;
     const double left = limit_.seconds - seconds;
     if (rate > 0) {
-        // What a sample takes varies, and a pass that ends late may be given up. While there is much time left, a
-        // twentieth of it stays for that; passes to come use it.
+        // The time per sample varies, and a pass that ends late may be discarded. While much time is left, a twentieth
+        // of it is reserved for that; later passes use it.
         const double planned = left > 4 ? 0.95 * left : left;
         const double most = std::floor(std::max(planned, 0.0) / rate);
         if (most < static_cast<double>(end - done)) end = done + static_cast<std::uint64_t>(most);
-        // Only the last pass may end amid a block.
+        // Only the last pass may end within a block.
         if (end - done > block_) end -= (end - done) % block_;
     } else if (left <= 0) {
         end = done;

@@ -1,11 +1,11 @@
-// How many samples a render takes, which, and of which pixels.
+// Decides how many samples a render takes, which ones, and of which pixels.
 #include "transport/render/resolve/limited_passes.h"
 #include "transport/render/resolve/resolve_checks.h"
 
 namespace raylex::transport {
 namespace {
 
-/// Without a beauty and channels of its own, the metric is of all light that is asked for (Law 4).
+/// Without a beauty and without metric channels, the metric uses all requested light (Law 4).
 display::AdaptiveSettings with_metric(display::AdaptiveSettings adaptive, const JobChannels& channels) {
     if (!adaptive.channels.empty() || channels.beauty >= 0) return adaptive;
     for (const display::ChannelDefinition& channel : channels.list)
@@ -15,7 +15,7 @@ display::AdaptiveSettings with_metric(display::AdaptiveSettings adaptive, const 
     return adaptive;
 }
 
-/// The metric's channels keep statistics.
+/// Makes the channels of the metric keep statistics.
 Status resolve_adaptive(const StopSettings& stop, bool splat, const ChosenIntegrator& chosen, JobChannels& channels,
                         Budget& budget, std::vector<Error>& warnings) {
     if (!stop.adaptive) return success();
@@ -23,7 +23,7 @@ Status resolve_adaptive(const StopSettings& stop, bool splat, const ChosenIntegr
     if (splat)
         return error_at(adaptive.location,
                         "adaptive sampling in filter mode splat: samples are shared by neighbouring pixels, whose "
-                        "errors they cannot tell",
+                        "errors cannot be estimated",
                         "leave out --until-error and [adaptive], or choose filter mode importance");
     if (Status s = display::AdaptiveSampler::check(adaptive, channels.list, channels.beauty); !s) return s;
     if (ResolvedJob::splats_anywhere(chosen) && !chosen.integrator->traits().pixel_samples)
@@ -46,13 +46,14 @@ Status resolve_adaptive(const StopSettings& stop, bool splat, const ChosenIntegr
     budget.adaptive = adaptive;
     budget.samples_per_pixel = adaptive.max_samples;
     if (ResolvedJob::splats_anywhere(chosen))
-        warnings.push_back(error_at(adaptive.location, "adaptive sampling with integrator '" + chosen.name +
-                                                           "' goes by the light that camera samples bring: what light "
-                                                           "paths splat (t = 1) is in the image and not in its error"));
+        warnings.push_back(
+            error_at(adaptive.location, "adaptive sampling with integrator '" + chosen.name +
+                                            "' measures the error of camera samples only: light that light "
+                                            "paths splat (t = 1) is in the image but not in its error"));
     return success();
 }
 
-/// Which samples of a pixel, when the number is not known before or not all are asked for.
+/// Resolves the samples of a pixel if their number is not known in advance or not all are requested.
 Status resolve_limit(const SampleSettings& samples, const StopSettings& stop, const ChosenIntegrator& chosen,
                      const JobChannels& channels, Budget& budget) {
     budget.first_sample = samples.first;
@@ -62,36 +63,36 @@ Status resolve_limit(const SampleSettings& samples, const StopSettings& stop, co
                                 std::to_string(budget.samples_per_pixel));
     if ((stop.limit || samples.first > 0) && stop.adaptive)
         return error_at(stop.adaptive->location,
-                        "adaptive sampling in a render that ends by itself or is a shard: pixels "
+                        "adaptive sampling in a render with a time or error limit, or in a shard: pixels "
                         "do not have the same number of samples",
                         "leave out [adaptive]");
     if (budget.first_sample > 0 && chosen.integrator->starts_up())
         return error_at(
             {},
-            "a shard of a render by Markov chains: those of every shard would begin alike, so shards are no parts "
+            "a shard of a render by Markov chains: the chains of all shards would begin alike, so shards are not parts "
             "of one render",
             "render with other seeds instead, or choose another integrator, such as path");
     if (!stop.limit) return success();
     const bool tells_error =
         channels.beauty >= 0 && channels.list[static_cast<std::size_t>(channels.beauty)].statistics;
     if (stop.limit->error > 0 && !tells_error)
-        return error_at(
-            {},
-            "an end by error of a render that cannot tell it: there is no beauty, or neighbouring pixels share "
-            "samples, as in filter mode splat and with integrators whose light paths land anywhere",
-            "expected an end by samples or time");
+        return error_at({},
+                        "an error limit in a render whose error cannot be estimated: there is no beauty, or "
+                        "neighbouring pixels share "
+                        "samples, as in filter mode splat and with integrators whose light paths land anywhere",
+                        "expected a number of samples or a time limit");
     budget.limit = stop.limit;
     if (!samples.per_pixel) budget.samples_per_pixel = most_limited_samples;
     return success();
 }
 
-/// One sample alone; it may be any that the budget has.
+/// Resolves one single sample, which may be any in the budget.
 Status resolve_only(const SampleSettings& samples, const CameraSampling& sampling, const ChosenIntegrator& chosen,
                     Budget& budget) {
     if (!samples.only) return success();
     if (chosen.integrator->starts_up())
         return error_at(
-            {}, "integrator '" + chosen.name + "' cannot render one sample alone: its paths follow from one another",
+            {}, "integrator '" + chosen.name + "' cannot render a single sample: its paths depend on one another",
             "leave out --replay, or choose another integrator, such as path");
     const SampleChoice& only = *samples.only;
     if (only.x < -sampling.padding_x || only.y < -sampling.padding_y ||
@@ -118,7 +119,7 @@ Result<Budget> resolve_budget(const SampleSettings& samples, const StopSettings&
     return budget;
 }
 
-/// What looks at other pixels than its own.
+/// Refuses features that read other pixels than their own.
 Status check_pixels_apart(const StopSettings& stop, bool splat, const ChosenIntegrator& chosen, const std::string& what,
                           const std::string& without) {
     const std::string hint = "leave out " + without + ", or choose another integrator, such as path";
@@ -132,13 +133,13 @@ Status check_pixels_apart(const StopSettings& stop, bool splat, const ChosenInte
         return error_at({}, what + " by integrator '" + chosen.name + "', which learns from all pixels", hint);
     if (stop.adaptive || (stop.limit && stop.limit->error > 0))
         return error_at(stop.adaptive ? stop.adaptive->location : SourceLocation{},
-                        what + " that goes on until an error: which samples a pixel gets depends on the whole image",
+                        what + " with an error limit: the samples of a pixel depend on the whole image",
                         "expected a number of samples, or a time");
     return success();
 }
 
-/// Which pixels get samples. What looks at other pixels than its own is refused with a crop, by name: the bits would
-/// differ from those of the whole image.
+/// Selects the pixels that get samples. With a crop, features that read other pixels are refused by name, since the
+/// bits would differ from those of the whole image.
 Result<TileGrid> resolve_grid(const StopSettings& stop, const CameraSampling& sampling,
                               const ChosenIntegrator& chosen) {
     const int width = sampling.film.width, height = sampling.film.height;
@@ -147,10 +148,10 @@ Result<TileGrid> resolve_grid(const StopSettings& stop, const CameraSampling& sa
     if (!sampling.film.crop) return grid;
     const display::PixelRegion& crop = *sampling.film.crop;
     if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > width || crop.y1 > height || crop.x0 >= crop.x1 || crop.y0 >= crop.y1)
-        return error_at({}, "the crop " + std::to_string(crop.x0) + "," + std::to_string(crop.y0) + "," +
-                                std::to_string(crop.x1) + "," + std::to_string(crop.y1) +
-                                " is no part of an image of " + std::to_string(width) + " x " + std::to_string(height) +
-                                " pixels; expected X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1 inside it");
+        return error_at(
+            {}, "the crop " + std::to_string(crop.x0) + "," + std::to_string(crop.y0) + "," + std::to_string(crop.x1) +
+                    "," + std::to_string(crop.y1) + " is not inside the image of " + std::to_string(width) + " x " +
+                    std::to_string(height) + " pixels; expected X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1 inside it");
     if (Status s = check_pixels_apart(stop, sampling.splat, chosen, "a crop of a render", "the crop"); !s)
         return s.error();
     grid.region = crop;

@@ -1,4 +1,4 @@
-// Which channels a render has, in the order of the frame buffer.
+// Lists the channels of a render in the order of the frame buffer.
 #include <set>
 
 #include "display/services/channel_prefixes.h"
@@ -8,7 +8,7 @@
 namespace raylex::transport {
 namespace {
 
-/// The definition of a plain channel: as it is declared, or as its name is known.
+/// Completes the definition of a plain channel, as declared or by its known name.
 Status resolve_plain(display::ChannelDefinition& channel, std::span<const display::ChannelDefinition> patterns) {
     auto known = named_channel(channel.name, patterns);
     if (channel.declared && !known) return success();
@@ -23,7 +23,8 @@ Status resolve_plain(display::ChannelDefinition& channel, std::span<const displa
     return success();
 }
 
-/// Beauty first when it is wanted, then the settings' channels, then statistics; names are unique and AOVs known.
+/// Lists beauty first if requested, then the settings' channels, then statistics; checks that names are unique and AOVs
+/// known.
 Status list_channels(const ChannelSettings& settings, std::span<const display::ChannelDefinition> patterns, bool splat,
                      bool splat_anywhere, JobChannels& channels) {
     std::set<std::string> names;
@@ -46,7 +47,7 @@ Status list_channels(const ChannelSettings& settings, std::span<const display::C
             if (Status s = resolve_plain(channel, patterns); !s) return s;
             channels.written_by_plugins |= !geoaovs::channel_definition(channel.name);
         }
-        if (splat_anywhere) channel.statistics = false;  // nothing to keep, but for what layers ask of it
+        if (splat_anywhere) channel.statistics = false;  // only layers can request statistics here
         for (std::size_t& index : channel.rest_of) index += shift;
         channels.list.push_back(std::move(channel));
     }
@@ -55,7 +56,7 @@ Status list_channels(const ChannelSettings& settings, std::span<const display::C
     return display::apply_rules(settings.rules, channels.beauty, channels.list);
 }
 
-/// Filters may add channels that they fill.
+/// Makes the sample filters, which may add channels of their own.
 Status make_sample_filters(const ChannelSettings& settings, JobChannels& channels) {
     for (const SceneEntity& entity : settings.sample_filters) {
         ParameterSet parameters = entity.parameters;

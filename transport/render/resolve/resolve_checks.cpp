@@ -1,11 +1,11 @@
-// What cannot be rendered is refused by name, before a ray is traced.
+// Refuses by name, before a ray is traced, what cannot be rendered.
 #include "transport/render/resolve/resolve_checks.h"
 
 #include <algorithm>
 
 namespace raylex::transport {
 
-/// Channels that the integrator cannot fill are refused before a ray is traced.
+/// Refuses channels that the integrator cannot fill.
 Status check_traits(const ChosenIntegrator& chosen, const SceneView& scene, const JobChannels& channels) {
     const IntegratorTraits traits = chosen.integrator->traits();
     const auto refuse = [&](display::ChannelId id, const std::string& lacks, const std::string& hint) {
@@ -16,7 +16,7 @@ Status check_traits(const ChosenIntegrator& chosen, const SceneView& scene, cons
                         hint);
     };
     if (channels.lpe->needs_light_samples() >= 0 && !traits.light_samples)
-        return refuse(channels.lpe->needs_light_samples(), "samples no lights, so it does not know what shadows take",
+        return refuse(channels.lpe->needs_light_samples(), "samples no lights, so it cannot compute shadows",
                       "leave out 'unoccluded;' and 'shadows;', or choose a strategy that samples lights, such as mis");
     if (channels.lpe->needs_emitter_samples() >= 0 && !traits.emitter_samples)
         return refuse(channels.lpe->needs_emitter_samples(),
@@ -24,14 +24,15 @@ Status check_traits(const ChosenIntegrator& chosen, const SceneView& scene, cons
     if (channels.keeps_words && !traits.tells_words)
         return error_at({},
                         "integrator '" + chosen.name +
-                            "' keeps no path atlas: what it splats is summed up by "
-                            "channels, and comes without its words",
+                            "' supports no path atlas: it sums its splats per "
+                            "channel, without their path strings",
                         "leave out the atlas, or choose another integrator, such as path or bdpt");
     if (scene.geometry->has_holdouts() && !traits.holdouts)
-        return error_at({}, "the scene has holdouts, which integrator '" + chosen.name + "' does not know",
+        return error_at({}, "the scene has holdouts, which integrator '" + chosen.name + "' does not support",
                         "leave them out, or choose another integrator");
     if (scene.media->any() && !traits.media)
-        return error_at({}, "the scene has participating media, which integrator '" + chosen.name + "' does not know",
+        return error_at({},
+                        "the scene has participating media, which integrator '" + chosen.name + "' does not support",
                         "leave them out, or choose another integrator, such as path");
     return success();
 }
@@ -39,12 +40,12 @@ Status check_traits(const ChosenIntegrator& chosen, const SceneView& scene, cons
 Status check_camera(const ChosenIntegrator& chosen, const SceneEntity& entity, const Camera& camera) {
     if (!camera.weighs_rays() || chosen.integrator->traits().camera_weights) return success();
     return error_at(entity.location,
-                    "camera '" + entity.type + "' does not go with integrator '" + chosen.name +
-                        "': where light paths would meet its film cannot be told, nor what its rays count for",
+                    "camera '" + entity.type + "' cannot be used with integrator '" + chosen.name +
+                        "': light paths cannot be connected to its film, and its rays have weights",
                     "choose another integrator, such as path, or another camera");
 }
 
-/// What needs samples that belong to a pixel is refused for light that lands anywhere.
+/// Refuses features that need samples of a single pixel, for integrators that splat anywhere.
 Status check_raster(const ChannelSettings& settings, const ChosenIntegrator& chosen, const CameraSampling& sampling,
                     const JobChannels& channels, std::vector<Error>& warnings) {
     if (!ResolvedJob::splats_anywhere(chosen)) return success();
@@ -62,25 +63,26 @@ Status check_raster(const ChannelSettings& settings, const ChosenIntegrator& cho
             request.statistic == display::Statistic::even || request.statistic == display::Statistic::odd;
         if (some_are_its_own && !halves)
             warnings.push_back(error_at(request.location, "the statistics of '" + request.channel +
-                                                              "' are of the light that camera samples "
-                                                              "bring: what integrator '" +
-                                                              chosen.name + "' splats (t = 1) is not in them"));
+                                                              "' contain light of camera samples "
+                                                              "only: light that integrator '" +
+                                                              chosen.name + "' splats (t = 1) is missing"));
         else if (some_are_its_own)
-            return error_at(request.location,
-                            who + "has no halves of '" + request.channel + "': splats belong to no sample of a pixel",
-                            "leave them out, " + hint);
+            return error_at(
+                request.location,
+                who + "has no halves of '" + request.channel + "': splats do not belong to samples of a pixel",
+                "leave them out, " + hint);
         else
             return error_at(request.location,
                             who + "has no statistics of '" + request.channel +
-                                "': a pixel's samples are not its own and cannot tell its error",
+                                "': other pixels' samples contribute to a pixel, so its error cannot be estimated",
                             "leave them out, " + hint);
     }
     const auto filter = std::find_if(settings.sample_filters.begin(), settings.sample_filters.end(),
                                      [](const SceneEntity& each) { return each.type != "none"; });
     if (filter != settings.sample_filters.end() && !(some_are_its_own && channels.filters.fits_splats()))
         return error_at(filter->location,
-                        who + "takes no sample filters ('" + filter->type +
-                            "'): they change the samples of camera rays" +
+                        who + "supports no sample filters ('" + filter->type +
+                            "'): filters change only the samples of camera rays" +
                             (some_are_its_own ? "; 'clamp' bounds splats as well" : ""),
                         "leave them out, " + hint);
     for (const display::ChannelDefinition& channel : channels.list) {
@@ -88,7 +90,7 @@ Status check_raster(const ChannelSettings& settings, const ChosenIntegrator& cho
             display::takes_samples(channel) ? channel : channels.list[static_cast<std::size_t>(channel.source)];
         if (source.style == display::ChannelStyle::expression && channel.rule != display::FilterRule::filter)
             return error_at(display::location_of(channel),
-                            who + "knows no rule but the pixel filter; channel '" + channel.name + "' has another",
+                            who + "supports no rule but the pixel filter; channel '" + channel.name + "' has another",
                             "leave it out, " + hint);
     }
     return success();

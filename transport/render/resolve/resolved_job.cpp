@@ -9,7 +9,7 @@
 namespace raylex::transport {
 namespace {
 
-/// What splat mode cannot do is named before anything is rendered.
+/// Refuses by name what filter mode splat does not support.
 Status resolve_splat(const ChannelSettings& channels, const MatteSettings& mattes, CameraSampling& sampling) {
     sampling.splat = true;
     sampling.padding_x = display::splat_reach(sampling.filter->radius_x());
@@ -23,16 +23,16 @@ Status resolve_splat(const ChannelSettings& channels, const MatteSettings& matte
         return error_at(
             channels.statistics.front().location,
             "statistics of '" + channels.statistics.front().channel +
-                "' in filter mode splat: samples are shared by neighbouring pixels, whose errors they cannot tell; " +
+                "' in filter mode splat: samples are shared by neighbouring pixels, so errors cannot be estimated; " +
                 hint);
     for (const display::ChannelDefinition& channel : channels.list)
         if (channel.statistics)
             return error_at(
                 display::location_of(channel),
-                "channel '" + channel.name + "' keeps statistics, which filter mode splat has none of; " + hint);
+                "channel '" + channel.name + "' keeps statistics, which filter mode splat does not support; " + hint);
     if (!mattes.kinds.empty())
         return error_at({},
-                        "cryptomatte in filter mode splat: coverage is of samples that belong to one pixel; " + hint);
+                        "cryptomatte in filter mode splat: coverage needs samples that belong to one pixel; " + hint);
     return success();
 }
 
@@ -106,7 +106,7 @@ Result<CameraSampling> resolve_sampling(const BuiltScene& scene, const RenderSet
     return sampling;
 }
 
-/// AOVs are the same in the dark.
+/// Whether any channel needs light; AOVs do not.
 bool asks_for_light(const JobChannels& channels) {
     return channels.beauty >= 0 || channels.keeps_words ||
            std::any_of(channels.list.begin(), channels.list.end(), [](const display::ChannelDefinition& channel) {
@@ -114,11 +114,12 @@ bool asks_for_light(const JobChannels& channels) {
            });
 }
 
-/// Of all lights that give none the first, with the number of the others: `scene check` names each.
+/// A warning with the first light that emits nothing and the number of others: `scene check` names each.
 Error darkness(const std::vector<Error>& dark) {
     Error first = dark.front();
-    if (dark.size() == 2) first.message += ", nor does one other of the scene";
-    if (dark.size() > 2) first.message += ", nor do " + std::to_string(dark.size() - 1) + " others of the scene";
+    if (dark.size() == 2) first.message += ", and neither does one other light of the scene";
+    if (dark.size() > 2)
+        first.message += ", and neither do " + std::to_string(dark.size() - 1) + " other lights of the scene";
     return first;
 }
 

@@ -1,5 +1,5 @@
-// Settings resolved against a scene: the first stage of a render, and all that can be refused before the integrator
-// looks at the scene. Private to transport/render.
+// Settings resolved for a scene: the first stage of a render, which refuses everything that can be refused before the
+// integrator prepares. Private to transport/render.
 #pragma once
 
 #include <memory>
@@ -19,24 +19,25 @@
 
 namespace raylex::transport {
 
-/// Where camera samples fall, and of which numbers they are made.
+/// The positions of camera samples, and the source of their random numbers.
 struct CameraSampling {
     FilmSettings film;
     std::unique_ptr<Camera> camera;
-    bool times = false;  ///< each sample draws one
-    bool cones = false;  ///< somebody filters by them: each as wide as its sample's pixel_share()
+    bool times = false;  ///< each sample draws a time
+    /// rays have cones, as wide as the pixel_share() of their sample, since something filters by them
+    bool cones = false;
     std::unique_ptr<display::PixelFilter> filter;
     SourceLocation filter_location;    ///< for errors
     bool splat = false;                ///< FilmOverrides::splat
     int padding_x = 0, padding_y = 0;  ///< pixels around the image whose samples reach into it
     SamplerKind sampler = SamplerKind::sobol;
-    std::uint32_t arrangement_bits = 4;  ///< SamplerChoice has it
+    std::uint32_t arrangement_bits = 4;  ///< as in SamplerChoice
     std::string sampler_name;
     std::uint64_t seed = 0;
-    std::uint64_t samples_per_pixel = 0;  ///< as settings or the scene's sampler say
+    std::uint64_t samples_per_pixel = 0;  ///< from the settings or the scene's sampler
 };
 
-/// Channels as the frame buffer will have them.
+/// The channels as in the frame buffer.
 struct JobChannels {
     std::vector<display::ChannelDefinition> list;
     display::ChannelId beauty = display::invalid_channel;
@@ -44,14 +45,14 @@ struct JobChannels {
     std::unique_ptr<display::LpeSetup> lpe;
     bool keeps_words = false;  ///< LabelSettings::words is set
     bool written_by_plugins =
-        false;  ///< some plain channel is no geometric AOV: patterns, materials and integrators write it
+        false;  ///< some plain channel is not a geometric AOV: patterns, materials or integrators write it
     display::LpeServices::Attribution attribution = display::LpeServices::Attribution::exact;
 };
 
-/// How many samples, and which: what make_schedule() makes a Schedule of.
+/// The number of samples, and which ones; make_schedule() makes a Schedule of it.
 struct Budget {
     std::uint64_t samples_per_pixel = 0;  ///< at most
-    std::uint64_t first_sample = 0;       ///< of a shard
+    std::uint64_t first_sample = 0;       ///< of the shard
     std::optional<SampleLimit> limit;
     std::optional<display::AdaptiveSettings> adaptive;
     std::optional<SampleChoice> only;
@@ -59,11 +60,11 @@ struct Budget {
 
 class ResolvedJob {
   public:
-    /// Both must outlive the job. An Error says why the render cannot be.
+    /// Resolves the settings; both arguments must outlive the job. Errors give the reason why the render is impossible.
     static Result<ResolvedJob> resolve(const BuiltScene& scene, const RenderSettings& settings);
 
     [[nodiscard]] Integrator& integrator() const { return *chosen.integrator; }
-    /// Whether the integrator's light lands anywhere on the image.
+    /// Whether the integrator's light paths splat anywhere on the image.
     [[nodiscard]] bool raster() const { return splats_anywhere(chosen); }
     [[nodiscard]] static bool splats_anywhere(const ChosenIntegrator& chosen) {
         return chosen.integrator->traits().raster_splats;
@@ -71,15 +72,15 @@ class ResolvedJob {
 
     const BuiltScene& scene;
     const RenderSettings& settings;
-    std::optional<CheckpointSettings> checkpoint;  ///< as settings say, or a bucket's
+    std::optional<CheckpointSettings> checkpoint;  ///< from the settings, or of a bucket
     CameraSampling sampling;
     ChosenIntegrator chosen;
     JobChannels channels;
     Budget budget;
     TileGrid grid;
-    std::optional<display::RowRange> bucket;  ///< of the image, while a render in buckets is in it
+    std::optional<display::RowRange> bucket;  ///< rows of the current bucket of a render in buckets
     int threads = 1;
-    bool has_extra_rows = false;  ///< camera rays may leave rows in media
+    bool has_extra_rows = false;  ///< camera rays may add rows in media
     std::vector<Error> warnings;
 
   private:

@@ -17,7 +17,7 @@ std::uint64_t AdaptiveSchedule::begin_phase(RenderPosition& /*position*/) {
     return open_tiles_.size();
 }
 
-/// The next blocks of each open pixel of the tile. No other thread adds to these pixels meanwhile.
+/// Adds the next blocks of each open pixel of the tile. No other thread adds to these pixels meanwhile.
 void AdaptiveSchedule::render(std::uint64_t task, RenderWorker& worker) const {
     constexpr std::uint64_t size = TileGrid::block_size;
     struct OpenPixel {
@@ -30,7 +30,7 @@ void AdaptiveSchedule::render(std::uint64_t task, RenderWorker& worker) const {
     grid_.for_each_pixel(open_tiles_[task], [&](int x, int y) {
         if (sampler_.open(x, y)) pixels[open++] = {x, y, frame_buffer_.sample_count(x, y)};
     });
-    // What the frame buffer has of a task that was left is not of its beginning.
+    // The blocks of a stopped task in the frame buffer are not those at its beginning.
     const std::uint64_t skipped = worker.blocks_skipped();
     for (std::size_t i = 0; i < open; ++i)
         pixels[i].first -= std::min(pixels[i].first, (skipped / open + (i < skipped % open ? 1 : 0)) * size);

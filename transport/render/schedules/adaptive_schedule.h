@@ -1,5 +1,5 @@
-// Samples go where the error is above a tolerance. A phase is what the adaptive sampler wants before its next decision;
-// a task is some blocks of the open pixels of a tile.
+// Adds samples where the error is above a tolerance. A phase contains the samples of one decision of the adaptive
+// sampler; a task is some blocks of the open pixels of a tile.
 #pragma once
 
 #include "transport/render/schedule.h"

@@ -10,8 +10,8 @@
 namespace raylex::transport {
 namespace {
 
-/// How long threads may go on with a pass after the time was over. Threads are looked at every 0.2 s: a render is over
-/// half a second after its time at most.
+/// How long threads may continue a pass after the time is over. Threads are checked every 0.2 s: a render ends at most
+/// half a second after its time.
 constexpr double time_grace_seconds = 0.4;
 
 }  // namespace
@@ -30,7 +30,7 @@ RenderPosition LimitedSchedule::beginning() const {
     RenderPosition position;
     const std::uint64_t block = first_sample_ / TileGrid::block_size;
     position.task = block * tiles_;
-    if (synchronous_) position.phase = block;  // its passes are single blocks
+    if (synchronous_) position.phase = block;  // the passes are single blocks
     return position;
 }
 
@@ -52,7 +52,7 @@ double LimitedSchedule::time_left(const RenderState& state) const {
     return limit_.seconds - state.seconds_since_call();
 }
 
-/// By now, of what the pass has to do: tasks that are finished.
+/// The share of the pass's tasks that are finished now.
 double LimitedSchedule::share_done(const RenderState& state) const {
     const double pixels = static_cast<double>(grid_.width + 2 * grid_.padding_x) *
                           static_cast<double>(grid_.height + 2 * grid_.padding_y);
@@ -60,7 +60,7 @@ double LimitedSchedule::share_done(const RenderState& state) const {
            (pixels * static_cast<double>(end_ - begin_));
 }
 
-/// A first pass is as long as it is before anybody knows how long a sample takes. Half of the time shows.
+/// The length of a first pass is chosen before the time of a sample is known. Half of the time is enough to measure it.
 bool LimitedSchedule::pass_is_too_long(const RenderState& state) const {
     if (!first_pass_ || synchronous_ || !before_) return false;
     if (end_ - begin_ <= 1 || time_left(state) > 0.5 * limit_.seconds) return false;
@@ -85,7 +85,7 @@ void LimitedSchedule::choose_pass(const RenderState& state) {
     if (reached_ || limit_.seconds <= 0 || state.target.has_sinks_of_others()) return;
     try {
         before_ = state.snapshot();
-    } catch (const std::bad_alloc&) {  // then this pass cannot be taken back: no reason to give up the render
+    } catch (const std::bad_alloc&) {  // this pass cannot be undone then, which does not end the render
         before_.reset();
     }
 }

@@ -1,6 +1,6 @@
-// A render that ends by a clock or by its error. A phase is a pass over the whole image (limited_passes.h), so that all
-// pixels have as many samples. A pass that cannot end in time is taken back, or, without any before it, the render
-// incomplete.
+// A render that ends by time or error. A phase is a pass over the whole image (limited_passes.h), so that all pixels
+// have the same number of samples. A pass that cannot end in time is undone; if there was no pass before it, the render
+// is incomplete.
 #pragma once
 
 #include "display/checkpoint/record_file.h"
@@ -20,12 +20,13 @@ class LimitedSchedule final : public Schedule {
     void render(std::uint64_t task, RenderWorker& worker) const override;
     void end_phase(RenderState& state) override;
 
-    /// How long the next pass is depends on the clock.
+    /// False: the length of the next pass depends on the clock.
     [[nodiscard]] bool can_save_amid_phase() const override { return false; }
     [[nodiscard]] bool overdue(const RenderState& state) const override;
-    /// A pass that cannot end in time gives up its samples, so that all pixels have as many and the same number asked
-    /// for gives the same bits. A first pass is begun again with fewer, if there is time for that; when even one sample
-    /// of all pixels takes too long, there is nothing whole to go back to: what there is stays, as after a stop.
+    /// Discards the samples of a pass that cannot end in time, so that all pixels have the same number, and a render of
+    /// that number gives the same bits. A first pass is started again with fewer samples if there is time. If even one
+    /// sample per pixel takes too long, there is no complete pass to return to: the partial image stays, as after a
+    /// stop.
     Status after_overdue(RenderState& state) override;
 
     [[nodiscard]] display::Forecast expected_samples(std::uint64_t done, const RenderState& state) const override;
@@ -46,8 +47,8 @@ class LimitedSchedule final : public Schedule {
     std::uint64_t begin_ = 0, end_ = 0;  // samples per pixel before and after the pass
     bool pass_chosen_ = false;           // in this session
     bool reached_ = false;
-    bool first_pass_ = false;                    // of a session: nobody knows how long a sample takes
-    std::optional<display::RecordFile> before_;  // the whole render, when the time may be over amid the pass
+    bool first_pass_ = false;                    // of a session: the time of a sample is unknown
+    std::optional<display::RecordFile> before_;  // the whole render before the pass, if the time may end within it
     double begin_seconds_ = 0;
     std::uint64_t begin_samples_ = 0;  // camera samples of all pixels
 };

@@ -1,11 +1,11 @@
-// So many samples of every pixel, in one phase: block by block, each over the whole image.
+// A fixed number of samples of every pixel, in one phase: block by block, each over the whole image.
 #pragma once
 
 #include "transport/render/schedule.h"
 
 namespace raylex::transport {
 
-/// A shard is one that does not begin with sample 0.
+/// A plain schedule; a shard does not begin with sample 0.
 class PlainSchedule : public Schedule {
   public:
     explicit PlainSchedule(const ResolvedJob& job)
@@ -24,8 +24,8 @@ class PlainSchedule : public Schedule {
     const Budget& budget_;
 };
 
-/// Has the worker add the block of samples of a tile that `task` is, when tasks are numbered block by block over the
-/// tiles of the region; none at or past sample `end`.
+/// Makes the worker add the block of a tile that `task` stands for, with tasks numbered block by block over the tiles
+/// of the region; adds no samples at or beyond sample `end`.
 void render_block(std::uint64_t task, const TileGrid& grid, std::uint64_t end, RenderWorker& worker);
 
 }  // namespace raylex::transport

@@ -1,11 +1,11 @@
-// What an integrator takes before the image (Integrator::starts_up): one call for each tile, in one phase.
+// The start-up of an integrator before the image (Integrator::starts_up): one call for each tile, in one phase.
 #pragma once
 
 #include "transport/render/schedule.h"
 
 namespace raylex::transport {
 
-/// Time and progress are those of the schedule that comes after it.
+/// Time and progress are those of the schedule that follows.
 class StartUpSchedule final : public Schedule {
   public:
     StartUpSchedule(const TileGrid& grid, const Schedule& then) : tiles_(grid.count()), then_(then) {}

@@ -1,5 +1,5 @@
-// A phase for each block of samples of the image: an iteration of a synchronous integrator, or what a
-// sink takes in between two looks at its memory. Threads meet after it.
+// One phase for each block of samples of the image: an iteration of a synchronous integrator, or the work of a sink
+// between two checks of its memory. Threads synchronise after it.
 #pragma once
 
 #include "transport/render/schedules/plain_schedule.h"
@@ -14,9 +14,9 @@ class SynchronousSchedule final : public PlainSchedule {
     [[nodiscard]] bool finished(const RenderPosition& position) const override {
         return position.phase >= TileGrid::blocks_for(budget_.samples_per_pixel);
     }
-    /// Phases are parts of one numbering of tasks.
+    /// Phases are ranges of one numbering of tasks.
     std::uint64_t begin_phase(RenderPosition& position) override;
-    /// What the integrator gathers is not there before its threads meet.
+    /// False: the integrator's gathered data are incomplete before its threads synchronise.
     [[nodiscard]] bool can_save_amid_phase() const override { return false; }
 };
 

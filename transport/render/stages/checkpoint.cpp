@@ -23,7 +23,7 @@ std::string number_text(double value) {
     return text.data();
 }
 
-/// "mitchell(xradius=2 B=0.5)".
+/// The text of an entity, such as "mitchell(xradius=2 B=0.5)".
 std::string entity_text(const SceneEntity& entity) {
     std::string text = entity.type + "(";
     for (const Parameter& each : entity.parameters.parameters) {
@@ -49,12 +49,12 @@ std::string channel_text(const display::ChannelDefinition& channel) {
 }
 
 void write_statistics(RecordWriter& writer, const RenderStatistics& statistics) {
-    // A binding that no longer fits says that there is a number which no record holds yet.
+    // If this binding stops compiling, statistics have a new number that no record stores yet.
     const auto& [build_seconds, build_cpu_seconds, prepare_seconds, prepare_cpu_seconds, pilot_rays, render_seconds,
                  render_cpu_seconds, camera_samples, camera_rays, scattering_rays, shadow_rays, discarded_samples,
                  branches, pruned, path_length_histogram, attribution_overflow, invalid_samples, invalid_by_channel,
                  invalid_log, refused_services_calls, refusals, checkpoints, checkpoint_stall_seconds] = statistics;
-    static_cast<void>(build_seconds), static_cast<void>(build_cpu_seconds);  // of this session alone
+    static_cast<void>(build_seconds), static_cast<void>(build_cpu_seconds);  // of this session only
     static_cast<void>(prepare_seconds), static_cast<void>(prepare_cpu_seconds), static_cast<void>(pilot_rays);
     static_cast<void>(checkpoints), static_cast<void>(checkpoint_stall_seconds);
     static_cast<void>(discarded_samples);
@@ -111,7 +111,7 @@ Error resume_error(const std::string& file, std::string message, std::string hin
     return {std::move(message), file, 0, 0, {}, std::move(hint)};
 }
 
-constexpr const char* start_again = "to begin again, remove this file and leave out --resume";
+constexpr const char* start_again = "to start again, remove this file and leave out --resume";
 
 }  // namespace
 
@@ -157,14 +157,13 @@ Status check_checkpoint(const CheckpointSettings& settings, const RenderState& s
     if (job.integrator().traits().saved_state == SavedState::unknown)
         return error_at({},
                         "integrator '" + job.chosen.name +
-                            "' does not say how its state is saved, so a render with it has no "
+                            "' cannot save its state, so a render with it has no "
                             "checkpoints",
                         "leave out --checkpoint and --resume, or choose another integrator, such as path");
     if (state.target.has_sinks_of_others())
-        return error_at({},
-                        "what takes in raw samples beside the image, such as a deep image, is not saved in checkpoints",
+        return error_at({}, "outputs that read raw samples, such as deep images, are not saved in checkpoints",
                         "leave out --checkpoint and --resume, or the deep image");
-    if (settings.file.empty()) return error_at({}, "a checkpoint without a file; expected its name");
+    if (settings.file.empty()) return error_at({}, "a checkpoint without a file; expected a file name");
     return success();
 }
 
@@ -196,11 +195,12 @@ Result<RenderPosition> restore_checkpoint(const CheckpointSettings& settings, co
     const std::string& file = settings.file;
     std::error_code failed;
     if (std::filesystem::is_directory(file, failed))
-        return resume_error(file, "cannot resume: these are the buckets of a render with --memory or --bucket-rows",
-                            "render as it was begun, or, to begin again, remove this folder and leave out --resume");
+        return resume_error(
+            file, "cannot resume: these are the buckets of a render with --memory or --bucket-rows",
+            "use the settings of the first session, or, to start again, remove this folder and leave out --resume");
     if (!std::filesystem::exists(file, failed))
         return resume_error(file, "there is no checkpoint to resume from; expected this file",
-                            "leave out --resume to begin");
+                            "leave out --resume to start a new render");
     auto record = display::read_record_file(file);
     if (!record) {
         Error error = record.error();
@@ -209,10 +209,11 @@ Result<RenderPosition> restore_checkpoint(const CheckpointSettings& settings, co
         return error;
     }
     if (const auto differences = display::identity_differences(record->identity, identity); !differences.empty()) {
-        std::string message = "cannot resume: the checkpoint is of another render";
+        std::string message = "cannot resume: the checkpoint belongs to another render";
         for (const std::string& each : differences) message += "\n  " + each;
-        return resume_error(file, message,
-                            "render as it was begun, or, to begin again, remove this file and leave out --resume");
+        return resume_error(
+            file, message,
+            "use the settings of the first session, or, to start again, remove this file and leave out --resume");
     }
     return restore_record(*record, file, state);
 }
@@ -221,8 +222,8 @@ Result<RenderPosition> restore_record(const display::RecordFile& record, const s
     RenderTarget& target = state.target;
     Integrator& integrator = state.prepared.job.integrator();
     const auto damaged = [&](const std::string& section) {
-        return resume_error(file, "cannot resume: section '" + section + "' of the checkpoint does not fit this render",
-                            start_again);
+        return resume_error(
+            file, "cannot resume: section '" + section + "' of the checkpoint does not match this render", start_again);
     };
     const auto content = [&](const std::string& name) -> std::string_view {
         const display::RecordSection* section = record.find(name);

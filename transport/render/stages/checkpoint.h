@@ -1,13 +1,13 @@
-// Saving a render while it goes on, and going on after a crash: private to transport/render. What a render
-// is asked for stands in CheckpointSettings (render.h).
+// Saves a render while it runs, and continues it after a crash. Private to transport/render. CheckpointSettings
+// (render.h) contains the settings.
 //
-// A checkpoint is taken between tasks: the threads stop at the end of the task they are in, so the frame buffer holds
-// tasks [0, position) of the phase, whole, and no others; which is all that has to be remembered of the order, but for
-// the tasks that were left amid their batches when the render had to end at once. The record is copied while the
-// threads stand still, and checked, written and synced by a thread of its own while they go on.
+// A checkpoint is taken between tasks. The threads stop at the end of their tasks, so the frame buffer contains exactly
+// the complete tasks [0, position) of the phase. Nothing else about the order needs to be stored, except tasks that
+// were left within their batches because the render had to end at once. The record is copied while the threads wait. A
+// separate thread checks, writes and syncs it while they continue.
 //
-// Sections of the record (display/checkpoint/record_file.h): "progress", "frame buffer", that of the schedule and
-// "integrator" when there is such a thing, and one for each set of mattes.
+// Sections of the record (display/checkpoint/record_file.h): "progress", "frame buffer", the schedule's and
+// "integrator" if they exist, and one for each set of mattes.
 #pragma once
 
 #include <atomic>
@@ -24,25 +24,25 @@ namespace raylex::transport {
 
 class RenderState;
 
-/// What a record must say for this render to go on from it: the caller's fields, then the render's own.
+/// The fields that a record must match for this render to continue from it: the caller's fields, then the render's own.
 display::RecordIdentity render_identity(const ResolvedJob& job);
 
-/// Whether this render can be saved at all; an Error names what cannot.
+/// Checks that this render can be saved; an Error names what cannot.
 Status check_checkpoint(const CheckpointSettings& settings, const RenderState& state);
 
 display::RecordFile make_checkpoint(const display::RecordIdentity& identity, const RenderPosition& position,
                                     const RenderState& state);
 
-/// Fills the state's target, schedule and integrator from a record of this very render, and returns where it stood.
-/// `file` is for errors.
+/// Fills the state's target, schedule and integrator from a record of this render, and returns its position. `file` is
+/// for errors.
 Result<RenderPosition> restore_record(const display::RecordFile& record, const std::string& file, RenderState& state);
 
-/// As restore_record(), from the settings' file. Errors: no such file, damaged, of another render (all that differs is
-/// named).
+/// Reads the settings' file and calls restore_record(). Errors: no such file, damage, a file of another render (with
+/// all differences).
 Result<RenderPosition> restore_checkpoint(const CheckpointSettings& settings, const display::RecordIdentity& identity,
                                           RenderState& state);
 
-/// Writes one record at a time beside the render.
+/// Writes one record at a time while the render continues.
 class CheckpointWriter {
   public:
     explicit CheckpointWriter(std::string file) : file_(std::move(file)) {}
@@ -51,14 +51,14 @@ class CheckpointWriter {
     CheckpointWriter& operator=(const CheckpointWriter&) = delete;
 
     [[nodiscard]] bool busy() const { return busy_.load(); }
-    /// Not while busy().
+    /// Starts writing `record`; must not be called while busy().
     void start(display::RecordFile record);
     void wait();
-    /// Takes note of a record that could not even be made.
+    /// Records an error for a record that could not be made.
     void fail(Error error);
-    /// After wait(): whether the last record that start() was given is safe on disk.
+    /// After wait(): whether the last record passed to start() is on disk.
     [[nodiscard]] bool last_written() const { return last_written_; }
-    /// After wait(): records that are safe on disk, and what went wrong with the others, said once for each reason.
+    /// After wait(): the number of records on disk. Errors of other records are reported once per reason.
     [[nodiscard]] std::uint64_t written() const { return written_.load(); }
     [[nodiscard]] const std::vector<Error>& failures() const { return failures_; }
 

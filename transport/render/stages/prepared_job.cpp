@@ -10,8 +10,8 @@
 namespace raylex::transport {
 namespace {
 
-/// Whether a channel takes light without its path's throughput: then how often paths are sampled is part of what it
-/// shows, and nothing may be pruned (Law 4). What surfaces say of themselves (user events) is sampled alike.
+/// Whether a channel receives light without its path's throughput. The probability of paths then affects its values, so
+/// nothing may be pruned (Law 4). User events of surfaces are sampled in the same way.
 Result<bool> counts_paths(const std::vector<display::ChannelDefinition>& channels) {
     for (const display::ChannelDefinition& channel : channels) {
         auto prefixes = display::read_prefixes(channel);
@@ -75,10 +75,11 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
     for (std::string& omission : job.integrator().omissions())
         job.warnings.push_back(error_at({}, std::move(omission)));
     if (!job.integrator().traits().cutouts && job.scene.view().tests_alpha())
-        job.warnings.push_back(error_at({},
-                                        "the scene has cutouts or interfaces, and integrator '" + job.chosen.name +
-                                            "' does not declare that its rays pass through them: they may be opaque",
-                                        "integrators declare it by IntegratorTraits::cutouts"));
+        job.warnings.push_back(
+            error_at({},
+                     "the scene has cutouts or interfaces, and integrator '" + job.chosen.name +
+                         "' does not declare that its rays pass through them; they may be rendered as opaque",
+                     "integrators declare it by IntegratorTraits::cutouts"));
     prepared.seconds = watch.wall();
     prepared.cpu_seconds = watch.process_cpu();
     return prepared;

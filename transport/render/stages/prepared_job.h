@@ -1,4 +1,4 @@
-// The second stage: the integrator has seen the scene, and the job does not change any more. Private to
+// The second stage: the integrator has prepared for the scene, and the job no longer changes. Private to
 // transport/render.
 #pragma once
 
@@ -11,17 +11,17 @@ namespace raylex::transport {
 
 class PreparedJob {
   public:
-    /// Events, geometric AOVs, Integrator::prepare() with all of them; an Error is the integrator's.
+    /// Prepares events and geometric AOVs and calls Integrator::prepare() with them; Errors are the integrator's.
     static Result<PreparedJob> prepare(ResolvedJob resolved);
 
-    /// What an integrator sees of the render. The pointers are to what stays where it is when the job is moved.
+    /// The integrator's view of the render. Its pointers stay valid when the job is moved.
     [[nodiscard]] IntegratorContext context() const;
 
     ResolvedJob job;
     std::unique_ptr<const EventTable> events;
     std::unique_ptr<const geoaovs::GeometricAovs> aovs;
     std::unique_ptr<const PlannedPaths> paths;
-    double seconds = 0, cpu_seconds = 0;  ///< that it took
+    double seconds = 0, cpu_seconds = 0;  ///< of the preparation
 
   private:
     explicit PreparedJob(ResolvedJob resolved) : job(std::move(resolved)) {}

@@ -8,8 +8,8 @@
 namespace raylex::transport {
 namespace {
 
-/// In the order of tasks. Every thread takes its tasks in that order, so the first ones of all threads are among the
-/// first ones of each, whatever their number.
+/// Sorts in the order of tasks and keeps the first. Every thread takes its tasks in that order, so the first samples of
+/// all threads are among the first of each, whatever the number of threads.
 void keep_first(const TileGrid& grid, std::vector<display::InvalidSample>& log) {
     const auto task_of = [&](const display::InvalidSample& each) {
         return std::tuple(each.sample / TileGrid::block_size, (each.pixel_y + grid.padding_y) / TileGrid::tile_size,

@@ -1,5 +1,5 @@
-// A render while it goes on: where it stands, and the threads' workers. Schedules look at it between phases, when
-// nothing is in flight. Private to transport/render.
+// The state of a running render: its position, and the threads' workers. Schedules read it between phases, when no
+// samples are in progress. Private to transport/render.
 #pragma once
 
 #include <atomic>
@@ -22,7 +22,7 @@ class RenderState {
     RenderState(const RenderState&) = delete;
     RenderState& operator=(const RenderState&) = delete;
 
-    /// Wall time, earlier sessions' included: of the loop, and since the render was asked for.
+    /// Wall time including earlier sessions: of the loop, and since the call of render().
     [[nodiscard]] double seconds() const { return position.statistics.render_seconds + watch_.wall(); }
     [[nodiscard]] double seconds_since_call() const { return position.statistics.render_seconds + since_call_.wall(); }
     /// Wall time of this session's loop.
@@ -30,16 +30,16 @@ class RenderState {
 
     /// Goes on from `from`, with the target as it was then: with new workers, which have done nothing yet.
     void stand_at(RenderPosition from);
-    /// Position and statistics as a record needs them.
+    /// Position and statistics for a record.
     [[nodiscard]] RenderPosition current() const;
-    /// All that go_back_to() needs; throws std::bad_alloc. Not with sinks that others brought.
+    /// The state that go_back_to() needs; throws std::bad_alloc. Not with sinks of the caller.
     [[nodiscard]] display::RecordFile snapshot() const;
     Status go_back_to(const display::RecordFile& snapshot);
-    /// Adds what all threads did, and what earlier sessions did.
+    /// Adds the statistics of all threads and of earlier sessions.
     void collect(RenderStatistics& statistics) const;
-    /// After a stop: whether splats of light paths that were not finished are in the image.
+    /// After a stop: whether the image contains splats of light paths that were not finished.
     [[nodiscard]] bool splats_left_behind() const;
-    /// Whether any sample of this session sent something to the channel.
+    /// Whether any sample of this session wrote to the channel.
     [[nodiscard]] bool ever_touched(display::ChannelId id) const;
     [[nodiscard]] std::vector<IntegratorThread*> thread_states() const;
 
@@ -48,9 +48,9 @@ class RenderState {
     Schedule& schedule;
     RenderPosition position;
     mutable TileLocks locks;
-    std::vector<std::unique_ptr<RenderWorker>> workers;  ///< one a thread
+    std::vector<std::unique_ptr<RenderWorker>> workers;  ///< one per thread
     std::atomic<std::uint64_t> samples_done{0};          ///< camera samples in the frame buffer
-    std::atomic<bool> leave{false};                      ///< threads must not finish their batches
+    std::atomic<bool> leave{false};                      ///< threads must leave their batches
 
   private:
     Stopwatch since_call_, watch_;

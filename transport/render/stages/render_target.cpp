@@ -38,7 +38,7 @@ RenderPlan plan_of(const ResolvedJob& job) {
                     .warnings = job.warnings};
     for (const geoaovs::MatteKind kind : settings.mattes.kinds)
         plan.memory.push_back({geoaovs::matte_layer(kind), display::RankedCoverage::expected_bytes(width, height)});
-    if (settings.stop.adaptive)  // an error and a decision a pixel
+    if (settings.stop.adaptive)  // an error and a decision per pixel
         plan.memory.push_back({"adaptive", 9 * static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height)});
     const std::uint64_t image_bytes = display::total_bytes(plan.memory);
     if (job.checkpoint && std::isfinite(job.checkpoint->seconds)) plan.memory.push_back({"checkpoint", image_bytes});
@@ -73,8 +73,8 @@ Result<RenderTarget> RenderTarget::allocate(const PreparedJob& prepared, std::ve
     if (!frame_buffer) return frame_buffer.error();
     RenderTarget target(*std::move(frame_buffer));
     target.sinks = std::move(sinks);
-    // Filters and deep images, which before_rendering() has added, look at samples one by one; cryptomattes do not.
-    // With holdouts light is sent apart once one is met, and its sums would round as the batches happened to be.
+    // Filters and deep images, which before_rendering() may add, read samples one by one; cryptomattes do not. With
+    // holdouts, light is split off after the first one, and the rounding of its sums would depend on batches.
     const bool sinks_read = std::any_of(target.sinks.begin(), target.sinks.end(),
                                         [](const display::SampleSink* sink) { return sink->reads_channels(); });
     if (job.channels.filters.empty() && !sinks_read && !job.scene.view().geometry->has_holdouts())

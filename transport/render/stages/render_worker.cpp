@@ -13,7 +13,7 @@ void SplatGate::take(display::SampleTable& table) {
     ++taken_;
     sample_filters_.apply(table);
     const int tile = TileGrid::tile_size;
-    // Where a splat's footprint ends may be off by a rounding; half a pixel more makes up for it.
+    // The computed end of a splat's footprint may be off by a rounding; half a pixel more compensates for it.
     const Real reach_x = filter_.radius_x() + 1, reach_y = filter_.radius_y() + 1;
     const std::uint64_t columns = grid_.columns();
     order_.clear();
@@ -121,13 +121,13 @@ void RenderWorker::add_pixel(int x, int y, std::uint64_t first, int count, std::
         ++count_;
     }
     added_ = block + 1;
-    if (aovs_.wants_time()) flush();  // so that every pixel is timed by itself
+    if (aovs_.wants_time()) flush();  // so that every pixel is timed separately
 }
 
 void RenderWorker::flush() {
     if (count_ == 0) return;
     note_totals();
-    if (leave_.load(std::memory_order_relaxed)) {  // also where the integrator never asks
+    if (leave_.load(std::memory_order_relaxed)) {  // also if the integrator never checks it
         left_ = true;
         count_ = 0;
         return;
@@ -169,7 +169,7 @@ void RenderWorker::flush() {
     done_ = added_;
 }
 
-/// Moves that had to collapse branches, those of discarded iterations among them.
+/// The number of moves that had to collapse branches, including those of discarded iterations.
 std::uint64_t RenderWorker::overflow() const {
     return lpe_.overflow_count() + (raster_ ? raster_->lpe().overflow_count() : 0);
 }
@@ -198,7 +198,7 @@ const WorkerTotals& RenderWorker::totals() {
     return totals_;
 }
 
-/// What happens to samples between the integrator and the frame buffer.
+/// Processes samples between the integrator and the frame buffer.
 void RenderWorker::finish_samples(double begin) {
     if (aovs_.wants_rays()) {
         camera_rays_.origin_z.resize(count_);

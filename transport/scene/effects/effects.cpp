@@ -11,46 +11,50 @@ namespace raylex::transport {
 namespace {
 
 constexpr std::array<EffectInfo, effect_count> catalogue{{
-    {Effect::media, "media", "a surface borders a medium, the camera stands in one, or light walks below a skin",
-     "vacuum; surfaces that only bordered media go too; skin is glass", "flights and shadow rays ask for media"},
+    {Effect::media, "media",
+     "a surface borders a medium, the camera is inside one, or a material scatters light below its surface",
+     "vacuum; surfaces that only bordered media are removed; subsurface materials become glass",
+     "paths and shadow rays test for media"},
     {Effect::depth_of_field, "depth-of-field", "the camera has a lens", "a pinhole in the middle of the lens",
      "camera rays begin on a lens of radius 0"},
     {Effect::image_textures, "image-textures", "a material or cutout in use reads an image", "the mean of the image",
-     "materials look up constants as they do textures"},
+     "materials evaluate constants as textures"},
     {Effect::alpha, "alpha", "a shape has an opacity below 1, or a texture for it",
-     "opaque; what is invisible everywhere and does not shine goes", "hits and shadow rays are tested for cutouts"},
-    {Effect::shading_normals, "shading-normals", "a mesh has normals of its own", "the normals of its faces", ""},
+     "opaque; shapes that are invisible everywhere and do not emit are removed",
+     "hits and shadow rays are tested for cutouts"},
+    {Effect::shading_normals, "shading-normals", "a mesh has vertex normals", "the normals of its faces", ""},
     {Effect::bump, "bump", "a material in use has a bump or normal map", "the normals without it", ""},
-    {Effect::transmission, "transmission", "a material in use lets light through (glass, panes, sheets, leaves, skin)",
-     "no surface: light goes straight on; of leaves their reflection alone", ""},
+    {Effect::transmission, "transmission", "a material in use transmits light (glass, panes, sheets, leaves, skin)",
+     "no surface: light passes straight through; leaves only reflect", ""},
     {Effect::coats, "coats", "a material in use is coated", "its base alone", ""},
     {Effect::facet_compensation, "facet-compensation", "a material in use has raylex:compensate",
      "facets scatter once, as in pbrt", ""},
-    {Effect::emissive_meshes, "emissive-meshes", "a shape shines", "it does not", ""},
+    {Effect::emissive_meshes, "emissive-meshes", "a shape emits light", "no shape emits light", ""},
     {Effect::delta_lights, "delta-lights", "there is a point, spot, goniometric, projection or distant light",
      "they are dark", ""},
     {Effect::environment, "environment", "there is an infinite light", "black", ""},
-    {Effect::instances, "instances", "an object is placed by instances", "nothing where they stood", ""},
+    {Effect::instances, "instances", "an object is placed by instances", "the instances are removed", ""},
     {Effect::motion, "motion", "an object, a shape or the camera moves while the shutter is open",
-     "all stands where it is halfway through the shutter's time", "each sample draws a time, which its rays carry"},
-    {Effect::texture_filtering, "texture-filtering", "an image in use is filtered by what a pixel sees of it",
-     "its texels as they are", ""},
+     "everything stands at its place in the middle of the shutter interval",
+     "each sample draws a time, which its rays carry"},
+    {Effect::texture_filtering, "texture-filtering", "an image in use is filtered over the footprint of a pixel",
+     "unfiltered look-ups", ""},
     {Effect::varying_media, "varying-media", "a medium in use differs from place to place",
-     "the same everywhere, dark: a density of 1, of an rgbgrid the mean", ""},
+     "a homogeneous medium without emission: density 1, or the mean of an rgbgrid", ""},
     {Effect::dispersion, "dispersion", "the index of refraction of a dielectric in use depends on the wavelength",
-     "one index for all colours, the mean of its spectrum", "each sample draws a wavelength, which nothing asks for"},
+     "one index for all colours, the mean of its spectrum", "each sample draws a wavelength, which nothing uses"},
 }};
 
 constexpr std::array<AbsentEffect, 2> not_simulated{{
-    {"polarisation", "interfaces treat light as unpolarised, whatever it met before"},
-    {"fluorescence", "light keeps its colour where it is scattered but for what is absorbed"},
+    {"polarisation", "interfaces treat light as unpolarised, whatever surfaces it has met"},
+    {"fluorescence", "scattering changes the colour of light by absorption only"},
 }};
 
 std::string share(std::size_t count, std::size_t all, const char* things) {
     return std::to_string(count) + " of " + std::to_string(all) + " " + things;
 }
 
-/// "2 of 5 materials in use", or that there is none.
+/// A finding such as "2 of 5 materials in use", or that there is none.
 EffectFinding finding(std::size_t count, std::size_t all, const char* things) {
     if (count == 0)
         return {false, all == 0 ? std::string("no ") + things : "none of " + std::to_string(all) + " " + things};
@@ -64,7 +68,7 @@ EffectFinding find_materials(const UsedSurfaces& used, const Test& test) {
     return finding(static_cast<std::size_t>(count), used.materials().size(), "materials in use");
 }
 
-/// [medium] Whether something refers to it.
+/// [medium] Whether a surface or the camera refers to it.
 std::vector<std::uint8_t> used_media(const SceneDescription& scene, const UsedSurfaces& used) {
     std::vector<std::uint8_t> found(scene.media.size(), 0);
     const auto take = [&](int index) {
@@ -102,7 +106,7 @@ EffectFinding find_lens(const SceneDescription& scene) {
     const std::string& type = scene.camera.type;
     if (type == "spherical") return {false, "a spherical camera"};
     if (!type.empty() && type != "perspective" && type != "orthographic")
-        return {false, "camera '" + type + "' cannot be without the lens that it may have"};
+        return {false, "camera '" + type + "' cannot be used without its lens"};
     const Result<double> radius = scene.camera.parameters.real_or("lensradius", 0);
     if (!radius || !(*radius > 0)) return {false, "a camera without a lens"};
     return {true, "a lens"};

@@ -1,4 +1,4 @@
-// What analysis and substitution of effects take materials, shapes and lights for. Types of plugins are none of these.
+// Classifies materials, shapes and lights for the analysis and removal of effects. Types of plugins belong to no class.
 #pragma once
 
 #include <algorithm>
@@ -31,15 +31,15 @@ namespace raylex::transport {
         if (each.name == "raylex:compensate") return each.booleans.size() == 1 && each.booleans.front() != 0;
     return false;
 }
-/// An interface is no surface that could be cut out of; what a mix has of one is passed like a cutout.
-/// `mixed`: mixes_with_interface().
+/// Whether a shape has cutouts. An interface is not a surface and has none; the interface part of a mix is passed like
+/// a cutout. `mixed` is mixes_with_interface().
 [[nodiscard]] inline bool has_cutouts(const SceneDescription& scene, const SceneShape& shape,
                                       const std::vector<std::uint8_t>& mixed) {
     const auto material = static_cast<std::size_t>(std::max(shape.material, 0));
     return !is_interface(scene, shape) &&
            (shape.alpha < 1 || !shape.alpha_texture.empty() || (material < mixed.size() && mixed[material] != 0));
 }
-/// A medium that differs from place to place.
+/// Whether a medium is heterogeneous.
 [[nodiscard]] inline bool is_grid(const SceneEntity& medium) {
     return medium.type == "uniformgrid" || medium.type == "rgbgrid" || medium.type == "cloud" ||
            medium.type == "nanovdb";
@@ -54,8 +54,8 @@ namespace raylex::transport {
     return light.type == "infinite";
 }
 
-/// The parameter for the index of refraction of a dielectric, where it is a spectrum that varies; null where it is
-/// not, or cannot be read, which the build says.
+/// The parameter for a dielectric's index of refraction if it is a spectrum that varies; else null. Null also if it
+/// cannot be read, which the build reports.
 [[nodiscard]] inline const Parameter* varying_index(const SceneEntity& material) {
     if (material.type != "dielectric" && !is_subsurface(material)) return nullptr;
     for (const Parameter& each : material.parameters.parameters) {
