@@ -1,11 +1,11 @@
 // Invariants of the mean of an image. Renders with independent seeds are compared by Student's t.
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <numeric>
 
 #include "experiments/invariants/random.h"
 #include "experiments/invariants/scene_under_test.h"
+#include "experiments/study/analysis/distributions.h"
 #include "transport/embree/embree_scene.h"
 #include "transport/math/sampling.h"
 #include "transport/scene/typed_parameters.h"
@@ -72,9 +72,7 @@ Result<Means> means_of(const SceneUnderTest& test, const Render& render, const s
 struct Comparison {
     double mean_a = 0, mean_b = 0, error = 0;  ///< `error` is the standard error of the difference
     double t = 0, freedom = 1;
-    [[nodiscard]] double threshold(double at) const {
-        return boost::math::quantile(boost::math::complement(boost::math::students_t(freedom), at / 2));
-    }
+    [[nodiscard]] double threshold(double at) const { return -student_t_quantile(at / 2, freedom); }
 };
 
 double mean_of(const std::vector<double>& values) {

@@ -174,7 +174,7 @@ TEST_CASE("a record that ends early or has another version is refused", "[frameb
     other[0] = 9;
     const auto refused = FrameBuffer::from_record(other);
     REQUIRE_FALSE(refused.ok());
-    CHECK(refused.error().message.find("version 9, expected 6") != std::string::npos);
+    CHECK(refused.error().message.find("version 9; expected 6") != std::string::npos);
     // A size that exceeds any memory is an error, too.
     other = bytes;
     other[7] = 0x7f;
