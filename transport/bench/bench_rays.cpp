@@ -1,4 +1,4 @@
-// Which share of raw Embree throughput does a render reach on the rays that it traces?
+// Measures the share of raw Embree throughput that a render reaches on the rays that it traces.
 //
 //   bench_rays SCENE.pbrt [SAMPLES] [ROUNDS]
 //

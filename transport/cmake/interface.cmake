@@ -1,6 +1,6 @@
 # cmake -DSOURCE=... -DVERSION=... -DOUTPUT=... -P interface.cmake: writes a header with raylex's version and the SHA-256 of every
-# header that plugins may include. C++ has no stable binary interface: the headers are the interface, and a plugin fits a
-# program when both were compiled from the same ones. The file is rewritten only when it changes.
+# header that plugins may include. C++ has no stable binary interface: the headers are the interface, and a plugin matches a
+# program if both were compiled from the same headers. The file is rewritten only when it changes.
 file(GLOB_RECURSE headers RELATIVE ${SOURCE} ${SOURCE}/lpe/*.h ${SOURCE}/display/*.h ${SOURCE}/geoaovs/*.h ${SOURCE}/transport/*.h)
 list(SORT headers)
 set(all "")
@@ -9,7 +9,7 @@ foreach(header ${headers})
   string(APPEND all "${header} ${digest}\n")
 endforeach()
 string(SHA256 interface "${all}")
-set(text "// Written by the build: what plugins and programs must agree on.\n#pragma once\n\n")
+set(text "// Written by the build: the version and interface that plugins and programs must share.\n#pragma once\n\n")
 string(APPEND text "#define RAYLEX_PLUGIN_VERSION \"${VERSION}\"\n#define RAYLEX_PLUGIN_INTERFACE \"${interface}\"\n")
 set(old "")
 if(EXISTS ${OUTPUT})

@@ -169,8 +169,8 @@ namespace {
 /// Light from infinity begins at three extents of the scene, and a shadow ray is two extents long.
 constexpr double extents_of_rays = 4;
 
-/// How far from the world's origin rays may begin, so that in the instance's object they begin at most `in_object` from
-/// its origin. Rays of the scene begin up to `rays` from the origin.
+/// The distance from the world's origin within which rays may begin, so that in the instance's object they begin at
+/// most `in_object` from its origin. Rays of the scene begin up to `rays` from the origin.
 Result<Real> limit_in_world(const SceneInstance& instance, const Transform& to_world, double rays, double in_object) {
     const Placement placement(to_world);
     if (const std::string what = not_invertible_as_float(placement.to_world); !what.empty())

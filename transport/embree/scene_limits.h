@@ -25,7 +25,7 @@ Status check_extent(const SceneShape& shape, const std::vector<StoredVec3>& posi
 /// them, and its time grows with the square of their number.
 Status check_coincident(const SceneDescription& scene);
 
-/// How far from the origin rays of this scene begin, apart from rays that begin on shapes.
+/// The distance from the origin within which rays of this scene begin, apart from rays that begin on shapes.
 double extent_without_shapes(const SceneDescription& scene, const RenderSpace& space);
 
 /// The placements of instances, one per step of time. They are computed on demand, since there are many.

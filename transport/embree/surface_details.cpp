@@ -97,7 +97,7 @@ struct DetailBuilder {
             const Vec2 t0 = shape.uvs[index[0]], t1 = shape.uvs[index[1]], t2 = shape.uvs[index[2]];
             const Vec2 d1{t1.x - t0.x, t1.y - t0.y}, d2{t2.x - t0.x, t2.y - t0.y};
             const Real determinant = d1.x * d2.y - d1.y * d2.x;
-            // As for dpdu: degenerate coordinates get an arbitrary tangent of the plane.
+            // As in dpdu, degenerate coordinates get an arbitrary tangent of the plane.
             dpdv = std::abs(determinant) < Real(1e-9) ? cross(normalize(cross(e1, e2)), normalize(e1))
                                                       : (e2 * d1.x - e1 * d2.x) * (1.0 / determinant);
         }

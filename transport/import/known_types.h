@@ -1,5 +1,5 @@
-// Values in the type that pbrt-v4 reads them by. Code says numbers as they come, `fov = 40`, and raylex's readers take
-// them; pbrt-v4 ends at "integer fov".
+// Converts values to the types with which pbrt-v4 reads them. Code may pass an integer, `fov = 40`, and raylex's
+// readers accept it; pbrt-v4 stops at "integer fov".
 #pragma once
 
 #include <optional>
@@ -10,12 +10,12 @@
 
 namespace raylex::transport {
 
-/// The type that a parameter is declared with; none for what no table knows.
+/// The declared type of a parameter; nothing if no table contains it.
 std::optional<ParameterType> known_type(EntityKind kind, const std::string& type, std::string_view name);
 
-/// Integers where floats are expected become floats, and one number where a colour is expected that grey in rgb: the
-/// scene stays what it is. Reflectances above 1 stay numbers, as rgb refuses them. `float_texture`: of a texture of
-/// single numbers, whose inputs are numbers too.
+/// Converts integers to floats where floats are expected, and one number to a grey rgb where a colour is expected; the
+/// scene stays equivalent. Reflectances above 1 stay numbers, since rgb rejects them. `float_texture` is true for
+/// textures of single numbers, whose inputs are numbers too.
 void use_known_types(EntityKind kind, const std::string& type, bool float_texture, ParameterSet& set);
 
 }  // namespace raylex::transport

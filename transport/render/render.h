@@ -97,11 +97,11 @@ struct RenderStatistics {
     double checkpoint_stall_seconds = 0;           ///< wall time for which all threads waited for them
 };
 
-/// How many samples a render took, and whether that is all.
+/// The number of samples of a render, and whether it is complete.
 struct SamplesTaken {
     bool complete = true;  ///< false: an interrupt or a limit of time ended the render before its last sample
-    /// Samples of each pixel: the number asked for, or the number reached under a SampleLimit; the most that a pixel
-    /// may get under adaptive sampling.
+    /// Samples of each pixel: the requested number, or the number reached under a SampleLimit. Under adaptive sampling:
+    /// the most that a pixel may get.
     std::uint64_t per_pixel = 0;
     std::uint64_t resumed = 0;  ///< camera samples that a checkpoint held
     /// The error at the end; set under adaptive sampling and under a SampleLimit of error.
@@ -133,7 +133,7 @@ struct BucketImage {
     std::vector<display::RowRange> rows{};                ///< the rows of each bucket that has a file
 };
 
-/// What the frame buffer reports of its sums, over all buckets of the image.
+/// The frame buffer's reports on its sums, over all buckets of the image.
 struct ImageSums {
     std::uint64_t rejected = 0;  ///< number of sums of blocks that were not finite: FrameBuffer::rejected_count()
     double light_magnitude = 0;  ///< 0, or the largest sum that cancelled in a pixel: FrameBuffer::light_magnitude()

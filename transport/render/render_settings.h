@@ -31,7 +31,7 @@ struct MachineSettings {
     int threads = 0;  ///< number of threads, at least 0; 0: one for each hardware thread
 };
 
-/// What replaces parts of the scene's film and pixel filter. Unset fields leave the scene's values.
+/// Settings that replace parts of the scene's film and pixel filter. Unset fields leave the scene's values.
 struct FilmOverrides {
     std::optional<std::array<int, 2>> resolution;  ///< width and height of the image in pixels, each at least 1
     /// The pixels to render: x0 <= x < x1 and y0 <= y < y1 inside the image. These pixels get the same bits as in a
@@ -49,7 +49,7 @@ struct SampleChoice {
     std::uint64_t sample = 0;  ///< the number of the sample within its pixel, from 0
 };
 
-/// Which samples the pixels get, and from which random numbers.
+/// The samples of the pixels, and the source of their random numbers.
 struct SampleSettings {
     /// Samples of each pixel, at least 1. Unset: the number in the scene's sampler or integrator; a render with a
     /// SampleLimit then takes as many as its limit allows.
@@ -76,7 +76,7 @@ struct SampleLimit {
     double error = 0;
 };
 
-/// What ends a render before each pixel has all its samples. At most one of the two is set.
+/// Limits that end a render before each pixel has all its samples. At most one of the two is set.
 struct StopSettings {
     /// Adaptive sampling: each pixel gets samples until its error is below a tolerance. Its max_samples replaces
     /// SampleSettings::per_pixel.
@@ -84,7 +84,7 @@ struct StopSettings {
     std::optional<SampleLimit> limit;  ///< one number of samples for all pixels, by time or by error
 };
 
-/// Which light paths are sampled, and how.
+/// The light paths to sample, and the method.
 struct PathSettings {
     std::optional<SceneEntity> integrator;  ///< type and parameters of the integrator; unset: the scene's
     /// Most scattering events of a path, 0 to 1,000,000. Set: it replaces the integrator's "maxdepth".
@@ -94,13 +94,13 @@ struct PathSettings {
     bool prune = true;
 };
 
-/// How paths become words for light path expressions.
+/// The conversion of paths to path strings for light path expressions.
 struct LabelSettings {
     lpe::LobeSlots lobe_slots{};  ///< the numbers (as in D2 or S4) that lobes get by their names
     /// False: each lobe carries its exact share of the light. True: one lobe, drawn at random, carries all of it.
     bool picked_lobes = false;
-    /// Set: each contribution of light keeps its word, and these rules say which words differ. A path atlas needs this
-    /// and is one of the sinks.
+    /// Set: each contribution of light keeps its path string, and these rules decide which of them differ. A path atlas
+    /// needs this and is one of the sinks.
     std::optional<display::WordRules> words;
 };
 

@@ -181,7 +181,8 @@ class PixelSampler {
         const std::uint64_t place = spread_bits(x & inside) | spread_bits(y & inside) << 1;
         reversed_index_ = reverse_bits(static_cast<std::uint32_t>(place << (bits & 63) | sample));
     }
-    enum class Source : std::uint32_t { independent, sobol, chain };  // as wide as what is left: copied in whole words
+    // as wide as the rest of the word: copied in whole words
+    enum class Source : std::uint32_t { independent, sobol, chain };
     [[nodiscard]] PrimarySamples& chain() const {
         return *reinterpret_cast<PrimarySamples*>(static_cast<std::uintptr_t>(key_));
     }

@@ -153,8 +153,7 @@ TEST_CASE("goniometric and projection lights emit their power, and draw directio
           Case{turned + "LightSource \"projection\" \"float power\" 30 \"float scale\" 2 \"float fov\" 120" +
                    wide.parameter(),
                60},
-          // Stretched: the image's directions are compressed, and the light keeps its intensity in each direction of
-          // its own space.
+          // Stretched: the image's directions are compressed; each keeps its intensity in the light's space.
           Case{"Scale 1 2 0.7\nLightSource \"goniometric\" \"rgb I\" [1 1 1]" + square.parameter(), 0}}) {
         INFO(each.text);
         const Lit scene = lit(each.text + sphere_in_the_middle);
@@ -211,8 +210,7 @@ TEST_CASE("a projection light projects its image upright and ends at its border"
         CHECK_FALSE(draw(scene, outside, 0, s));
 }
 
-TEST_CASE("a stretched spot has its cone in its own space, as in pbrt, and draws directions with its density",
-          "[lights]") {
+TEST_CASE("a stretched spot has its cone in its own space, as in pbrt, and draws directions by density", "[lights]") {
     const std::string stretched =
         "Rotate 20 0 1 0\nScale 1.3 0.7 1.1\nLightSource \"spot\" \"rgb I\" [20 20 20] \"point3 from\" [1 0 3] "
         "\"point3 to\" [0 0 0] \"float coneangle\" 35 \"float conedeltaangle\" 10\n";
@@ -473,8 +471,7 @@ TEST_CASE("integrators that trace paths from lights find the path tracer's image
     std::vector<Rgb> pixels;
     for (int i = 0; i < 64; ++i) pixels.emplace_back(i % 3 == 0 ? 1.5f : 0.2f);
     const ImageFile file(8, 8, pixels);
-    // A room with a hole in its ceiling: the sky enters through the portal there; the screen at the back is an area
-    // light.
+    // A room with a hole in its ceiling: the sky enters by the portal there; the screen at the back is an area light.
     const std::string scene = render_test::plain_film + R"(
 PixelFilter "box" "float xradius" 0.5 "float yradius" 0.5
 LookAt 0 1 4.5  0 0.8 0  0 1 0

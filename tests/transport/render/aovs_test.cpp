@@ -223,9 +223,9 @@ TEST_CASE("inside glass the index on the camera's side is the glass's", "[geoaov
     check_values(aovs_of(header(1) + "Translate 0 0 9\n" + glass).at("outsideIOR"), {1});
 }
 
-TEST_CASE("the wireframe is a line one pixel wide", "[geoaovs][render]") {
-    // A triangle whose sides are 0.6, 0.6 and 0.6 sqrt(2) of the image wide, 40 degrees over 64 pixels, at an angle:
-    // the screen positions are what counts. Its lines cover about their length in pixels; corners are counted twice.
+TEST_CASE("the wireframe is a line of one pixel", "[geoaovs][render]") {
+    // A triangle whose sides are 0.6, 0.6 and 0.6 sqrt(2) of the image's width, 40 degrees over 64 pixels, seen at an
+    // angle: only screen positions matter. Its lines cover about their length in pixels; corners are counted twice.
     const double t = std::tan(20 * 3.14159265358979323846 / 180);
     const auto corner = [&](double x, double y, double z) {
         return std::to_string(x * t * z) + " " + std::to_string(y * t * z) + " " + std::to_string(z) + " ";
@@ -242,13 +242,12 @@ TEST_CASE("the wireframe is a line one pixel wide", "[geoaovs][render]") {
     for (const double v : aovs.at("a")) area += v;
     const double side = 0.6 * 64, length = side * (2 + std::sqrt(2.0));
     // Half of every line's width lies outside the triangle. 16 x 65 independent samples decide at the line: 3 per cent;
-    // the corners cost about as many pixels as there are corners.
+    // the error at corners is about one pixel each.
     CHECK(sum == Approx(length / 2).epsilon(0.05));
     CHECK(area == Approx(side * side / 2).epsilon(0.01));
 }
 
-TEST_CASE("asking for every AOV leaves the beauty's bits, and no thread shows but in cpuTime",
-          "[geoaovs][law2][law3]") {
+TEST_CASE("requesting every AOV keeps the beauty's bits, and threads affect only cpuTime", "[geoaovs][law2][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
     settings.samples.per_pixel = 16;
@@ -280,7 +279,7 @@ TEST_CASE("asking for every AOV leaves the beauty's bits, and no thread shows bu
     CHECK(seconds <= one.statistics.render_cpu_seconds);
 }
 
-TEST_CASE("where no light is to come, materials are evaluated only for AOVs that ask for more than geometry",
+TEST_CASE("without channels of light, materials are evaluated only for AOVs that need more than geometry",
           "[geoaovs][render][law4]") {
     const auto scene = scene_of(room);
     const auto rendered = [&](std::vector<display::ChannelDefinition> channels, bool beauty) {
@@ -313,7 +312,7 @@ TEST_CASE("where no light is to come, materials are evaluated only for AOVs that
     for (const double alpha : alone.frame_buffer.resolve_alpha()) hits += alpha;
     const double samples = static_cast<double>(alone.statistics.camera_samples);
     const double pixels = samples / 16;
-    // Every hit of a camera ray; alpha is their mean, of 16 samples a pixel.
+    // All hits of camera rays; alpha is their mean, with 16 samples a pixel.
     CHECK(static_cast<double>(closures(alone)) == Approx(hits / pixels * samples));
     for (const char* name : {"albedo", "outsideIOR"}) {
         std::vector<display::ChannelDefinition> more = of_geometry;
@@ -324,14 +323,14 @@ TEST_CASE("where no light is to come, materials are evaluated only for AOVs that
               rendered(more, true).frame_buffer.resolve(static_cast<display::ChannelId>(more.size())));
         check_same(full, with_more, of_geometry.size());
     }
-    // Light that the camera sees goes no further; what is seen by way of a mirror does, and nothing but mirrors.
+    // Light that the camera sees directly needs no material; light seen through mirrors needs mirrors only.
     for (const char* expression : {"CL", "CS+L", "CD[DS]*L"}) {
         CAPTURE(expression);
         std::vector<display::ChannelDefinition> with_light = of_geometry;
         with_light.push_back(lpe_channel("light", expression));
         const auto lit = rendered(with_light, false);
         check_same(full, lit, of_geometry.size());
-        // Walls are no mirrors, and the metal wall is not diffuse.
+        // Walls are not mirrors, and the metal wall is not diffuse.
         CHECK(closures(lit) > 0);
         CHECK((closures(lit) == closures(alone)) == (std::string(expression) == "CL"));
         CHECK(closures(lit) <= closures(alone));

@@ -15,7 +15,7 @@ struct Image {
     int width = 0, height = 0, channels = 0;
     std::vector<float> pixels;
     ColorSpace space = ColorSpace::srgb;  ///< of RGB, as an OpenEXR file specifies it; sRGB for other formats
-    bool other_space = false;             ///< the file specifies a colour space that raylex does not know
+    bool other_space = false;             ///< the file specifies a colour space that raylex does not support
     std::string warning{};                ///< set if the reader had to guess the file's meaning; else empty
 
     [[nodiscard]] float at(int x, int y, int c) const {

@@ -119,7 +119,7 @@ class SceneBuilder {
     SceneBuilder& operator=(SceneBuilder&&) = default;
     ~SceneBuilder() = default;
     void set_search(SearchPath search) { search_ = std::move(search); }
-    /// How to treat a missing file; by default it is an error.
+    /// Sets the treatment of missing files; by default they are errors.
     void set_missing_files(MissingFiles missing) { missing_ = missing; }
 
     // The last argument of each call is the position for messages, by default the calling source line.

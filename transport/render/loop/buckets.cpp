@@ -90,7 +90,7 @@ Result<std::optional<int>> rows_of(const ResolvedJob& job, bool begun) {
     const std::uint64_t whole = display::total_bytes(plan_of(job).memory);
     if (asked.rows == 0 && !begun && memory.beside() + whole <= asked.memory) return std::optional<int>();
     const std::string need = "the image needs " + text_of(whole) + " beside " + text_of(memory.beside()) +
-                             ", but --memory allows " + text_of(asked.memory) + " of --memory, ";
+                             ", but --memory allows " + text_of(asked.memory) + ", ";
     if (Status s = check_buckets(job); !s) {
         Error error = s.error();
         error.message = need + "and " + error.message + " is not possible";

@@ -14,8 +14,8 @@
 namespace raylex::transport {
 namespace {
 
-/// How long threads may continue their batches after a stop. Threads are checked every 0.2 s, which together leaves a
-/// render half a second to end.
+/// The time for which threads may continue their batches after a stop. Threads are checked every 0.2 s, which together
+/// leaves a render half a second to end.
 constexpr double stop_grace_seconds = 0.15;
 
 }  // namespace

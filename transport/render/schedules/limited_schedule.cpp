@@ -10,8 +10,8 @@
 namespace raylex::transport {
 namespace {
 
-/// How long threads may continue a pass after the time is over. Threads are checked every 0.2 s: a render ends at most
-/// half a second after its time.
+/// The time for which threads may continue a pass after the limit. Threads are checked every 0.2 s: a render ends at
+/// most half a second after its time.
 constexpr double time_grace_seconds = 0.4;
 
 }  // namespace

@@ -16,8 +16,8 @@ namespace raylex::transport {
 
 class RenderState {
   public:
-    /// All of them outlive the state, which stands nowhere before stand_at(). `since_call` began when the render was
-    /// asked for.
+    /// All arguments must outlive the state, which has no position before stand_at(). `since_call` runs since the call
+    /// of render().
     RenderState(const PreparedJob& prepared, RenderTarget& target, Schedule& schedule, const Stopwatch& since_call);
     RenderState(const RenderState&) = delete;
     RenderState& operator=(const RenderState&) = delete;
