@@ -1,6 +1,6 @@
 // Light subpaths: path strings that are known from their light end. A bidirectional integrator follows the camera
 // subpath forward and grows the light subpath away from the light, each new vertex standing before all earlier ones;
-// then it joins any path prefix with any path suffix and asks which channels accept the whole.
+// then it connects any path prefix with any path suffix and computes which channels accept the whole.
 //
 // Each light vertex keeps a state of reversed automata: which states at the join lead to which channels. A vertex costs
 // one table look-up, a join one more, whatever the lengths. The automata are prepared: for a table of Q states with R

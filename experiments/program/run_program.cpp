@@ -20,7 +20,7 @@ struct FileCloser {
 };
 using File = std::unique_ptr<std::FILE, FileCloser>;
 
-/// A file in memory. Unlike a pipe it never fills, so nobody has to read while the program runs. Null on failure.
+/// A file in memory. Unlike a pipe it never fills, so it can be read after the program ends. Null on failure.
 File memory_file() {
     const int number = memfd_create("raylex", MFD_CLOEXEC);
     return File(number < 0 ? nullptr : fdopen(number, "w+"));

@@ -40,7 +40,8 @@ class PathContributions final : display::RasterSink {
     /// Begins a path by its random numbers: a camera ray through a raster position that is drawn evenly over the area
     /// where light still counts (CameraView::reached()). The paths of one call of follow() need distinct `sample`s.
     void begin(std::size_t row, const PixelSampler& numbers, std::uint64_t sample);
-    /// Follows the paths of the first `count` rows. False when `services` say to leave: then the paths are not whole.
+    /// Follows the paths of the first `count` rows. Returns false if the render ends meanwhile: then the paths are not
+    /// whole.
     [[nodiscard]] bool follow(std::size_t count, ThreadServices& services);
     /// Counts and logs refused values of a path (Law 6) as splats, which the engine looks at.
     void report_refused(std::size_t row, ThreadServices& services) const;

@@ -86,7 +86,7 @@ struct ThreadServices {
     display::RasterSplats* raster = nullptr;   ///< for integrators with the trait raster_splats; else null
     const std::atomic<bool>* leave = nullptr;  ///< set when the render ends without waiting for batches; null: never
     bool left = false;                         ///< this batch is not finished: the engine drops its contributions
-    LaterRadiance* later = nullptr;  ///< camera subpaths report the vertices that they leave; null: nobody needs them
+    LaterRadiance* later = nullptr;  ///< camera subpaths report the vertices that they leave; null: none is needed
 
     /// Whether to leave the batch as it is and return at once. Call it in every loop that a scene can make endless; one
     /// call for each scattering event of a batch costs nothing that can be measured.

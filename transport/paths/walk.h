@@ -167,7 +167,7 @@ class Walk {
     std::vector<SplitState> splits_;
     std::vector<TechniqueShares> shares_;
     std::vector<Real> travelled_;
-    LaterRadiance* later_ = nullptr;    // of camera subpaths; null: nobody asks for the vertices that they leave
+    LaterRadiance* later_ = nullptr;    // of camera subpaths; null: the vertices that they leave are not recorded
     std::vector<LightSample> origins_;  // where light subpaths left their lights
     VertexBatch vertices_;
 

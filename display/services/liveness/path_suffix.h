@@ -1,6 +1,6 @@
 // Path suffixes: the path strings of light subpaths, with shares (Law 5 from the light end).
 //
-// A light subpath knows the end of its path string. It carries pairs (state of the reversed automaton, share), as a
+// A light subpath has the end of its path string. It carries pairs (state of the reversed automaton, share), as a
 // tracker carries pairs (state, share): each vertex puts its event before the suffix, a scattering by several lobes
 // splits the shares by what each lobe scattered, equal states merge, dead ones drop out. A join with a tracker is one
 // look-up for each pair of pairs, whatever the lengths. Shares multiply, so those of one contribution still sum to 1.

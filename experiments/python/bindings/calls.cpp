@@ -27,7 +27,7 @@ Calls& calls() {
     return *all;
 }
 
-/// If the interpreter is ending, blocks every thread that nobody waits for, without Python's lock.
+/// If the interpreter is ending, blocks every thread that is not joined, without Python's lock.
 void stay_if_ending(std::unique_lock<std::mutex>& lock) {
     if (Callback::here() || !calls().ender || *calls().ender == std::this_thread::get_id()) return;
     lock.unlock();

@@ -71,7 +71,7 @@ std::vector<std::string> LightTracer::omissions() const {
         {scene.media->any_emits(),
          "finds light that media emit only where the camera sees it directly: C.+O is missing from the image"},
         {context_.events->wants_user(),
-         "asks surfaces what they say of themselves (user events) only where the camera sees them directly: C.+U is "
+         "reports user events of surfaces only where the camera sees them directly: C.+U is "
          "missing from such layers"},
         {unconnected.curves,
          "sees flat curves and tubes from where light comes, not from the camera: they look otherwise than with "

@@ -36,7 +36,7 @@
 
 namespace raylex::transport {
 
-/// A new closure is one more type here. The first one is that of a Bsdf that nobody has set.
+/// A new closure is one more type here. A Bsdf without a closure holds the first one.
 using AnyClosure =
     std::variant<BlackClosure, PassThroughClosure, LambertClosure, PhaseClosure, ConductorClosure, GlassClosure,
                  ThinDielectricClosure, LayeredClosure<LambertClosure>, LayeredClosure<ConductorClosure>,

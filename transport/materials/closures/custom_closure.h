@@ -36,7 +36,7 @@ concept ScatteringClosure = std::is_trivially_copyable_v<Closure> &&
     { c.has_density() } -> std::same_as<bool>;
 };
 
-/// What a Bsdf keeps of one: its bytes, and the functions that know their type.
+/// A plugin closure inside a Bsdf: its bytes, and functions for its type.
 class CustomClosure {
   public:
     static constexpr std::size_t room = 72;  ///< with `calls_` as much as the largest in-tree closure takes
