@@ -91,8 +91,8 @@ void register_guided() {
 
 transport::RenderSettings by(const std::string& integrator, std::uint64_t samples) {
     transport::RenderSettings settings;
-    settings.integrator = integrator_named(integrator);
-    settings.samples_per_pixel = samples;
+    settings.paths.integrator = integrator_named(integrator);
+    settings.samples.per_pixel = samples;
     return settings;
 }
 
@@ -156,9 +156,9 @@ TEST_CASE("in an enclosure another sampler than the closure finds the light of e
     const std::vector<EnclosureWord> words = enclosure_words(kd, ks, 3);
     for (const char* method : {"guided-path", "guided-bdpt", "guided-lighttracer"}) {
         transport::RenderSettings settings = by(method, 64);
-        settings.max_depth = 3;
+        settings.paths.max_depth = 3;
         for (const EnclosureWord& word : words)
-            settings.channels.push_back(lpe_channel("w" + word.reflections, "C" + word.reflections + "L"));
+            settings.channels.list.push_back(lpe_channel("w" + word.reflections, "C" + word.reflections + "L"));
         const Replicates found = replicates(**scene, settings, static_cast<int>(words.size()) + 1, 8, 1);
         for (std::size_t i = 0; i < words.size(); ++i) {
             const bool lighttracer = std::string(method) == "guided-lighttracer";
