@@ -64,9 +64,8 @@ void add_expression_options(const OptionGroup& group, ExpressionOptions& options
     group.add_repeated("--channels", options.channel_files, "FILE",
                        "adds a layer for each channel of a file, and the partitions that the file declares. The file "
                        "has RIB DisplayChannel lines, rendermn.ini settings, USD ASCII RenderVar prims or TOML");
-    group.add_repeated(
-        "--rename", options.renames, "OLD=NEW",
-        "names the layer of channel OLD in the --channels files NEW, in case another layer is named OLD");
+    group.add_repeated("--rename", options.renames, "OLD=NEW",
+                       "gives the layer of channel OLD the name NEW, for files whose channels have the same name");
     group.add_repeated(
         "--dialect", options.dialects, "D",
         "syntax of the --lpe options and USD channel files after this option: renderman (default) or osl");

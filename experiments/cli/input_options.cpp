@@ -47,8 +47,9 @@ void add_to(CLI::App& command) {
                 if (const std::string wrong = raise_budgets(assignments); !wrong.empty())
                     throw CLI::ValidationError("--budget", wrong);
             },
-            "raises or lowers a limit on input, such as include_files=20000 (suffixes K, M, G: powers of 1024); "
-            "experiments/docs/limits.md lists the limits")
+            "raises or lowers a safety limit for reading files, such as include_files=20000 (suffixes K, M, G: powers "
+            "of 1024); "
+            "experiments/docs/rendering/limits.md lists the limits")
         ->option_text("NAME=VALUE")
         ->allow_extra_args(false)
         ->trigger_on_parse();

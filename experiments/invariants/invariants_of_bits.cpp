@@ -204,8 +204,7 @@ Measured constant_texture(const SceneUnderTest& test) {
 const std::vector<Invariant>& invariants_of_bits() {
     static const std::vector<Invariant> all{
         {{"finite", "every value of light is a finite number", false, false}, finite},
-        {{"none-refused", "no contribution is rejected as not finite (scenes of ordinary size)", false, true},
-         none_refused},
+        {{"none-refused", "no sample is NaN or infinite (scenes of ordinary size)", false, true}, none_refused},
         {{"non-negative", "no value of light is below 0 (filters without negative lobes)", false, false}, non_negative},
         {{"split-sum", "layers that split the light sum to the beauty within 1e-12", false, false}, split_sum},
         {{"threads", "3 threads give the bits of one", false, false}, threads},

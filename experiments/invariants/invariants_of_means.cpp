@@ -365,7 +365,7 @@ Measured energy(const SceneUnderTest& test) {
 
 const std::vector<Invariant>& invariants_of_means() {
     static const std::vector<Invariant> all{
-        {{"energy", "no more light than the brightest emission times events + 1", true, true}, energy},
+        {{"energy", "mean brightness at most the brightest emission times (events + 1)", true, true}, energy},
         {{"translation", "a transform to a distant place does not change the mean image", true, true}, translated},
         {{"rotation", "a rotation of scene and camera does not change the mean image", true, true}, rotated},
         {{"scale", "the unit of length does not change the mean image", true, true}, resized},

@@ -222,17 +222,18 @@ void add_ask_command(CLI::App& app, CommandContext& context) {
     const OptionGroup layers(*command, "Layers"), why(*command, "Why"), files(*command, "Files");
     add_expression_options(layers, *options);
     layers.add_flag("--intervals", options->intervals,
-                    "replaces a layer that the atlas cannot compute exactly by its bounds NAME_least and NAME_most; "
+                    "if the atlas cannot compute a layer exactly, writes its bounds NAME_least and NAME_most instead; "
                     "default: an error");
     layers.add_flag("--errors", options->errors,
-                    "adds a layer NAME_error for each layer: the standard error of its mean, (R + G + B) / 3");
+                    "adds a layer NAME_error for each layer: the standard error of (R + G + B) / 3 in each pixel");
     why.add("--top", options->top, "N",
-            "prints the N brightest words of the pixel --at, with standard errors of (R + G + B) / 3; without --at: "
-            "the N pixels that exceed the median of their neighbours most, with their brightest words")
+            "prints the N brightest path strings of the pixel --at, with standard errors of (R + G + B) / 3; without "
+            "--at: "
+            "the N pixels that exceed the median of their neighbours most, with their brightest path strings")
         ->check(CLI::Range(1, 1000000));
     why.add("--at", options->at, "X,Y", "the pixel, counted from the top left corner");
     why.add("--suggest", options->suggest, "N",
-            "proposes a partition of N layers for the noisiest kinds of words, and a rest")
+            "prints a partition with N layers for the noisiest paths and a rest, and the command that makes it")
         ->check(CLI::Range(1, 200));
     files.add_flag(
         "--merge", options->merge,

@@ -65,10 +65,9 @@ void add_report_command(CLI::App& app, CommandContext& context) {
         ->option_text("N")
         ->check(CLI::Range(16, 8192));
     command->footer(
-        "A path atlas behind the image of its render adds its words: those of the pixel under the pointer, and the "
-        "layer "
-        "of any\n"
-        "expression that is typed in. Statistics are shown when OUT.json, as --stats writes it, stands beside "
+        "Name a path atlas after the image of its render. The page then shows the path strings of the pixel under the "
+        "pointer, and the\nlayer of any expression that is typed in. Statistics are shown when OUT.json, as --stats "
+        "writes it, stands beside "
         "OUT.exr.");
     command->callback([options, &context] { context.exit_code = run_report(*options); });
 }

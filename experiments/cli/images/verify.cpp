@@ -243,7 +243,8 @@ void add_verify_command(CLI::App& app, CommandContext& context) {
                      "preset or of lossy compression")
         ->option_text("ABS,REL");
     command->footer(
-        "Without --sum and --preset, every partition in the header is checked; in a path atlas, the words must sum to "
+        "Without --sum and --preset, every partition in the header is checked; in a path atlas, the path strings must "
+        "sum to "
         "the\nbeauty. Results: holds to rounding, holds within what is allowed, does not hold, cannot tell (every "
         "pixel is clamped\nto the largest number of its type).\n"
         "The rounding bound is the precision of the stored type (float 2^-23, half 2^-10) times the sum of |terms| + "

@@ -107,9 +107,10 @@ void add_file_options(const OptionGroup& group, OutputOptions& options) {
     group.add_flag("--deep-tidy", options.deep_tidy, "splits volume spans so that no deep samples overlap");
     group.add("--deep-storage", options.deep_storage, "'TYPE COMPRESSION'",
               "colours as half or float, and compression none, rle or zips");
-    group.add("--atlas", options.atlas, "OUT.atlas.exr",
-              "also writes a path atlas: the light of every word (kind of path), from which 'raylex ask' makes new "
-              "layers without another render");
+    group.add(
+        "--atlas", options.atlas, "OUT.atlas.exr",
+        "also writes a path atlas: the light of every path string (kind of path), from which 'raylex ask' makes new "
+        "layers without another render");
     group.add("--atlas-by", options.atlas_by, "label,lobe,group,straight,technique",
               "properties that distinguish the atlas's words besides the event types; default label,lobe,group");
     group

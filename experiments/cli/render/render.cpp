@@ -48,7 +48,7 @@ Status read_channel_settings(const RenderOptions& options, transport::ChannelSet
         const std::size_t colon = text.rfind(':');
         if (colon == std::string::npos || colon < *equals)
             return error_at(flag("--layer"),
-                            "'" + text + "' names no rule; expected NAME=CHANNEL:RULE, such as nearest=z:zmin");
+                            "'" + text + "' has no rule; expected NAME=CHANNEL:RULE, such as nearest=z:zmin");
         auto layer = read_layer_request(text.substr(0, *equals), text.substr(*equals + 1, colon - *equals - 1),
                                         text.substr(colon + 1), flag("--layer"));
         if (!layer) return layer.error();
@@ -230,7 +230,7 @@ void add_render_command(CLI::App& app, CommandContext& context) {
     command->footer(
         "If the expressions of the layers share no path, a layer 'rest' with all other light is added, and the layers\n"
         "form the partition 'auto', which 'raylex verify' checks. Ctrl-C writes the image rendered so far, marked\n"
-        "incomplete. experiments/README.md lists the keys of a TOML job; flags override the job.");
+        "incomplete. experiments/docs/rendering/jobs.md lists the keys of a job; flags override the job.");
     command->callback([command, options, &context] {
         auto job = assemble(*command, *options);
         if (!job) context.exit_code = report_error(job.error());

@@ -165,8 +165,8 @@ std::string invariant_list() {
 }
 
 void add_check_command(CLI::App& scene, CommandContext& context) {
-    CLI::App* command =
-        scene.add_subcommand("check", "Reports likely mistakes in a scene; can also check invariants of its images.");
+    CLI::App* command = scene.add_subcommand(
+        "check", "Reports likely mistakes in a scene. With --invariants it checks the images of the scene instead.");
     auto options = std::make_shared<SceneCheckOptions>();
     command->add_option("SCENE.pbrt", options->input, "the scene")->required();
     const OptionGroup group(*command, "Options");

@@ -109,7 +109,7 @@ void add_scene_info_command(CLI::App& scene, CommandContext& context) {
         ->option_text("N")
         ->check(CLI::Range(1, 8192))
         ->needs(picture);
-    command->add_option("--picture-samples", options->picture_samples, "a pixel; default 16")
+    command->add_option("--picture-samples", options->picture_samples, "samples per pixel of the picture; default 16")
         ->option_text("N")
         ->check(CLI::Range(1, 1 << 20))
         ->needs(picture);

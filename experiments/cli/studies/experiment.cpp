@@ -175,7 +175,8 @@ int run_report(const ExperimentOptions& options) {
 }
 
 void add_config(CLI::App& command, ExperimentOptions& options) {
-    command.add_option("CONFIG.toml", options.config, "the experiment; experiments/README.md lists its keys")
+    command
+        .add_option("CONFIG.toml", options.config, "the experiment; experiments/docs/studies/config.md lists its keys")
         ->required()
         ->option_text("(required)");
     command

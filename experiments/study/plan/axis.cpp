@@ -60,8 +60,8 @@ Result<std::optional<std::vector<AxisValue>>> expand(const std::string& text, co
         return std::optional<std::vector<AxisValue>>();
     }
     if (range->step <= 0 || range->last < range->first)
-        return error_at(where,
-                        "'" + text + "' is empty; expected a first value not above the last, and a step above 0");
+        return error_at(where, "the range '" + text +
+                                   "' has no values; expected a first value at most the last, and a step above 0");
     if (powers && (range->first < 0 || range->last > 62 || range->step != 1))
         return error_at(
             where, "'" + text + "' has exponents out of range; expected integers from 0 to 62, such as pow2(0..10)");

@@ -57,7 +57,7 @@ TEST_CASE("invalid layers are refused before rendering", "[cli][layers][law7]") 
         CHECK_FALSE(folder.has("a.exr"));
     };
     says("--layer z_far", "'z_far' is not a setting");
-    says("--layer z_far=z", "names no rule");
+    says("--layer z_far=z", "has no rule");
     says("--layer z_far=z:zmxa", "did you mean 'zmax'?");
     says("--aov z --layer far=Z:zmax", "unknown channel 'Z'");
     says("--aov z --layer z=beauty:max", "'z' is taken");

@@ -64,6 +64,7 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
     };
     camera.begin(batch, services, thread.counters);
     while (camera.advance(services)) {
+        // densities of light samples are those of the vertex before, until sample() sets new ones
         for (const EscapedRay& e : camera.escaped())
             for (const std::uint32_t light : lights.environments())
                 report(e.row, light, camera.throughput(e.row),
