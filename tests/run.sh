@@ -7,12 +7,12 @@
 #                                       that build without any third-party library; a project outside that uses an
 #                                       installed raylex; with CI=true also clang-format, clang-tidy and budgets of
 #                                       instructions. CI runs the short run first, then --gate
-#   bash tests/run.sh --full          the gate and the long half: statistical figures, reference images, exhaustive
+#   bash tests/run.sh --full          the short run, the gate and the long half: statistical figures, reference images, exhaustive
 #                                       comparison, fuzzing, notebooks, installing by pip, queues (GNU parallel,
 #                                       Snakemake, Slurm)
 #   bash tests/run.sh NAME            only what matches, Release; builds only the programs that hold it. NAME is
-#                                       a part: lpe, services, display, geoaovs, transport, experiments, cli,
-#                                       endtoend, python
+#                                       a part: lpe, services, display, geoaovs, transport, experiments, stability,
+#                                       cli, endtoend, python
 #                                       a test file: tests/lpe/algebra/rest_test.cpp, rest_test, test_render.py
 #                                       a tag: [law5]
 #                                       words of a test case's name; * is a wildcard
@@ -134,7 +134,7 @@ parts=() cases=() python_tests="test_*.py"
 choose() {
     local part stem=${name##*/}
     stem=${stem%.cpp}
-    for part in lpe services display geoaovs transport experiments cli endtoend fuzz python; do
+    for part in lpe services display geoaovs transport experiments stability cli endtoend fuzz python; do
         [ "$name" = "$part" ] && { parts=("$part"); return; }
     done
     if [ -f "tests/python/${stem%.py}.py" ]; then
@@ -157,7 +157,7 @@ choose() {
         files=$(awk '/^(TEMPLATE_)?TEST_CASE/ { text = ""; on = 1 }
                      on { text = text $0 }
                      on && /\{ *$/ { gsub(/" +"/, "", text); print FILENAME "\t" text; on = 0 }' \
-                $(find tests/{lpe,services,display,geoaovs,transport,experiments,cli,endtoend,fuzz} -name '*.cpp') |
+                $(find tests/{lpe,services,display,geoaovs,transport,experiments,stability,cli,endtoend,fuzz} -name '*.cpp') |
                 grep -iE -- $'\t'".*$pattern" | cut -f1)
     fi
     [ -n "$files" ] || usage "'$name' is no part, no test file, and no test case has it in its name or tags"
@@ -169,6 +169,8 @@ choose() {
 [ -n "$name" ] && [ "$sanitize" = 1 ] && sanitize=0
 
 bash "$root/experiments/install_packages.sh" || exit 2
+# Tests of pages run them in a browser; a test of drawings runs Graphviz.
+[ "$gate" = 0 ] || bash "$root/experiments/install_packages.sh" chromium graphviz || exit 2
 # What the notebooks use beside the module, and queues; without them their tests are skipped, and those of frames and
 # plots.
 if [ "$full" = 1 ]; then
@@ -194,7 +196,7 @@ configure_and_build() {
     local targets=()
     [ ${#parts[@]} = 0 ] || targets=(--target "${parts[@]/#/test_}")
     # Plugins that only the gate's cases load.
-    [ -z "$name" ] || [[ " ${parts[*]} " != *" experiments "* && " ${parts[*]} " != *" cli "* ]] ||
+    [ -z "$name" ] && [ "$sanitize" != 2 ] || [[ " ${parts[*]} " != *" experiments "* && " ${parts[*]} " != *" cli "* ]] ||
         targets+=(test_plugins)
     if ! { cmake --preset "$preset" "$@" && cmake --build --preset "$preset" "${targets[@]}"; } >"$log" 2>&1; then
         grep -E -B2 -A12 'error|FAILED|Error' "$log" | head -n 60
@@ -238,7 +240,7 @@ programs_of() {
 run_programs() {
     local preset=$1 label=$2
     shift 2
-    local program name report log cases ok bad status programs=()
+    local program name report log cases ok bad status ran=0 programs=()
     for program in $(programs_of "$preset"); do
         [ -x "$program" ] || continue
         [ ${#parts[@]} = 0 ] || [[ " ${parts[*]} " == *" ${program##*/test_} "* ]] || continue
@@ -263,6 +265,7 @@ run_programs() {
             continue
         fi
         local left_out
+        ran=$((ran + ok + bad))
         left_out=$(grep -c '^SKIPPED ' "$log")
         grep '^SKIPPED ' "$log"
         passed=$((passed + ok - left_out))
@@ -278,6 +281,7 @@ run_programs() {
             failures+=("$name ($label)${told:+$'\n'$told}")
         fi
     done
+    [ "$ran" -gt 0 ] || fail "no test case ran ($label); expected some"
 }
 
 # run_python: the tests of the Python module, with unittest's own counts.
@@ -346,12 +350,12 @@ warnings=()
 short_parts=(transport experiments cli lpe services display geoaovs endtoend)
 selection=("${cases[@]}")
 if [ -z "$name" ]; then
-    if [ "$gate" = 1 ]; then selection=("[gate]~[.]"); else parts=("${short_parts[@]}") selection=("~[gate]~[.]"); fi
+    if [ "$full" = 1 ]; then selection=("~[.]"); elif [ "$gate" = 1 ]; then selection=("[gate]~[.]"); else parts=("${short_parts[@]}") selection=("~[gate]~[.]"); fi
 fi
 
 # Programs that the short run does not build.
 run_rest_of_release() {
-    local parts=(transport_double soak fuzz)
+    local parts=(transport_double stability soak fuzz)
     run_programs release release
 }
 
@@ -387,7 +391,7 @@ if [ "${CI:-}" = "true" ] && [ "$gate" = 1 ]; then
 fi
 
 # Whole renders have no sanitizer build: transport's own tests take the same code through it.
-if [ "$sanitize" = 2 ]; then
+if [ "$sanitize" = 2 ] && [ -n "$name" ]; then
     kept=()
     for part in "${parts[@]}"; do [ "$part" = endtoend ] || [ "$part" = python ] || kept+=("$part"); done
     parts=("${kept[@]}")

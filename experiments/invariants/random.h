@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <string>
 
 namespace raylex::experiments {
 
@@ -31,8 +30,5 @@ class Random {
   private:
     std::uint64_t state_;
 };
-
-/// A light path expression between camera and light, `C ... [LO]`.
-std::string random_expression(std::uint64_t seed);
 
 }  // namespace raylex::experiments

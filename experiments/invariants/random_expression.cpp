@@ -1,3 +1,5 @@
+#include "experiments/invariants/random_expression.h"
+
 #include "experiments/invariants/random.h"
 
 namespace raylex::experiments {

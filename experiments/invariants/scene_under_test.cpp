@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "experiments/invariants/random.h"
+#include "experiments/invariants/random_expression.h"
 #include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/render/film.h"
 

@@ -42,7 +42,9 @@ void check_lines(const SuiteOptions& options) {
 }  // namespace
 
 TEST_CASE("the fast half of the probed cases holds", "[stability][release-only]") {
-    check_lines({.fast = true});
+    SuiteOptions fast;
+    fast.fast = true;
+    check_lines(fast);
 }
 
 TEST_CASE("all probed cases hold", "[stability][.full]") {

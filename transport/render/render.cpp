@@ -1,5 +1,5 @@
 // The stages of a render. Each is a type that the previous stage makes:
-// ||   BuiltScene       the scene's tables, which do not depend on settings
+//   BuiltScene       the scene's tables, which do not depend on settings
 //   ResolvedJob      settings, resolved for the scene or refused
 //   PreparedJob      the integrator has prepared for the scene
 //   RenderTarget     the caller has received the plan, memory is allocated

@@ -184,9 +184,9 @@ TEST_CASE("shards of another build, scene, seed or config are refused, and the d
             if (name == field) value = "another", changed = true;
         REQUIRE(changed);
         REQUIRE(raylex::display::write_record_file(folder.path("other"), other).ok());
-        check_refused(
-            folder, "merge " + first + " other -o sum.exr",
-            {"other", "'" + first + "' (here)", "different " + kind + ":", std::string(field) + ": another there, "});
+        check_refused(folder, "merge " + first + " other -o sum.exr",
+                      {"other", "'" + first + "' (here)", std::string("different ") + kind + ":",
+                       std::string(field) + ": another there, "});
     }
     // Mix-ups as they really happen.
     folder.write("other.pbrt", folder.read("room.pbrt") + "\nLightSource \"point\"\n");

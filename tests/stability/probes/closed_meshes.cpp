@@ -98,7 +98,7 @@ SceneShape shape_of(const Mesh& mesh, double scale, const DVec3& center) {
 }
 
 /// Returns a point on an edge (in one of four cases a corner), as exactly as floats allow.
-DVec3 edge_point(Random& random, const SceneShape& shape) {
+DVec3 edge_point(RandomNumbers& random, const SceneShape& shape) {
     const std::size_t face = 3 * random.below(shape.indices.size() / 3), k = random.below(3);
     const DVec3 a(Vec3(shape.positions[shape.indices[face + k]])),
         b(Vec3(shape.positions[shape.indices[face + (k + 1) % 3]]));
@@ -113,7 +113,7 @@ Result<ProbeResult> escapes(const ProbeInput& input) {
     const bool inside = input.number("inside", 1) != 0, aimed = input.number("aimed", 1) != 0;
     const auto mesh = mesh_named(input);
     if (!mesh) return mesh.error();
-    Random random(static_cast<std::uint64_t>(input.number("seed", 6)));
+    RandomNumbers random(static_cast<std::uint64_t>(input.number("seed", 6)));
     const DVec3 center = DVec3(random.point(1)) * (scale * input.number("away", 0));
     const SceneShape shape = shape_of(*mesh, scale, center);
     const auto built = geometry_of({shape});
@@ -143,7 +143,7 @@ Result<ProbeResult> bounce_leaks(const ProbeInput& input) {
     const auto bounces = static_cast<std::uint64_t>(input.number("bounces", 1e5));
     const auto mesh = mesh_named(input);
     if (!mesh) return mesh.error();
-    Random random(static_cast<std::uint64_t>(input.number("seed", 7)));
+    RandomNumbers random(static_cast<std::uint64_t>(input.number("seed", 7)));
     const DVec3 center = DVec3(random.point(1)) * (scale * input.number("away", 0));
     const SceneShape shape = shape_of(*mesh, scale, center);
     std::optional<Transform> place;
@@ -174,7 +174,7 @@ Result<ProbeResult> parity(const ProbeInput& input) {
     const bool at_edges = input.number("edges", 0) != 0;
     const auto mesh = mesh_named(input);
     if (!mesh) return mesh.error();
-    Random random(5);
+    RandomNumbers random(5);
     const DVec3 center = DVec3(random.point(1)) * input.number("away", 0);
     std::vector<SceneShape> shells;
     for (const double size : {1.0, 0.7, 0.49}) shells.push_back(shape_of(*mesh, size, center));

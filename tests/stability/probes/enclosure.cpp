@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "experiments/invariants/random.h"
+#include "experiments/invariants/random_expression.h"
 #include "lpe/channels/lobe_slots.h"
 #include "lpe/truth.h"
 #include "tests/stability/probes/probes.h"

@@ -16,7 +16,7 @@ using namespace geometry_probe;
 
 /// Returns 200 triangles of size `scale` at a distance of `away` times `scale`; two of their edges have the ratio 1 to
 /// `aspect`.
-SceneShape random_triangles(Random& random, Real scale, Real away, double aspect) {
+SceneShape random_triangles(RandomNumbers& random, Real scale, Real away, double aspect) {
     SceneShape shape;
     const DVec3 center(random.point(away * scale));
     for (std::uint32_t i = 0; i < 600; i += 3) {
@@ -30,7 +30,7 @@ SceneShape random_triangles(Random& random, Real scale, Real away, double aspect
 }
 
 /// Returns a direction at an angle of asin(`sine`) to the plane; any direction for 0.
-Vec3 direction_at(Random& random, const Vec3& normal, double sine) {
+Vec3 direction_at(RandomNumbers& random, const Vec3& normal, double sine) {
     const Vec3 any = random.direction();
     if (sine == 0) return any;
     const DVec3 n(normal), d(any), flat = normalize(d - n * dot(n, d));
@@ -42,7 +42,7 @@ Result<ProbeResult> rehits(const ProbeInput& input) {
     const auto scale = static_cast<Real>(input.number("scale", 1)), away = static_cast<Real>(input.number("away", 0));
     const double aspect = input.number("aspect", 1), sine = input.number("sine", 0);
     const auto rays = static_cast<std::uint64_t>(input.number("rays", 20000));
-    Random random(1);
+    RandomNumbers random(1);
     const SceneShape mesh = random_triangles(random, scale, away, aspect);
     std::optional<Transform> place;
     if (input.number("instanced", 0) != 0)
@@ -94,7 +94,7 @@ Result<ProbeResult> gap_leaks(const ProbeInput& input) {
     }
     const auto built = geometry_of(std::move(planes));
     if (!built) return built.error();
-    Random random(2);
+    RandomNumbers random(2);
     std::uint64_t leaks = 0;
     for (std::uint64_t i = 0; i < rays; ++i) {
         const DVec3 target = n + x * (0.2 * double(random.signed_unit())) + z * (0.2 * double(random.signed_unit()));
@@ -118,7 +118,7 @@ Result<ProbeResult> emitters_blocked(const ProbeInput& input) {
     const auto scale = input.number("scale", 1);
     const auto rays = static_cast<std::uint64_t>(input.number("rays", 2e5));
     std::vector<SceneShape> plates;
-    Random random(4);
+    RandomNumbers random(4);
     const DVec3 center = DVec3(random.point(1)) * (scale * input.number("away", 0));
     const Transform turn = Transform::rotate(20, 1, 1, 0);
     for (const double y : {0.0, 0.7}) {
@@ -171,7 +171,7 @@ Result<ProbeResult> sphere_hits(const ProbeInput& input) {
     if (Status s = input.status(); !s) return s.error();
     const auto built = geometry_of({unit_sphere()});
     if (!built) return built.error();
-    Random random(5);
+    RandomNumbers random(5);
     std::uint64_t wrong = 0, met = 0;
     for (std::uint64_t i = 0; i < rays; ++i) {
         const DVec3 axis(random.direction());
@@ -206,7 +206,7 @@ Result<ProbeResult> sphere_profile(const ProbeInput& input) {
     if (Status s = input.status(); !s) return s.error();
     const auto built = geometry_of({unit_sphere()});
     if (!built) return built.error();
-    Random random(53);
+    RandomNumbers random(53);
     double worst = 0;
     for (std::uint64_t i = 0; i < rays; ++i) {
         const DVec3 from(0, 0, -distance), to(random.signed_unit(), random.signed_unit(), 0);
@@ -231,7 +231,7 @@ Result<ProbeResult> film_indices(const ProbeInput& input) {
     TileGrid grid;
     grid.width = grid.height = side;
     grid.padding_x = grid.padding_y = 2;
-    Random random(51);
+    RandomNumbers random(51);
     std::uint64_t wrong = 0;
     std::map<std::uint64_t, std::pair<int, int>> seen;
     for (std::uint64_t i = 0; i < pixels; ++i) {
@@ -265,7 +265,7 @@ Result<ProbeResult> sliver_holes(const ProbeInput& input) {
     for (std::uint32_t i = 1; i < rim.size(); ++i) fan.indices.insert(fan.indices.end(), {0, i, i + 1});
     const auto built = geometry_of({fan});
     if (!built) return built.error();
-    Random random(8);
+    RandomNumbers random(8);
     std::uint64_t holes = 0, broken = 0;
     for (std::uint64_t i = 0; i < rays; ++i) {
         // Half of the rays go along the diagonal, where the slivers are.

@@ -18,9 +18,9 @@ namespace raylex::experiments::geometry_probe {
 using namespace transport;
 
 /// Reproducible uniform numbers.
-class Random {
+class RandomNumbers {
   public:
-    explicit Random(std::uint64_t seed) : state_(seed) {}
+    explicit RandomNumbers(std::uint64_t seed) : state_(seed) {}
     Real operator()() { return unit_float(mix_bits(state_ += 0x9e3779b97f4a7c15ull)); }
     Real signed_unit() { return 2 * (*this)() - 1; }
     Vec3 direction() { return sample_uniform_sphere({(*this)(), (*this)()}); }

@@ -25,13 +25,16 @@ struct PassedVertex {
     std::uint32_t row = 0;
     std::uint32_t depth = 0;  ///< number of scattering events, with this one
     std::uint64_t state = 0;  ///< where the path's tracker stands: the state by which a plan tells paths apart
-    Real throughput = 0;      ///< as roulette sees it
+    Rgb throughput;           ///< with the scattering here; each ray of a split vertex carries its part of it
+    Real strength = 0;        ///< as roulette compares it: the largest colour, without the scaling by eta^2
     bool split = false;       ///< rays are split at this vertex or before
     Vec3 position, direction;
-    Real pdf = 0;  ///< of the direction, per steradian; of a specular direction: the probability of its lobe
+    /// Density of the direction, per steradian, times the expected number of rays that leave the vertex by the plan; of
+    /// a specular direction: the probability of its lobe.
+    Real pdf = 0;
 };
 
-/// For one thread.
+/// Records the vertices of paths and the light that channels receive behind them; for one thread.
 class LaterRadiance {
   public:
     /// What one row's path passed, and what `channels` received: each value is the mean of three colours.
@@ -41,11 +44,11 @@ class LaterRadiance {
         const double *before_vertices, *behind_vertices;  // [vertex][channel]
         const double* received;                           ///< [channel] by the whole path
 
-        /// By the time the ray left vertex i.
+        /// What the channel had received when the ray left vertex i, with the light sample there.
         [[nodiscard]] double before(std::size_t i, std::size_t channel) const {
             return before_vertices[i * channels + channel];
         }
-        /// Found behind vertex i. Divided by the throughput, it is the radiance that comes along the ray.
+        /// What the channel received behind vertex i. The radiance along the ray is this over the ray's throughput.
         [[nodiscard]] double behind(std::size_t i, std::size_t channel) const {
             return behind_vertices[i * channels + channel];
         }

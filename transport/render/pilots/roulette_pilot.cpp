@@ -100,7 +100,7 @@ void RoulettePilot::keep(std::size_t cell, const LaterRadiance::Path& path) {
         const PassedVertex& vertex = path.vertices[i];
         const auto number = static_cast<std::uint32_t>(numbers_.size());
         departures_.push_back({numbers_.try_emplace(vertex.state, number).first->second,
-                               static_cast<double>(vertex.throughput), vertex.split, values_.size()});
+                               static_cast<double>(vertex.strength), vertex.split, values_.size()});
         for (std::size_t c = 0; c < channels_; ++c) values_.push_back(path.behind(i, c));
     }
     followed_.push_back({first, path.vertices.size(), cell, values_.size()});
