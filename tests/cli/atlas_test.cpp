@@ -123,7 +123,7 @@ void check_verified(const Folder& folder, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("layers from an atlas equal rendered ones: random expressions and partitions", "[atlas]") {
+TEST_CASE("layers from an atlas equal rendered ones: random expressions and partitions", "[atlas][gate]") {
     const AtlasFolder folder;
     std::mt19937 random(17);
     for (const char* method : {"path", "bdpt"}) {
@@ -152,7 +152,8 @@ TEST_CASE("layers from an atlas equal rendered ones: random expressions and part
     }
 }
 
-TEST_CASE("an atlas by technique gives the light of each technique, and its words name the technique", "[atlas]") {
+TEST_CASE("an atlas by technique gives the light of each technique, and its words name the technique",
+          "[atlas][gate]") {
     const AtlasFolder folder;
     const std::string wishes =
         " --partition shipped --lpe 'met=s0t3;C<RD>*L' --lpe 'sampled=s1t3;C.*L' --lpe 'splat=s3t1;C.*' "
@@ -235,7 +236,7 @@ TEST_CASE("on whole scenes, layers from an atlas equal rendered ones: a hundred 
                       << " of the sum of the layers");
 }
 
-TEST_CASE("an atlas changes no bit of the image, and threads none of the atlas", "[atlas][law2][law3]") {
+TEST_CASE("an atlas changes no bit of the image, and threads none of the atlas", "[atlas][law2][law3][gate]") {
     const AtlasFolder folder;
     REQUIRE(run_raylex(folder, "render job.toml -o plain.exr").code == 0);
     // With this budget words are merged; merging also depends only on the samples.
@@ -269,7 +270,7 @@ TEST_CASE("an atlas changes no bit of the image, and threads none of the atlas",
     }
 }
 
-TEST_CASE("a layer that an atlas cannot compute exactly is refused, or lies between its bounds", "[atlas]") {
+TEST_CASE("a layer that an atlas cannot compute exactly is refused, or lies between its bounds", "[atlas][gate]") {
     const AtlasFolder folder;
     REQUIRE(run_raylex(folder, "render job.toml -o true.exr --lpe c='CDS+L' --lpe d='CDD+L' --lpe s='C<TS>+L'").code ==
             0);
@@ -362,7 +363,7 @@ TEST_CASE("ask --top lists a pixel's brightest words, and --suggest the noisiest
     check_refused(folder, "ask a.atlas.exr --top 2 --at 4", {"expected X,Y"});
 }
 
-TEST_CASE("atlases of several seeds merge in any order", "[atlas]") {
+TEST_CASE("atlases of several seeds merge in any order", "[atlas][gate]") {
     const AtlasFolder folder;
     folder.render_atlas("a", "--seed 1");
     folder.render_atlas("b", "--seed 2 --spp 4");
@@ -407,7 +408,7 @@ TEST_CASE("atlases of several seeds merge in any order", "[atlas]") {
     check_refused(folder, "ask --merge c7.atlas.exr c8.atlas.exr -o n.exr", {"c8.atlas.exr", "jobs that differ"});
 }
 
-TEST_CASE("words with negative light sum exactly, even in layers where they cancel", "[atlas]") {
+TEST_CASE("words with negative light sum exactly, even in layers where they cancel", "[atlas][gate]") {
     const AtlasFolder folder;
     std::string scene = glass_over_floor;
     const std::string glass = "\"string type\" \"dielectric\"";
@@ -431,7 +432,7 @@ TEST_CASE("words with negative light sum exactly, even in layers where they canc
 }
 
 TEST_CASE("atlases of shards merge with their image or alone, and give the layers of a single render's atlas",
-          "[atlas][law3]") {
+          "[atlas][law3][gate]") {
     const std::string integrator = GENERATE("path", "bdpt", "lighttracer");
     CAPTURE(integrator);
     const AtlasFolder folder;
@@ -473,7 +474,7 @@ TEST_CASE("atlases of shards merge with their image or alone, and give the layer
                   {first, "another render", "raylex/seed"});
 }
 
-TEST_CASE("ask reports files that are not atlases", "[atlas][law7]") {
+TEST_CASE("ask reports files that are not atlases", "[atlas][law7][gate]") {
     const AtlasFolder folder;
     folder.render_atlas("a");
     check_refused(folder, "ask a.exr --lpe d=CDL -o d.exr", {"a.exr", "not a path atlas"});

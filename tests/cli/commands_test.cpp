@@ -59,7 +59,7 @@ const std::string plan = "\"$RAYLEX\" experiment plan c.toml -o all --no-calibra
 
 }  // namespace
 
-TEST_CASE("the commands of a render are independent, and running them twice gives the bits of one render") {
+TEST_CASE("the commands of a render are independent, and running them twice gives the bits of one render", "[gate]") {
     const SceneFolder folder;
     folder.write("it's a job.toml", "[scene]\nfile = \"room.pbrt\"\n[render]\nspp = 48\n");
     const std::string render = "render \"it's a job.toml\" --lpe \"direct=C<RD>L\" --threads 2";
@@ -121,7 +121,7 @@ TEST_CASE("impossible commands are refused, and errors in templates have a line"
     check_refused(folder, study + "--commands --shards 7 -o all", {"7 shards of 6 cells", "--split-cells"});
 }
 
-TEST_CASE("the commands of a study give the cells of one run, even after kills", "[law3]") {
+TEST_CASE("the commands of a study give the cells of one run, even after kills", "[law3][gate]") {
     const StudyFolder folder;
     done(folder, "exec \"$RAYLEX\" experiment run \"$PWD/c.toml\" -o local");
     folder.write("commands", done(folder, plan + "--shards 3 --split-cells 2 --commands").out);
@@ -153,7 +153,7 @@ TEST_CASE("the commands of a study give the cells of one run, even after kills",
           "1\n0\n");
 }
 
-TEST_CASE("a Makefile and a Snakefile have rules for every command, and templates for other queues exist") {
+TEST_CASE("a Makefile and a Snakefile have rules for every command, and templates for other queues exist", "[gate]") {
     const StudyFolder folder;
     const std::string makefile = done(folder, plan + "--shards 2 --commands=make").out;
     CHECK(contains(makefile, "all: merge\n"));  // the folder's name has a blank, which Make cannot express
@@ -175,7 +175,8 @@ TEST_CASE("a Makefile and a Snakefile have rules for every command, and template
     CHECK(contains(kubernetes, "UNTESTED"));
 }
 
-TEST_CASE("a cell whose process was killed has failed; a restart keeps that, and --retry runs it again", "[law7]") {
+TEST_CASE("a cell whose process was killed has failed; a restart keeps that, and --retry runs it again",
+          "[law7][gate]") {
     const StudyFolder folder;
     const std::string one = " c.toml --set replicates=1 --set budget.samples=30000 --set reference.spp=1 -o ";
     done(folder, "\"$RAYLEX\" experiment run" + one + "local");
@@ -193,7 +194,7 @@ kill -KILL $(pgrep -P $program); wait $program)");
     check_refused(folder, "experiment run" + one + "other --retry", {"--retry without --resume"});
 }
 
-TEST_CASE("without a queue, submit writes files for use by hand and loses nothing", "[law7]") {
+TEST_CASE("without a queue, submit writes files for use by hand and loses nothing", "[law7][gate]") {
     const StudyFolder folder;
     const std::string submit = "PATH=/nowhere \"$RAYLEX\" submit --slurm c.toml -o all --shards 2 --no-calibration";
     const Outcome outcome = run_shell(folder, submit);

@@ -41,7 +41,7 @@ std::string bits_of(const Folder& folder, const std::string& results, const std:
 
 }  // namespace
 
-TEST_CASE("a plan has times even if the calibration ends before its first pass") {
+TEST_CASE("a plan has times even if the calibration ends before its first pass", "[gate]") {
     // A white box that no path leaves: 64 x 64 paths with 3,000 scattering events take one thread seconds, like a small
     // image on a busy machine.
     const Folder folder;
@@ -77,7 +77,7 @@ Shape "sphere" "float radius" 2
     CHECK(plan.out.find("(the time of 4 cells is unknown)") != std::string::npos);
 }
 
-TEST_CASE("an experiment stores every cell's image and sums, and refuses to start twice") {
+TEST_CASE("an experiment stores every cell's image and sums, and refuses to start twice", "[gate]") {
     const Folder folder;
     prepare(folder);
     const Outcome plan = succeed(folder, "experiment plan c.toml");
@@ -217,7 +217,7 @@ TEST_CASE("a study measures perceptual errors of the beauty, like raylex compare
     CHECK(seen == 4);
 }
 
-TEST_CASE("shards merge to the unsharded run bit for bit, in any order; overlaps are refused", "[law3]") {
+TEST_CASE("shards merge to the unsharded run bit for bit, in any order; overlaps are refused", "[law3][gate]") {
     const Folder folder;
     prepare(folder);
     succeed(folder, "experiment run c.toml -o whole");
@@ -257,7 +257,7 @@ TEST_CASE("shards merge to the unsharded run bit for bit, in any order; overlaps
     CHECK_FALSE(folder.has("bad"));
 }
 
-TEST_CASE("a killed experiment resumes inside the cell, with the same bits", "[release-only][law3]") {
+TEST_CASE("a killed experiment resumes inside the cell, with the same bits", "[release-only][law3][gate]") {
     const Folder folder;
     prepare(folder, "checkpoint = '0.02s'\n" + experiment_config);
     const std::string budget = " --set budget.samples=20000 --set replicates=1 --set reference.spp=16";
@@ -335,7 +335,7 @@ TEST_CASE("no two processes run cells into one directory") {
           std::string::npos);
 }
 
-TEST_CASE("a study by the CPU clock records the load of other processes, and warns of a busy machine") {
+TEST_CASE("a study by the CPU clock records the load of other processes, and warns of a busy machine", "[gate]") {
     if (!fs::exists("/proc/stat")) RAYLEX_SKIP("needs Linux's /proc/stat");
     const Folder folder;
     prepare(folder);
@@ -374,7 +374,7 @@ TEST_CASE("a study by the CPU clock records the load of other processes, and war
     CHECK(idle.load_warning().find("clock = \"cpu\" compares by CPU time") != std::string::npos);
 }
 
-TEST_CASE("budgets of time and error store the samples they reached, and replay") {
+TEST_CASE("budgets of time and error store the samples they reached, and replay", "[gate]") {
     const Folder folder;
     prepare(folder);
     succeed(folder,

@@ -16,7 +16,8 @@ using raylex::test::results_of;
 using raylex::test::run_shell;
 using raylex::test::succeed;
 
-TEST_CASE("a renderer that writes only the beauty gets one warning and needs no {scene}; a partial image is refused") {
+TEST_CASE("a renderer that writes only the beauty gets one warning and needs no {scene}; a partial image is refused",
+          "[gate]") {
     const Folder folder;
     const std::string study = R"(replicates = 2
 [[scene]]
@@ -72,7 +73,7 @@ spp = 32
     succeed(folder, "experiment plan c.toml --no-calibration");
 }
 
-TEST_CASE("external renderers are run, timed and judged; failures are listed with their output") {
+TEST_CASE("external renderers are run, timed and judged; failures are listed with their output", "[gate]") {
     const Folder folder;
     prepare(folder, R"(replicates = 2
 [[scene]]

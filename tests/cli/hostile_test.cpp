@@ -24,7 +24,7 @@ std::string under_a_sky(const std::string& sky, const std::string& reflectance, 
 
 }  // namespace
 
-TEST_CASE("a name with a line end never becomes a line of a job file", "[cli][law7]") {
+TEST_CASE("a name with a line end never becomes a line of a job file", "[cli][law7][gate]") {
     const Folder folder;
     const std::string name = "x\ntouch PWNED\n#", scene = folder.write(name + ".pbrt", small_scene());
     folder.write("room.pbrt", small_scene());
@@ -127,7 +127,7 @@ TEST_CASE("values that a file cannot hold are counted, and splits are checked on
     CHECK(contains(atlas.out, "256 pixels with values clamped to the largest half or float"));
 }
 
-TEST_CASE("samples that cancel with a negative-lobe filter do not fail a split", "[cli][law1]") {
+TEST_CASE("samples that cancel with a negative-lobe filter do not fail a split", "[cli][law1][gate]") {
     const Folder folder;
     std::string scene =
         "Film \"rgb\" \"integer xresolution\" 256 \"integer yresolution\" 256\nCamera \"perspective\" "
@@ -178,7 +178,7 @@ TEST_CASE("a truncated atlas is refused for every kind of request", "[cli][law7]
                    "in atlas/length is not a length"));
 }
 
-TEST_CASE("scenes and requests that need too much memory are refused quickly", "[cli][law7]") {
+TEST_CASE("scenes and requests that need too much memory are refused quickly", "[cli][law7][gate]") {
     const SceneFolder folder;
     std::string scene =
         "WorldBegin\nLightSource \"infinite\"\nObjectBegin \"a\"\nShape \"sphere\"\nObjectEnd\nActiveTransform "
@@ -196,7 +196,7 @@ TEST_CASE("scenes and requests that need too much memory are refused quickly", "
     check_refused(folder, "ask a.atlas.exr -o d.exr" + many, {"expected at most 4096"});
 }
 
-TEST_CASE("an interrupt is the exit code 130, and a second one leaves no partial file", "[cli][law7]") {
+TEST_CASE("an interrupt is the exit code 130, and a second one leaves no partial file", "[cli][law7][gate]") {
     const SceneFolder folder;
     const std::string interrupted = "timeout --preserve-status -s INT 1 \"$RAYLEX\" ";
     CHECK(run_shell(folder, interrupted + "render room.pbrt --spp 64000 --shards 2 --commands -o out.exr").code == 130);

@@ -39,7 +39,7 @@ std::string with_other_stamp(const Folder& folder, const std::string& name, std:
 
 }  // namespace
 
-TEST_CASE("`raylex plugins` lists what a plugin registers, with every parameter", "[cli][plugins]") {
+TEST_CASE("`raylex plugins` lists what a plugin registers, with every parameter", "[cli][plugins][gate]") {
     const Folder folder;
     const Outcome listed = run_raylex(
         folder, "plugins " + quoted(plugin_path("ambient_occlusion")) + " " + quoted(plugin_path("stripes")));
@@ -56,7 +56,7 @@ TEST_CASE("`raylex plugins` lists what a plugin registers, with every parameter"
     CHECK(in_tree.out.find("ambientocclusion") == std::string::npos);
 }
 
-TEST_CASE("a plugin's integrator renders a scene that names it", "[cli][plugins]") {
+TEST_CASE("a plugin's integrator renders a scene that names it", "[cli][plugins][gate]") {
     const Folder folder;
     std::string scene = small_scene();
     const std::string path = "Integrator \"path\" \"integer maxdepth\" 3";
@@ -80,7 +80,7 @@ TEST_CASE("a plugin's integrator renders a scene that names it", "[cli][plugins]
     CHECK(run_raylex(folder, "lpe check --scene job.toml all='C.*'").code == 0);
 }
 
-TEST_CASE("a plugin's factory that returns nothing, or throws, ends a render with a message", "[cli][plugins]") {
+TEST_CASE("a plugin's factory that returns nothing, or throws, ends a render with a message", "[cli][plugins][gate]") {
     const SceneFolder folder;
     const std::string render = "\"$RAYLEX\" render room.pbrt --spp 1 -o out.exr --driver halfway:a=1 --plugin " +
                                quoted(plugin_path("misbehaving"));
@@ -94,7 +94,7 @@ TEST_CASE("a plugin's factory that returns nothing, or throws, ends a render wit
     }
 }
 
-TEST_CASE("a missing plugin of a job is an error with file, line and column", "[cli][plugins][law7]") {
+TEST_CASE("a missing plugin of a job is an error with file, line and column", "[cli][plugins][law7][gate]") {
     const Folder folder;
     folder.write("scene.pbrt", small_scene());
     folder.write("job.toml", "# plugins\nplugins = [\n  \"missing.so\"]\n[scene]\nfile = \"scene.pbrt\"\n");
@@ -105,7 +105,7 @@ TEST_CASE("a missing plugin of a job is an error with file, line and column", "[
     CHECK_FALSE(folder.has("out.exr"));
 }
 
-TEST_CASE("a file that is not a plugin is refused before it is opened", "[cli][plugins][law7]") {
+TEST_CASE("a file that is not a plugin is refused before it is opened", "[cli][plugins][law7][gate]") {
     const Folder folder;
     folder.write("text.so", "#!/bin/sh\ntouch ran\n");
     folder.write("empty.so", "");
@@ -127,7 +127,8 @@ TEST_CASE("a file that is not a plugin is refused before it is opened", "[cli][p
     says(test::quoted(library), "not a raylex plugin");
 }
 
-TEST_CASE("a plugin with any difference in its stamp is refused, and the difference is named", "[cli][plugins][law7]") {
+TEST_CASE("a plugin with any difference in its stamp is refused, and the difference is named",
+          "[cli][plugins][law7][gate]") {
     const Folder folder;
     const auto says = [&](std::size_t offset, const std::string& message) {
         const Outcome outcome = run_raylex(folder, "plugins " + quoted(with_other_stamp(folder, "stripes", offset)));
@@ -142,7 +143,7 @@ TEST_CASE("a plugin with any difference in its stamp is refused, and the differe
     says(offsetof(PluginStamp, layout), "std::string has 33 bytes in it and 32 here");
 }
 
-TEST_CASE("a truncated plugin is refused", "[plugins][law7]") {
+TEST_CASE("a truncated plugin is refused", "[plugins][law7][gate]") {
     const Folder folder;
     const std::string bytes = file_text(plugin_path("stripes"));
     REQUIRE(transport::read_plugin_stamp(plugin_path("stripes"), {}));
@@ -154,7 +155,8 @@ TEST_CASE("a truncated plugin is refused", "[plugins][law7]") {
     }
 }
 
-TEST_CASE("a plugin that fails during registration is named and leaves nothing registered", "[cli][plugins][law7]") {
+TEST_CASE("a plugin that fails during registration is named and leaves nothing registered",
+          "[cli][plugins][law7][gate]") {
     const Folder folder;
     folder.write("scene.pbrt", small_scene());
     const auto says = [&](const std::string& kind, const std::string& name, const std::string& message) {
@@ -174,7 +176,7 @@ TEST_CASE("a plugin that fails during registration is named and leaves nothing r
     says("", "unbound", "undefined symbol: raylex_not_defined_anywhere");
 }
 
-TEST_CASE("a plugin may replace an in-tree object, but not that of another plugin", "[cli][plugins]") {
+TEST_CASE("a plugin may replace an in-tree object, but not that of another plugin", "[cli][plugins][gate]") {
     const Folder folder;
     const std::string shadowing = quoted(plugin_path("misbehaving"));
     const Outcome listed = run_shell(folder, "MISBEHAVIOUR=shadow \"$RAYLEX\" plugins " + shadowing);
@@ -186,7 +188,7 @@ TEST_CASE("a plugin may replace an in-tree object, but not that of another plugi
     CHECK(contains(twice.err, "another plugin has registered the display driver 'halfway' already"));
 }
 
-TEST_CASE("the integrator in the documentation is the file that is compiled and run", "[plugins][readme]") {
+TEST_CASE("the integrator in the documentation is the file that is compiled and run", "[plugins][readme][gate]") {
     const std::string root = source_dir();
     const std::string source = file_text(root + "/tests/outside/plugins/ambient_occlusion.cpp");
     REQUIRE(source.find("RAYLEX_PLUGIN(host)") != std::string::npos);

@@ -75,7 +75,7 @@ TEST_CASE("an atlas reads back from its file as it was written, with every kind 
 }
 
 TEST_CASE("a damaged atlas gives an error or valid rows, and the result depends only on the file",
-          "[exr][atlas][law7]") {
+          "[exr][atlas][law7][gate]") {
     const Folder folder;
     MadeAtlas made(SignedLight::none);
     const std::string path = folder.path("a.exr");

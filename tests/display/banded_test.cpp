@@ -120,7 +120,7 @@ BandedRecord opened(const std::string& path) {
 }  // namespace
 
 TEST_CASE("an image in bands is written with the pixels and split results of the whole image",
-          "[display][bands][law3]") {
+          "[display][bands][law3][gate]") {
     const Folder folder;
     const FrameBuffer whole = filled_band(all_rows, 0, 2);
     for (const bool single : {false, true}) {
@@ -373,7 +373,7 @@ void check_many(int shards) {
 
 }  // namespace
 
-TEST_CASE("fifty shards add up in any order", "[display][bands][law3]") {
+TEST_CASE("fifty shards add up in any order", "[display][bands][law3][gate]") {
     check_many(50);
 }
 

@@ -183,7 +183,7 @@ TEST_CASE("a missing viewer costs a render only one warning", "[display][tev]") 
     CHECK(warnings[0].find("Connection refused") != std::string::npos);
 }
 
-TEST_CASE("a viewer that leaves and one that does not read each give one warning", "[display][tev]") {
+TEST_CASE("a viewer that leaves and one that does not read each give one warning", "[display][tev][gate]") {
     const FrameBuffer buffer = filled_for_drivers();
     const auto list = driver_channels();
     const bool leaves = GENERATE(true, false);

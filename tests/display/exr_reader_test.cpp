@@ -306,7 +306,8 @@ TEST_CASE("a file that is truncated or damaged anywhere is refused or read, and 
     CHECK(refused > 0);  // most damage hits pixels and is not detected; damage to headers and tables is
 }
 
-TEST_CASE("several threads read the parts of a large file, and every value is in its place", "[display][exr][law7]") {
+TEST_CASE("several threads read the parts of a large file, and every value is in its place",
+          "[display][exr][law7][gate]") {
     constexpr int width = 400, height = 256;
     const Folder folder;
     std::mt19937 random(2);

@@ -59,7 +59,7 @@ TEST_CASE("a record truncated anywhere is refused", "[display][record][law7]") {
     CHECK(read_record_file(folder.path("cut")).error().message.find("extra bytes after its end") != std::string::npos);
 }
 
-TEST_CASE("a record with any flipped bit is refused", "[display][record][law7]") {
+TEST_CASE("a record with any flipped bit is refused", "[display][record][law7][gate]") {
     const Folder folder;
     REQUIRE(write_record_file(folder.path("r"), some_record(100)).ok());
     const std::string bytes = read_bytes(folder.path("r"));

@@ -88,7 +88,7 @@ struct Method {
 }  // namespace
 
 TEST_CASE("Enclosure: every word of up to 8 reflections and 200 random expressions, by every integrator",
-          "[enclosure][statistical]") {
+          "[enclosure][statistical][gate]") {
     // Without roulette a path meets the rarest word, of 8 mirrors, with probability (ks / (kd + ks))^8 = 1 / 746, so
     // 590,000 paths find it with a relative error of 3.6 %. Light paths end at each wall, mostly outside the camera's
     // view.

@@ -90,7 +90,7 @@ void check_words(const transport::SceneDescription& scene, double le, double kd,
 }  // namespace
 
 TEST_CASE("Row A: in a closed diffuse and mirror enclosure every word has the value Le kd^#D ks^#S",
-          "[furnace][statistical]") {
+          "[furnace][statistical][gate]") {
     const auto scene = import_text(box(diffuse_mirror(0.5, 0.3), 1.0));
     // Short: 16 x 16 x 1024 samples. The rarest word of length 6, SSSS, has probability above 1/256 per path, so its
     // relative standard error is below sqrt(256 / 262144) = 3.2 %.
@@ -98,7 +98,8 @@ TEST_CASE("Row A: in a closed diffuse and mirror enclosure every word has the va
     check_words(scene, 1.0, 0.5, 0.3, 5, 1024, "mis", 0.032);
 }
 
-TEST_CASE("Row A: regular expressions over the enclosure's words sum as geometric series", "[furnace][statistical]") {
+TEST_CASE("Row A: regular expressions over the enclosure's words sum as geometric series",
+          "[furnace][statistical][gate]") {
     const auto scene = import_text(box(diffuse_mirror(0.5, 0.3), 1.0));
     transport::RenderSettings settings;
     settings.samples.per_pixel = 1024;
@@ -121,7 +122,7 @@ TEST_CASE("Row A: regular expressions over the enclosure's words sum as geometri
     CHECK(std::abs(beauty.mean - 5.0) <= 4 * beauty.standard_error + tail + 5 * float_slack);
 }
 
-TEST_CASE("Row A in full: every word up to length 8 within 0.1 % standard error", "[.full][furnace]") {
+TEST_CASE("Row A in full: every word up to length 8 within 0.1 % standard error", "[.full][furnace][gate]") {
     // kd = ks, so one path in 64 meets each of the 64 words of length 8, always with the same value. The relative
     // standard error is sqrt(63 / N), 9.1e-4 for N = 256 x 300000. Roulette would only add noise.
     check_words(import_text(box(diffuse_mirror(0.4, 0.4), 1.0)), 1.0, 0.4, 0.4, 8, 300'000, "scattering", 1e-3, false);

@@ -117,7 +117,7 @@ double normal_quantile(double p) {
 
 }  // namespace
 
-TEST_CASE("Shipped scenes have the mean luminance of pbrt-v4's references", "[reference][statistical]") {
+TEST_CASE("Shipped scenes have the mean luminance of pbrt-v4's references", "[reference][statistical][gate]") {
     for (const ReferenceScene& each : reference_scenes) {
         if (!each.shipped || each.mean_luminance == 0) continue;
         const auto scene =
@@ -139,7 +139,7 @@ TEST_CASE("Shipped scenes have the mean luminance of pbrt-v4's references", "[re
     }
 }
 
-TEST_CASE("Every reference scene agrees with its pbrt-v4 image in mean and in blocks", "[.full][reference]") {
+TEST_CASE("Every reference scene agrees with its pbrt-v4 image in mean and in blocks", "[.full][reference][gate]") {
     if (!fs::exists(reference_folder())) RAYLEX_SKIP("no reference images; set RAYLEX_REFERENCES to their folder");
     for (const ReferenceScene& each : reference_scenes) {
         const fs::path folder = reference_folder() / each.name;

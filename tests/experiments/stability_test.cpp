@@ -52,7 +52,7 @@ LineResult judged(const StabilityCase& what, const ProbeResult& result, const Se
 
 }  // namespace
 
-TEST_CASE("the fast half of raylex's suite holds", "[stability][release-only]") {
+TEST_CASE("the fast half of raylex's suite holds", "[stability][release-only][gate]") {
     const Folder folder;
     const Outcome outcome = run_raylex(folder, "stability --fast -o out");
     INFO(outcome.out << outcome.err);
@@ -139,7 +139,7 @@ TEST_CASE("--fast uses only the fast values, which are a subset of all values", 
     check_refused(folder, "stability c.toml", {"c.toml:", "'fast.M' has no corresponding"});
 }
 
-TEST_CASE("an outcome is an image or a message, never a signal", "[stability][cli]") {
+TEST_CASE("an outcome is an image or a message, never a signal", "[stability][cli][gate]") {
     const Folder folder;
     folder.write("message.toml", head + environment_case("vary.L = [1, \"word\"]\nmeasure = \"outcome\"\n"
                                                          "expected = 0\ntolerance = \"exact\""));
@@ -161,7 +161,7 @@ TEST_CASE("an outcome is an image or a message, never a signal", "[stability][cl
     CHECK(contains(died.out, "1 line holds, 2 not"));
 }
 
-TEST_CASE("the page compares another program's results", "[stability][cli]") {
+TEST_CASE("the page compares another program's results", "[stability][cli][gate]") {
     const SceneFolder folder;
     folder.write("held.toml",
                  head + environment_case("vary.L = [1, 2]\nexpected = \"3.5*L/3\"\ntolerance = \"2 ulp\""));

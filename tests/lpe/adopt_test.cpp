@@ -107,7 +107,7 @@ TEST_CASE("the file is little-endian and contains its version", "[adopt][file]")
     CHECK(refused.error().file == "shot.lpeprogram");
 }
 
-TEST_CASE("damaged and hostile files are refused or harmless", "[adopt][file][law7]") {
+TEST_CASE("damaged and hostile files are refused or harmless", "[adopt][file][law7][gate]") {
     const std::string bytes = to_bytes(*Program::compile(channel_set(true)));
     for (const std::size_t size :
          {std::size_t{0}, std::size_t{4}, std::size_t{11}, std::size_t{30}, bytes.size() / 2, bytes.size() - 1}) {

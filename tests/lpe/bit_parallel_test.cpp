@@ -130,7 +130,7 @@ TEST_CASE("channels share tables and words of bits so that a path's state takes 
 }
 
 TEST_CASE("bit-parallel automata of every width, in both dialects, accept what each channel accepts alone",
-          "[bit-parallel]") {
+          "[bit-parallel][gate]") {
     std::vector<ChannelSource> channels;
     SECTION("two labels in order, three codes") {
         add_family(channels, "C.*<RD'@'>.*<.G'@'>.*", 40);

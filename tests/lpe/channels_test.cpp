@@ -355,7 +355,7 @@ TEST_CASE("a mark in an expression is not written a second time", "[channels]") 
     CHECK(written(file, ChannelFormat::rib).find("[\"color lpe:CD\"]") != std::string::npos);
 }
 
-TEST_CASE("deep, long and damaged files quickly give a result or an error", "[channels][law7]") {
+TEST_CASE("deep, long and damaged files quickly give a result or an error", "[channels][law7][gate]") {
     for (const char open : {'(', '[', '{'}) {
         CHECK(refused("#usda 1.0\nint a = " + std::string(100'000, open), ChannelFormat::usda)
                   .message.find("nested deeper") != std::string::npos);

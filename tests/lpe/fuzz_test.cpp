@@ -107,7 +107,7 @@ TEST_CASE("many random texts are compiled or refused", "[.full][fuzz]") {
     throw_at(32, 1'000'000);
 }
 
-TEST_CASE("expressions designed to explode are refused in bounded time", "[fuzz][law7]") {
+TEST_CASE("expressions designed to explode are refused in bounded time", "[fuzz][law7][gate]") {
     const auto repeat = [](const std::string& text, int count) {
         std::string all;
         for (int k = 0; k < count; ++k) { all += text; }

@@ -138,7 +138,7 @@ void compare_random(Dialect dialect, std::uint64_t seed, int rounds) {
 }  // namespace
 
 TEST_CASE("every expression of up to three tokens agrees with the oracle on every short path",
-          "[release-only][oracle]") {
+          "[release-only][oracle][gate]") {
     for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
         const auto paths = oracle::all_paths(dialect, 3);
         Tally tally;

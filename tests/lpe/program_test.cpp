@@ -106,7 +106,8 @@ TEST_CASE("channels that multiply are distributed over groups, and small ones ar
     CHECK(too_many_words.error().message.find("3 are allowed") != std::string::npos);
 }
 
-TEST_CASE("channels compiled together accept the same paths as separately, in one group or in many", "[program]") {
+TEST_CASE("channels compiled together accept the same paths as separately, in one group or in many",
+          "[program][gate]") {
     for (const char* set : {"lpe_bench_firsthit.txt", "lpe_bench_anywhere.txt"}) {
         const auto channels = read_set(set);
         CompileOptions tight;

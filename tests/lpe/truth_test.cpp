@@ -98,7 +98,7 @@ TEST_CASE("flights between the walls of a spherical enclosure cross its sheets w
     CHECK(enclosure_truth(all, walls).error().message.find("only reflect") != std::string::npos);
 }
 
-TEST_CASE("random expressions have the sum over their words", "[truth]") {
+TEST_CASE("random expressions have the sum over their words", "[truth][gate]") {
     for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
         CAPTURE(dialect == Dialect::osl);
         Enclosure walls = enclosure(0.5, 0.3, 0.125);

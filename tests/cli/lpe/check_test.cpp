@@ -391,7 +391,8 @@ TEST_CASE("a channel file without an option is recognised") {
     CHECK(run_raylex(folder, "lpe graph show.rib").code == 0);
 }
 
-TEST_CASE("a file of five hundred channels is checked quickly, and its overlaps are summarised", "[release-only]") {
+TEST_CASE("a file of five hundred channels is checked quickly, and its overlaps are summarised",
+          "[release-only][gate]") {
     const Folder folder;
     std::string text;
     for (int group = 0; group < 125; ++group)

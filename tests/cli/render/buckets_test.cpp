@@ -30,7 +30,8 @@ std::vector<std::string> buckets_in(const Folder& folder) {
 
 }  // namespace
 
-TEST_CASE("an image in buckets has the bits of the whole, for any size of buckets and threads", "[buckets][law3]") {
+TEST_CASE("an image in buckets has the bits of the whole, for any size of buckets and threads",
+          "[buckets][law3][gate]") {
     const SceneFolder folder;
     REQUIRE(run_raylex(folder, "render room.pbrt -o whole.exr --preview whole.png" + bucket_layers).code == 0);
     const std::string expected = image_bits(folder.path("whole.exr"));
@@ -66,7 +67,7 @@ TEST_CASE("crops, display filters and single parts work with buckets", "[buckets
 }
 
 // Only in Release, because sanitizers need memory themselves.
-TEST_CASE("--memory renders large images in buckets and stays within the limit", "[buckets][release-only]") {
+TEST_CASE("--memory renders large images in buckets and stays within the limit", "[buckets][release-only][gate]") {
     const SceneFolder folder;
     const std::string what =
         "render room.pbrt -o out.exr --spp 1 --resolution 800x700 --threads 2 --lpe 'a=CDL' "
@@ -104,7 +105,7 @@ TEST_CASE("a job can request buckets", "[buckets]") {
 }
 
 TEST_CASE("finished buckets are not rendered again after a kill, whatever the size of the others",
-          "[buckets][law3][release-only]") {
+          "[buckets][law3][release-only][gate]") {
     const SceneFolder folder;
     const std::string what = "render room.pbrt --spp 1024" + bucket_layers;
     REQUIRE(run_raylex(folder, what + " -o whole.exr").code == 0);
@@ -171,7 +172,7 @@ TEST_CASE("a full disk during a render in buckets loses no finished bucket", "[b
     CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
 }
 
-TEST_CASE("a render stopped inside a bucket is written, and resumes inside it", "[buckets][law3][release-only]") {
+TEST_CASE("a render stopped inside a bucket is written, and resumes inside it", "[buckets][law3][release-only][gate]") {
     const SceneFolder folder;
     const std::string what = "render room.pbrt --spp 2048" + bucket_layers;
     REQUIRE(run_raylex(folder, what + " -o whole.exr").code == 0);

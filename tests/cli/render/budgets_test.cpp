@@ -36,7 +36,7 @@ TEST_CASE("deeply nested TOML tables are refused with line and column", "[law7][
     CHECK(run_raylex(folder, "lpe check --channels text.toml --budget toml_depth=2").code != 2);
 }
 
-TEST_CASE("pipes and devices on the command line are read up to a budget", "[law7][budget]") {
+TEST_CASE("pipes and devices on the command line are read up to a budget", "[law7][budget][gate]") {
     const Folder folder;
     folder.write("scene.pbrt", small_scene());
     refuses(folder, "lpe vectors /dev/zero", "the budget pipe_bytes is 268435456");

@@ -122,7 +122,7 @@ TEST_CASE("channels with user events belong to no split") {
                    "channel 'albedo' (user events) cannot be part of partition 'mine'"));
 }
 
-TEST_CASE("warnings of black layers give the reason and a suggestion, in either dialect") {
+TEST_CASE("warnings of black layers give the reason and a suggestion, in either dialect", "[gate]") {
     const SceneFolder folder;
     const auto warned = [&](const std::string& lpe, const std::string& why) {
         const Outcome outcome = run_raylex(folder, "render room.pbrt --spp 1 --resolution 4x4 -o black.exr " + lpe);

@@ -58,7 +58,7 @@ std::vector<std::string> short_run(const Folder& folder, bool resume) {
 
 }  // namespace
 
-TEST_CASE("a killed render resumes with the same bits", "[release-only][law3]") {
+TEST_CASE("a killed render resumes with the same bits", "[release-only][law3][gate]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     // Long enough to be killed: at least half a second.
@@ -91,7 +91,7 @@ TEST_CASE("a killed render resumes with the same bits", "[release-only][law3]") 
     CHECK(folder.names() == std::vector<std::string>{"out.exr", "room.pbrt", "s.json", "whole.exr"});
 }
 
-TEST_CASE("Ctrl-C writes a partial image and a checkpoint to resume from") {
+TEST_CASE("Ctrl-C writes a partial image and a checkpoint to resume from", "[gate]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const std::string render = "render room.pbrt --spp 20000" + what;
@@ -111,7 +111,7 @@ TEST_CASE("Ctrl-C writes a partial image and a checkpoint to resume from") {
     CHECK_FALSE(folder.has("out.exr.checkpoint"));
 }
 
-TEST_CASE("checkpoints that do not match are refused with exit code 2 and kept", "[law7]") {
+TEST_CASE("checkpoints that do not match are refused with exit code 2 and kept", "[law7][gate]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const auto refused = [&](const std::string& arguments, const std::string& word) {
@@ -271,7 +271,7 @@ TEST_CASE("--time ends a render, and --spp with the number of samples gives the 
     CHECK(bad.err.find("bad.toml:4:9: '0s' is not a render time") != std::string::npos);
 }
 
-TEST_CASE("a fault in any write, sync or rename of a run costs no bit", "[release-only][law7]") {
+TEST_CASE("a fault in any write, sync or rename of a run costs no bit", "[release-only][law7][gate]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const std::string out = folder.path("out.exr"), checkpoint = out + ".checkpoint";

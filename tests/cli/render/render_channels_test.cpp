@@ -205,7 +205,7 @@ TEST_CASE("errors in a channel file have their place, and nothing is rendered", 
     CHECK(run_raylex(folder, "render room.pbrt -o x.exr --channels split.toml").code == 1);
 }
 
-TEST_CASE("layers by technique are proved to sum, of beauty and of channels, from flags and job files") {
+TEST_CASE("layers by technique are proved to sum, of beauty and of channels, from flags and job files", "[gate]") {
     const SceneFolder folder;
     folder.write("job.toml",
                  "[scene]\nfile = \"room.pbrt\"\n[output]\nfile = \"job.exr\"\n[integrator]\ntype = \"bdpt\"\n"

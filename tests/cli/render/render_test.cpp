@@ -89,7 +89,7 @@ TEST_CASE("requested channels do not change the beauty's bits", "[law2]") {
         CHECK((a->layer("beauty")->plane(plane)->values == b->layer("beauty")->plane(plane)->values));
 }
 
-TEST_CASE("an image of one tile adds up, with the same bits, on any number of threads", "[law1][law3]") {
+TEST_CASE("an image of one tile adds up, with the same bits, on any number of threads", "[law1][law3][gate]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     // 256 blocks of the same few pixels, so that threads meet there all the time.
@@ -293,7 +293,7 @@ TEST_CASE("a full disk loses neither the program nor the earlier result", "[law7
     CHECK(folder.names() == std::vector<std::string>{"out.exr", "room.pbrt"});
 }
 
-TEST_CASE("Ctrl-C writes the partial image, marked incomplete, and ends with 130", "[law7]") {
+TEST_CASE("Ctrl-C writes the partial image, marked incomplete, and ends with 130", "[law7][gate]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     for (const char* signal : {"INT", "TERM"}) {

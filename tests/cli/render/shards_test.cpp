@@ -29,7 +29,7 @@ std::string records(int parts, const std::string& image = "out.exr") {
 
 }  // namespace
 
-TEST_CASE("shards merge to the image of one render, with layers of every kind", "[law3]") {
+TEST_CASE("shards merge to the image of one render, with layers of every kind", "[law3][gate]") {
     const SceneFolder folder;
     folder.write("job.toml", R"(
 [scene]
@@ -102,7 +102,8 @@ TEST_CASE("a finished shard is not rendered again, and a shard of another render
     run_well(folder, "merge" + records(2) + " -o out.exr");
 }
 
-TEST_CASE("an incomplete render is not merged, and renders that cannot be sharded are refused by name", "[law7]") {
+TEST_CASE("an incomplete render is not merged, and renders that cannot be sharded are refused by name",
+          "[law7][gate]") {
     const SceneFolder folder;
     const std::string shard = "render room.pbrt -o out.exr --spp 48";
     for (const int part : {1, 2, 3}) run_well(folder, shard + part_of(part, 3));
@@ -136,7 +137,7 @@ TEST_CASE("an incomplete render is not merged, and renders that cannot be sharde
     check_refused(folder, shard + part_of(1, 3) + " --integrator pssmlt", {"Markov chains of integrator 'pssmlt'"});
 }
 
-TEST_CASE("a shard that was killed at any time resumes with the same bits", "[law3]") {
+TEST_CASE("a shard that was killed at any time resumes with the same bits", "[law3][gate]") {
     const SceneFolder folder;
     const std::string shard =
         "render room.pbrt -o out.exr --spp 4096 --lpe direct=CDL --cryptomatte object --threads 2";

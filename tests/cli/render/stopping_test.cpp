@@ -66,7 +66,7 @@ constexpr double soon = 1 + 2;
 
 }  // namespace
 
-TEST_CASE("Every terminating signal stops a path without end", "[cli][stopping]") {
+TEST_CASE("Every terminating signal stops a path without end", "[cli][stopping][gate]") {
     const Folder folder;
     const HangingUpIsHeard heard;
     folder.write("box.pbrt", endless_scene());

@@ -52,7 +52,7 @@ TEST_CASE("a single part has the channels of all parts, and its splits are check
     check_refused(folder, "render bad.toml -o x.exr", {"bad.toml:4", "expected single, multi"});
 }
 
-TEST_CASE("a crop has the bits of the whole image in its window, with all outputs of a render", "[law3]") {
+TEST_CASE("a crop has the bits of the whole image in its window, with all outputs of a render", "[law3][gate]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     const std::string layers = " --lpe direct=CDL --aov z --aov Nn --cryptomatte object --statistics beauty=variance";

@@ -60,7 +60,7 @@ const Cell& cell_of(const Experiment& results, const std::string& scene) {
 
 }  // namespace
 
-TEST_CASE("a scene that crashes its process fails alone: the other cells run, and resume continues", "[law7]") {
+TEST_CASE("a scene that crashes its process fails alone: the other cells run, and resume continues", "[law7][gate]") {
     const Folder folder;
     // The address sanitizer would turn a segmentation fault into an exit code.
     const char* const options = std::getenv("ASAN_OPTIONS");
@@ -106,7 +106,8 @@ TEST_CASE("a scene that crashes its process fails alone: the other cells run, an
     CHECK_FALSE(cell_of(results_of(folder), "abort-loading").failed);
 }
 
-TEST_CASE("a study whose only scene crashes lists its cells as failed; an error in all scenes is reported at once") {
+TEST_CASE("a study whose only scene crashes lists its cells as failed; an error in all scenes is reported at once",
+          "[gate]") {
     const Folder folder;
     write_study(folder, {});
     folder.write("good.pbrt", deadly_scene("abort", "loading"));
@@ -120,7 +121,7 @@ TEST_CASE("a study whose only scene crashes lists its cells as failed; an error 
 }
 
 TEST_CASE("a cell that never ends is ended by its timeout or an interrupt; no process is left",
-          "[release-only][law7]") {
+          "[release-only][law7][gate]") {
     const Folder folder;
     write_study(folder, {{"endless", "rendering", "timeout"}}, "timeout = \"2s\"\n");
     const Outcome run = run_raylex(folder, "experiment run c.toml -o out");
@@ -147,7 +148,7 @@ kill -0 $worker 2>/dev/null && echo "left behind")");
     CHECK(killed.out.find("left behind") == std::string::npos);
 }
 
-TEST_CASE("a child process answers, sends messages, crashes with a reason and is restarted") {
+TEST_CASE("a child process answers, sends messages, crashes with a reason and is restarted", "[gate]") {
     ChildProcess process([] {
         return [count = 0](const std::string& request, const Tell& tell) mutable {
             if (request == "die") _exit(3);

@@ -76,7 +76,8 @@ constexpr std::size_t longest = 4;
 
 }  // namespace
 
-TEST_CASE("equality, containment and emptiness agree with enumeration, and their counterexamples are shortest") {
+TEST_CASE("equality, containment and emptiness agree with enumeration, and their counterexamples are shortest",
+          "[gate]") {
     const auto words = short_words(longest);
     Words without_straight;  // the enumeration has none
     without_straight.straight = false;
@@ -119,7 +120,8 @@ TEST_CASE("equality, containment and emptiness agree with enumeration, and their
     }
 }
 
-TEST_CASE("complement, union, intersection and difference have the paths that enumeration finds, and the same counts") {
+TEST_CASE("complement, union, intersection and difference have the paths that enumeration finds, and the same counts",
+          "[gate]") {
     const auto words = short_words(longest);
     Words without_straight;
     without_straight.straight = false;
@@ -245,7 +247,7 @@ TEST_CASE("proofs can mix dialects, and identify each expression") {
     CHECK(prefixes->warnings.size() == 1);
 }
 
-TEST_CASE("hostile expressions are errors that name the exceeded limit") {
+TEST_CASE("hostile expressions are errors that name the exceeded limit", "[gate]") {
     const std::string doubling = "C.*D.{24}L";
     for (const auto& failed :
          {check_empty(source(doubling)).ok(), check_equal(sources({doubling, "C.*"})).ok(),

@@ -38,7 +38,7 @@ bool any_has(const std::vector<std::string>& lines, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("expressions are described in English") {
+TEST_CASE("expressions are described in English", "[gate]") {
     const std::vector<std::pair<std::string, std::string>> cases{
         {"C<RD>L", "From the camera, one diffuse reflection, ending at a light."},
         {"C<RD>[DSV]+[<L.'key'>O]",
@@ -93,7 +93,7 @@ TEST_CASE("every piece has its own byte range") {
                                             "<L.'key'> = the end at a light of group 'key'"});
 }
 
-TEST_CASE("the beauty, shipped channels and names are recognised by meaning") {
+TEST_CASE("the beauty, shipped channels and names are recognised by meaning", "[gate]") {
     CHECK(explained("C.*").beauty);
     CHECK(explained("C[DSV]*[<L.>O]").beauty);
     CHECK(explained("osl:C.*").beauty);
@@ -161,7 +161,7 @@ TEST_CASE("every built-in name can be explained") {
     CHECK(any_has(indirect.same_as, "'indirectdiffuse'"));
 }
 
-TEST_CASE("samples match, and pieces reported as dead can be removed") {
+TEST_CASE("samples match, and pieces reported as dead can be removed", "[gate]") {
     std::mt19937 random(20261121);  // fixed seed: the same expressions in every run
     for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
         const auto& tokens = oracle::tokens(dialect);
@@ -201,7 +201,7 @@ TEST_CASE("samples match, and pieces reported as dead can be removed") {
     }
 }
 
-TEST_CASE("hostile expressions are explained or refused within seconds") {
+TEST_CASE("hostile expressions are explained or refused within seconds", "[gate]") {
     const std::string nested = "C" + std::string(190, '(') + "D" + std::string(190, ')') + "L";
     std::string letters = "C";
     while (letters.size() < 4'000) { letters += "[DS]*(D|SV)?"; }

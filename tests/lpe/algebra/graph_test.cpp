@@ -74,7 +74,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("following a graph by its labels accepts what the channels accept") {
+TEST_CASE("following a graph by its labels accepts what the channels accept", "[gate]") {
     const std::vector<std::vector<std::string>> sets{{"CD*L", "C.*S.*"},
                                                      {"C<RD'a'>.*", "C.*<L.'k'>"},
                                                      {"C[^D]*O", "C.* - CD.*", "C<T.>B"},

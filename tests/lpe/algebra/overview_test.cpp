@@ -95,7 +95,7 @@ TEST_CASE("paths outside the split expression are listed for each channel", "[ov
     CHECK(found->holes.empty());
 }
 
-TEST_CASE("an overview of five hundred channels works, with all or no overlaps", "[overview][release-only]") {
+TEST_CASE("an overview of five hundred channels works, with all or no overlaps", "[overview][release-only][gate]") {
     for (const bool overlap : {false, true}) {
         std::vector<std::pair<std::string, std::string>> list;
         for (int group = 0; group < 125; ++group) {

@@ -88,7 +88,7 @@ TEST_CASE("the words of a scene make rests shorter", "[rest]") {
     CHECK((*text == "CL" || *text == "C[LO]"));
 }
 
-TEST_CASE("every printed rest is proved: random sets of channels", "[rest]") {
+TEST_CASE("every printed rest is proved: random sets of channels", "[rest][gate]") {
     const std::vector<std::string> pieces{"D",       "S",    "<RD>", "<TS>",  "V",     ".",   "'a'",
                                           "<RD'b'>", "[DS]", "[^D]", "<RS4>", "(D|S)", "(SV)"};
     const std::vector<std::string> repeats{"", "", "*", "+", "?", "{2}"};

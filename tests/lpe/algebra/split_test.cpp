@@ -71,7 +71,7 @@ TEST_CASE("a split by light group, lobe and bounce assigns each path to the bin 
     CHECK(channels_of(split, "C,- R,D R,D R,D R,D R,D R,D L,-,key") == Names{"key_diffuse_bounce3plus"});
 }
 
-TEST_CASE("every combination of axes is a partition in both dialects", "[split][law1]") {
+TEST_CASE("every combination of axes is a partition in both dialects", "[split][law1][gate]") {
     const SplitAxis all[] = {SplitAxis::light_group, SplitAxis::lobe, SplitAxis::bounce, SplitAxis::object,
                              SplitAxis::terminal};
     for (unsigned set = 1; set < 32; ++set) {

@@ -163,7 +163,7 @@ TEST_CASE("a record does not depend on the number of a pixel's blocks per batch"
     }
 }
 
-TEST_CASE("a record that ends early or has another version is refused", "[framebuffer][record][law7]") {
+TEST_CASE("a record that ends early or has another version is refused", "[framebuffer][record][law7][gate]") {
     const std::string bytes = record_of(filled(every_recorded_rule(), 0));
     for (std::size_t size = 0; size < bytes.size(); size += 64) {
         CAPTURE(size);

@@ -246,7 +246,7 @@ void check_binomial(const Counted& counted, int length, int samples) {
 }
 
 TEST_CASE("light words that overflow keep every sum and are unbiased in every share",
-          "[path_suffix][law1][law5][statistical]") {
+          "[path_suffix][law1][law5][statistical][gate]") {
     constexpr int samples = 4000, length = 40;
     for (const int of_camera : {0, 8, 20, 38}) {
         CAPTURE(of_camera);

@@ -247,7 +247,7 @@ void compare(const Outcome& got, const Model& model, const Program& program,
     CHECK(got.samples == kept);
 }
 
-TEST_CASE("a thousand random programs of calls agree with a model of the services", "[services][model]") {
+TEST_CASE("a thousand random programs of calls agree with a model of the services", "[services][model][gate]") {
     const std::vector<ChannelDefinition> list = model_channels();
     for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
         CAPTURE(seed);
