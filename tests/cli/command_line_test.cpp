@@ -111,7 +111,7 @@ TEST_CASE("'-' is standard output for every command that writes text, and nothin
     const Outcome check = run_well("lpe check a=CL b=CDL --what disjoint -o -");
     CHECK(check.out.starts_with("[[channel]]\nname = \"a\"\n"));
     CHECK(contains(check.err, "no path is counted by two"));
-    check_refused(folder, "lpe check a=CL --what disjoint --json -o -", {"--json and -o -", "the name of a file"});
+    check_refused(folder, "lpe check a=CL --what disjoint --json -o -", {"--json and -o -", "a file name"});
 }
 
 TEST_CASE("binary files cannot be written to standard output") {

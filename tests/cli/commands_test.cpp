@@ -143,7 +143,7 @@ TEST_CASE("the commands of a study give the cells of one run, even after kills",
     CHECK(matches(not_yet.out, "[^]*shard 2: (stopped|missing|running)[^]*merge: missing[^]*"));
     for (int i = 0; i < 2; ++i) {
         const Outcome run = done(folder, "cd / && sh '" + folder.path("commands") + "'");
-        CHECK(contains(run.out, "done already"));
+        CHECK(contains(run.out, "already done"));
         CHECK((folder.bits("all/results") == folder.bits("local")));
     }
     CHECK(folder.has("all/results/report.html"));

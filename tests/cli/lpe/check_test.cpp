@@ -44,8 +44,8 @@ TEST_CASE("one command gives the correct result for a production's RIB file") {
     INFO(holds.out << holds.err);
     CHECK(holds.code == 0);
     CHECK(contains(holds.out, "show.rib: 11 channels with expressions, 7 of them layers"));
-    CHECK(contains(holds.out, "no layers (prefix nothruput): 'albedo', 'normal'"));
-    CHECK(contains(holds.out, "no layers (statistics mse): 'diffuse_mse', 'specular_mse'"));
+    CHECK(contains(holds.out, "not layers (prefix nothruput): 'albedo', 'normal'"));
+    CHECK(contains(holds.out, "not layers (statistics mse): 'diffuse_mse', 'specular_mse'"));
     CHECK(contains(holds.out, "--volume includes them"));
     CHECK(contains(holds.out, "7 channels are a partition of the beauty"));
     const Outcome volume = run_raylex(folder, "lpe check show.rib --volume");
@@ -220,7 +220,7 @@ TEST_CASE("conversions keep statistics and AOVs, and name everything that the fo
     CHECK(run_raylex(folder, "lpe check show.toml --no-volume -o again.rib").code == 0);
     CHECK(contains(folder.read("again.rib"), "DisplayChannel \"color diffuse_mse\""));
     CHECK(contains(folder.read("again.rib"), "DisplayChannel \"float z\""));
-    CHECK(contains(run_raylex(folder, "lpe check again.rib").out, "no layers (statistics mse): 'diffuse_mse'"));
+    CHECK(contains(run_raylex(folder, "lpe check again.rib").out, "not layers (statistics mse): 'diffuse_mse'"));
     const Outcome usd = run_raylex(folder, "lpe check show.rib -o show.usda");
     CHECK(contains(usd.err, "USD has no place for parameters of channels, which are left out: filter ("));
     CHECK(contains(usd.err, "channels without one are left out: 'Nn', 'depth', 'odd'"));
@@ -320,7 +320,7 @@ TEST_CASE("the suggested rest can be read by the application of the file") {
     const Outcome outcome = run_raylex(folder, "lpe check show.rib");
     INFO(outcome.out << outcome.err);
     CHECK(outcome.code == 1);
-    CHECK(contains(outcome.out, "no layers (the beauty): 'Ci'"));
+    CHECK(contains(outcome.out, "not layers (the beauty): 'Ci'"));
     const std::size_t begin = outcome.out.find("rest=\"");
     REQUIRE(begin != std::string::npos);
     const std::string rest = outcome.out.substr(begin + 6, outcome.out.find('"', begin + 6) - begin - 6);

@@ -44,7 +44,7 @@ TEST_CASE("lpe check compares the parts with the channel that equals the beauty,
                  "DisplayChannel \"color visible\" \"string source\" \"color lpe:C[<L.>O]\"\n");
     const Outcome holds = run_raylex(folder, "lpe check --channels list.rib");
     CHECK(holds.code == 0);
-    CHECK(holds.out.find("no layers (the beauty): 'Ci'") != std::string::npos);
+    CHECK(holds.out.find("not layers (the beauty): 'Ci'") != std::string::npos);
     CHECK(run_raylex(folder, "lpe check --channels list.rib --of 'C.*'").code == 0);
     CHECK(run_raylex(folder, "lpe check --channels list.rib --of 'C.*' --volume").code == 1);
     folder.write("alone.rib", "DisplayChannel \"color Ci\" \"string source\" \"color lpe:C.*\"\n");

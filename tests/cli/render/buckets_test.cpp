@@ -201,7 +201,7 @@ TEST_CASE("requests that buckets do not support are refused by name", "[buckets]
     check_refused(folder, buckets + "--integrator pssmlt", {"buckets", "pssmlt"});
     check_refused(folder, buckets + "--filter-mode splat", {"buckets", "filter mode splat"});
     check_refused(folder, buckets + "--until-error 5%", {"buckets", "with an error limit"});
-    check_refused(folder, buckets + "--time 1s", {"buckets", "end by time"});
+    check_refused(folder, buckets + "--time 1s", {"buckets", "with a time limit"});
     check_refused(folder, buckets + "--cryptomatte object", {"buckets", "cryptomattes"});
     check_refused(folder, buckets + "--deep d.exr", {"deep image", "buckets"});
     check_refused(folder, buckets + "--atlas a.atlas.exr", {"path atlas", "buckets"});

@@ -87,7 +87,7 @@ TEST_CASE("invalid cryptomattes and AOVs are refused with the reason") {
         CHECK(folder.names() == std::vector<std::string>{"room.pbrt"});
     };
     refused("--cryptomatte objects", "did you mean 'object'?");
-    refused("--cryptomatte object,object", "asked for twice");
+    refused("--cryptomatte object,object", "requested twice");
     refused("--cryptomatte object --cryptomatte-ranks 5", "even");
     refused("--cryptomatte object --filter mitchell", "has negative lobes");
     refused("--cryptomatte object --lpe CryptoObject00=CDL", "cryptomatte");

@@ -80,7 +80,7 @@ TEST_CASE("any layer can be a preview, through any view") {
     }
     CHECK(folder.read("b.png") != folder.read("d.png"));
     check_refused(folder, "render room.pbrt -o x.exr --aov Nn --preview Nm=n2.png",
-                  {"no layer 'Nm'", "did you mean 'Nn'"});
+                  {"unknown layer 'Nm'", "did you mean 'Nn'"});
     check_refused(folder, "render room.pbrt -o x.exr --preview a.png --view Rwa", {"view 'Rwa'", "did you mean 'Raw'"});
     check_refused(folder, "render room.pbrt -o x.exr --preview a.png --driver png:file=a.png", {"used twice"});
     check_refused(folder, "render room.pbrt -o x.exr --preview Nn=absent/p.png --aov Nn", {"absent/p.png"});

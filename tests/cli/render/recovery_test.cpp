@@ -123,7 +123,7 @@ TEST_CASE("checkpoints that do not match are refused with exit code 2 and kept",
         CHECK(folder.names() == before);
     };
     refused("--resume", "out.exr.checkpoint: there is no checkpoint to resume from");
-    refused("--resume", "leave out --resume to start a new render");
+    refused("--resume", "omit --resume to start a new render");
     refused("--checkpoint 5x", "'5x' is not a time between checkpoints; expected for example 60s, 5m or 1h");
     refused("--checkpoint 0", "at least 0.01s");
     refused("--checkpoint 60s --deep d.exr", "--deep: a deep image is not saved in checkpoints");
@@ -251,7 +251,7 @@ TEST_CASE("--time ends a render, and --spp with the number of samples gives the 
     const std::size_t at = timed.out.find("time: ");
     REQUIRE(at != std::string::npos);
     const std::string spp = std::to_string(std::stoull(timed.out.substr(at + 6)));
-    CHECK(timed.out.find(spp + " samples per pixel; --spp " + spp + " gives the same bits") != std::string::npos);
+    CHECK(timed.out.find(spp + " samples per pixel; --spp " + spp + " renders the same bits") != std::string::npos);
     REQUIRE(run_raylex(folder, "render room.pbrt -o counted.exr --spp " + spp).code == 0);
     CHECK((image_bits(folder.path("timed.exr")) == image_bits(folder.path("counted.exr"))));
     // --spp is the maximum, and the job's key sets the same limit.

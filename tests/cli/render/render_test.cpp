@@ -199,7 +199,8 @@ TEST_CASE("--dialect applies to the --lpe after it") {
     check_refused(folder, "render room.pbrt -o b.exr --dialect french --lpe a=CDL", {"french", "renderman or osl"});
     // A --dialect without a following --lpe is an error anywhere.
     const std::string no_effect = "follows '--dialect osl'";
-    check_refused(folder, "render room.pbrt -o b.exr --lpe a=CDL --dialect osl", {no_effect, "expected it before"});
+    check_refused(folder, "render room.pbrt -o b.exr --lpe a=CDL --dialect osl",
+                  {no_effect, "expected --dialect before"});
     check_refused(folder, "render room.pbrt -o b.exr --dialect osl --aov z", {no_effect});
     check_refused(folder, "render room.pbrt -o b.exr --dialect osl --dialect renderman --lpe a=CDL", {no_effect});
 }

@@ -158,7 +158,7 @@ TEST_CASE("spherical cameras have pbrt's directions and cover the sphere", "[cam
 }
 
 TEST_CASE("integrators that trace paths from lights find the path tracer's image with every camera",
-          "[camera][bdpt][lighttracer][render][statistical]") {
+          "[camera][bdpt][lighttracer][render][statistical][gate]") {
     const std::string integrator = GENERATE("bdpt", "lighttracer");
     const std::string camera = GENERATE(
         "LookAt 0 2 3  0 0.3 0  0 1 0 Scale 0.7 0.7 0.7\nCamera \"orthographic\"\n",

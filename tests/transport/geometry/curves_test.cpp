@@ -145,7 +145,7 @@ TEST_CASE("a bent flat curve covers its length times its width", "[curves]") {
     CHECK(covered == Approx(0.1 * length_of).epsilon(1e-2));
 }
 
-TEST_CASE("bent tubes and ribbons cover their length times their width", "[curves]") {
+TEST_CASE("bent tubes and ribbons cover their length times their width", "[curves][gate]") {
     CurveSegment segment;
     segment.points[0] = {-1, 0, 0}, segment.points[1] = {-1, 1, 0}, segment.points[2] = {1, 1, 0};
     segment.points[3] = {1, 0, 0};

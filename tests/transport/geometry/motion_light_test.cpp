@@ -76,18 +76,19 @@ transport::RenderSettings few_bounces() {
 
 }  // namespace
 
-TEST_CASE("motion: bidirectional path tracing agrees with path tracing", "[motion][bdpt][render][statistical]") {
+TEST_CASE("motion: bidirectional path tracing agrees with path tracing", "[motion][bdpt][render][statistical][gate]") {
     compare_with_path(
         moving_room, few_bounces(), integrator_named("bdpt"), 12, 128,
         {"C<RD>L", "C<RD>B", "C<RD><RD>+[LB]", "C<RD><RG>.*[LB]", "C<RG>.*[LB]", "C<Ts><RD>[LB]", "C.*[LB]"});
 }
 
-TEST_CASE("motion: light tracing agrees with path tracing", "[motion][light-tracer][render][statistical]") {
+TEST_CASE("motion: light tracing agrees with path tracing", "[motion][light-tracer][render][statistical][gate]") {
     compare_with_path(moving_room, few_bounces(), integrator_named("lighttracer"), 12, 512,
                       {"C<RD>L", "C<RD>B", "C<RD><RD>+[LB]", "C<RD><RG>.*[LB]", "C<RG>.*[LB]", "C.*[LB]"});
 }
 
-TEST_CASE("motion: Metropolis light transport agrees with path tracing", "[motion][pssmlt][render][statistical]") {
+TEST_CASE("motion: Metropolis light transport agrees with path tracing",
+          "[motion][pssmlt][render][statistical][gate]") {
     compare_with_path(moving_room, few_bounces(), metropolis(100, 20'000), 12, 128, {"C<RD>L", "C.*[LB]"});
 }
 

@@ -112,7 +112,8 @@ TEST_CASE("a scene turned about a distant point renders like the scene at the or
     CHECK(deviation(home, turned) < 4.5);
 }
 
-TEST_CASE("render space is near the camera and the scene, and exported matrices are those of the world", "[geometry]") {
+TEST_CASE("render space is near the camera and the scene, and exported matrices are those of the world",
+          "[geometry][gate]") {
     const transport::SceneDescription near =
         scene_of("LookAt 5 1 1  0 0 0  0 1 0 Camera \"perspective\" WorldBegin Shape \"sphere\" \"float radius\" 1\n");
     CHECK(RenderSpace::of(near).origin == DVec3(1, 1, 1));

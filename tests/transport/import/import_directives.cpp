@@ -350,6 +350,6 @@ TEST_CASE("a medium with an unknown preset uses its coefficients, and the asymme
     CHECK(contains(warnings[0].hint, "'Skin1'"));
     CHECK(warnings[0].line == 2);
     CHECK(contains(warnings[1].message, "'g' is -1; expected an asymmetry above -1 and below 1"));
-    CHECK(contains(warnings[1].message, "taken as -0.99"));
+    CHECK(contains(warnings[1].message, "-0.99"));
     CHECK(warnings[1].line == 3);
 }

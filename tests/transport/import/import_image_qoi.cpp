@@ -106,7 +106,7 @@ TEST_CASE("a truncated, damaged or absurd QOI image is an error that names the f
     CHECK(contains(refused(qoi(20000, 2000, 4, 0, every_chunk)), "the image has 20000 x 2000 pixels"));
 }
 
-TEST_CASE("a QOI image with random changes is read or refused", "[image][law7]") {
+TEST_CASE("a QOI image with random changes is read or refused", "[image][law7][gate]") {
     const Folder folder;
     std::mt19937 random(7);
     const std::string whole = qoi(7, 1, 4, 1, every_chunk);

@@ -67,7 +67,7 @@ std::string strands(const std::string& material) {
 }  // namespace
 
 TEST_CASE("bodies with holes, and the wrong way out, are as long to every method",
-          "[bdpt][light-tracer][statistical]") {
+          "[bdpt][light-tracer][statistical][gate]") {
     const std::string shape =
         GENERATE("\"sphere\" \"float alpha\" .5", "\"sphere\" \"float zmin\" -.4 \"float zmax\" .3",
                  "\"disk\" \"float radius\" 1.5 \"float height\" .4");
@@ -86,7 +86,7 @@ TEST_CASE("bodies with holes, and the wrong way out, are as long to every method
 }
 
 TEST_CASE("light beyond all shapes reaches a medium there by every method",
-          "[bdpt][light-tracer][media][statistical]") {
+          "[bdpt][light-tracer][media][statistical][gate]") {
     const std::string world = GENERATE("", "Translate 0 .3 0 Shape \"sphere\" \"float radius\" 0.2");
     const std::string integrator = GENERATE("bdpt", "lighttracer");
     compare_with_path(open_grid(world), small(3, 256), integrator_named(integrator), 12,
@@ -114,7 +114,7 @@ TEST_CASE("what stands outside a portal has no light of it, by any method", "[bd
 }
 
 TEST_CASE("a sky under a matrix with a last row is one sky to every method",
-          "[bdpt][light-tracer][lights][statistical]") {
+          "[bdpt][light-tracer][lights][statistical][gate]") {
     std::vector<transport::Rgb> pixels;
     for (int y = 0; y < 8; ++y)
         for (int x = 0; x < 8; ++x)
@@ -135,7 +135,7 @@ TEST_CASE("a sky under a matrix with a last row is one sky to every method",
     }));
 }
 
-TEST_CASE("bidirectional path tracing agrees on curves that face whoever looks", "[bdpt][curves][statistical]") {
+TEST_CASE("bidirectional path tracing agrees on curves that face whoever looks", "[bdpt][curves][statistical][gate]") {
     const std::string material = GENERATE("Material \"diffuse\" \"rgb reflectance\" [.8 .8 .8]",
                                           "Material \"hair\" \"float eumelanin\" .5 \"float beta_n\" .4");
     compare_with_path(strands(material), small(3, 128), integrator_named("bdpt"), 12, 128,

@@ -5,7 +5,8 @@
 
 using namespace render_test;
 
-TEST_CASE("bidirectional path tracing finds the path tracer's image, word by word", "[bdpt][render][statistical]") {
+TEST_CASE("bidirectional path tracing finds the path tracer's image, word by word",
+          "[bdpt][render][statistical][gate]") {
     transport::RenderSettings settings;
     settings.paths.max_depth = 4;
     settings.samples.per_pixel = 256;
@@ -16,7 +17,7 @@ TEST_CASE("bidirectional path tracing finds the path tracer's image, word by wor
 }
 
 TEST_CASE("bidirectional path tracing through lenses and cutouts, with shading normals and every kind of light",
-          "[bdpt][render][statistical]") {
+          "[bdpt][render][statistical][gate]") {
     transport::RenderSettings settings;
     settings.paths.max_depth = 3;
     settings.samples.per_pixel = 256;
@@ -65,7 +66,7 @@ AttributeEnd
 )";
 
 TEST_CASE("methods that begin at the lights find the path tracer's image in media, word by word",
-          "[bdpt][lighttracer][render][media][statistical]") {
+          "[bdpt][lighttracer][render][media][statistical][gate]") {
     const std::string integrator = GENERATE("bdpt", "lighttracer");
     transport::RenderSettings settings;
     settings.paths.max_depth = 4;
@@ -110,7 +111,7 @@ Shape "sphere" "float radius" 50)";
 }
 
 TEST_CASE("bidirectional path tracing gives prefixes, holdouts and user events what the path tracer gives them",
-          "[bdpt][render][prefixes][statistical]") {
+          "[bdpt][render][prefixes][statistical][gate]") {
     transport::SceneDescription scene = scene_of(room);
     for (std::size_t i = 0; i < scene.shapes.size(); ++i) scene.shapes[i].holdout = i == 0;
     transport::RenderSettings settings;
@@ -185,7 +186,7 @@ Shape "sphere" "float radius" 1
 }
 
 TEST_CASE("every technique alone, unweighted, finds what all of them find together; weighted they sum to it",
-          "[bdpt][render][statistical][law1]") {
+          "[bdpt][render][statistical][law1][gate]") {
     // Nothing specular, so that every technique finds every word. 1 / distance^2 keeps joins' variance finite only
     // where surfaces do not meet, so the floor and the board stand apart.
     const auto scene = scene_of(plain_film + R"(
@@ -250,7 +251,7 @@ AttributeEnd
 }
 
 TEST_CASE("variances and adaptive sampling of bidirectional path tracing are of what camera samples bring",
-          "[bdpt][render][statistical][law7]") {
+          "[bdpt][render][statistical][law7][gate]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
     settings.paths.max_depth = 3;
@@ -324,7 +325,7 @@ TEST_CASE("variances and adaptive sampling of bidirectional path tracing are of 
 }
 
 TEST_CASE("in an emitting enclosure every word has its closed form with every integrator",
-          "[bdpt][lighttracer][pssmlt][render][statistical]") {
+          "[bdpt][lighttracer][pssmlt][render][statistical][gate]") {
     auto built = transport::BuiltScene::build(scene_of(enclosure(0.5, 0.3)));
     REQUIRE(built.ok());
     transport::RenderSettings settings;

@@ -128,7 +128,8 @@ TEST_CASE("the density of a mixture of closure and sphere integrates to 1", "[di
         }
 }
 
-TEST_CASE("paths drawn by another sampler than the closure estimate the same image", "[directions][mis][render]") {
+TEST_CASE("paths drawn by another sampler than the closure estimate the same image",
+          "[directions][mis][render][gate]") {
     register_guided();
     // Diffuse, glossy, coated and clear glass, lights of all kinds; then the same in fog.
     for (const bool fog : {false, true}) {
@@ -148,7 +149,8 @@ TEST_CASE("paths drawn by another sampler than the closure estimate the same ima
     }
 }
 
-TEST_CASE("in an enclosure another sampler than the closure finds the light of every word", "[directions][render]") {
+TEST_CASE("in an enclosure another sampler than the closure finds the light of every word",
+          "[directions][render][gate]") {
     register_guided();
     const double kd = 0.5, ks = 0.3;
     const auto scene = transport::BuiltScene::build(scene_of(enclosure(kd, ks)));

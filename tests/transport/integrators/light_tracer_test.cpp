@@ -5,7 +5,7 @@
 
 using namespace render_test;
 
-TEST_CASE("the light tracer finds the path tracer's image, word by word", "[lighttracer][render][statistical]") {
+TEST_CASE("the light tracer finds the path tracer's image, word by word", "[lighttracer][render][statistical][gate]") {
     // Rough and smooth conductors, glass, a coat, an area light, a sky and a spot light.
     transport::RenderSettings settings;
     settings.paths.max_depth = 4;
@@ -16,7 +16,7 @@ TEST_CASE("the light tracer finds the path tracer's image, word by word", "[ligh
 }
 
 TEST_CASE("the light tracer through lenses and cutouts, with shading normals and every kind of light",
-          "[lighttracer][render][statistical]") {
+          "[lighttracer][render][statistical][gate]") {
     transport::RenderSettings settings;
     settings.paths.max_depth = 3;
     settings.samples.per_pixel = 256;
@@ -25,7 +25,7 @@ TEST_CASE("the light tracer through lenses and cutouts, with shading normals and
         {"C<RD>[LB]", "C<Ts><RD>[LB]", "C<RD><RS>+B", "C<RG>[LB]", "C<RD><.G>+[LB]", "C<RD><RD>[LB]", "C<Ts>*[LB]"});
 }
 
-TEST_CASE("light that begins in glass leaves it with all its power", "[lighttracer][bdpt][render][statistical]") {
+TEST_CASE("light that begins in glass leaves it with all its power", "[lighttracer][bdpt][render][statistical][gate]") {
     // A ball of radius 0.2 and radiance 1 in the middle of a glass ball of 1 in the middle of a grey one of 3. All of
     // it meets the glass at angles below 12 degrees and by symmetry spreads evenly: rho r^2 / R^2 (1 - F) as seen on
     // the outer ball, F being the mean reflectance by the midpoint rule. Scaled by 1 / eta^2 as radiance is, it would
@@ -64,7 +64,7 @@ Shape "sphere" "float radius" 3
 }
 
 TEST_CASE("methods that splat keep the laws: splits sum, asking changes nothing, threads and interruptions neither",
-          "[lighttracer][bdpt][render][law1][law2][law3]") {
+          "[lighttracer][bdpt][render][law1][law2][law3][gate]") {
     const std::string integrator = GENERATE("lighttracer", "bdpt");
     CAPTURE(integrator);
     const auto scene = scene_of(GENERATE(false, true) ? foggy_room() : room);

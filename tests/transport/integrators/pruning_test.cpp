@@ -81,7 +81,7 @@ void check_means(const std::string& scene, const std::string& expression,
 
 }  // namespace
 
-TEST_CASE("pruned channels keep their means", "[render][pruning][law4][statistical]") {
+TEST_CASE("pruned channels keep their means", "[render][pruning][law4][statistical][gate]") {
     for (const char* expression :
          {"C<RD>L", "C<RD>[LB]", "C<RD>B", "C<RD>{2}L", "C<RD><.S>+L", "C<.S>+<RD>L", "C.*<L.'rim'>",
           "C<RD>.*<L.'key'>", "C<RS>.*", "C(<RD>|<RS>)<L.'rim'>", "C<TS>+[LB]", "C<RD><RD>B"})
@@ -144,7 +144,7 @@ TEST_CASE("a light group alone is sampled alone: less noise from as many samples
     CHECK(pruned.sum_of_variances() * 1.6 < whole.sum_of_variances());
 }
 
-TEST_CASE("channels keep their means where paths begin at lights", "[render][pruning][law4][statistical]") {
+TEST_CASE("channels keep their means where paths begin at lights", "[render][pruning][law4][statistical][gate]") {
     for (const char* integrator : from_lights)
         for (const char* expression : {"C<RD>L", "C<RD><RD>B", "C<RD><.S>+L", "C.*<L.'rim'>", "C<RD>.*<L.'key'>"})
             check_means(corner(), expression, named(integrator));

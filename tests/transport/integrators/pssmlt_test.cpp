@@ -152,7 +152,8 @@ TEST_CASE("sample numbers differ between all mutations of all chains", "[pssmlt]
     CHECK(numbers.size() == samples);
 }
 
-TEST_CASE("the Metropolis integrator finds the path tracer's image, word by word", "[pssmlt][render][statistical]") {
+TEST_CASE("the Metropolis integrator finds the path tracer's image, word by word",
+          "[pssmlt][render][statistical][gate]") {
     const transport::RenderSettings settings = compared(5);
     compare_with_path(
         room, settings, metropolis(40, 40000), 12, 128,
@@ -163,7 +164,7 @@ TEST_CASE("the Metropolis integrator finds the path tracer's image, word by word
 }
 
 TEST_CASE("Metropolis over bidirectional paths finds the path tracer's image, word by word",
-          "[pssmlt][bdpt][render][statistical]") {
+          "[pssmlt][bdpt][render][statistical][gate]") {
     const transport::RenderSettings settings = compared(4);
     compare_with_path(
         room, settings, metropolis_over("bdpt", 40), 12, 96,
@@ -173,7 +174,7 @@ TEST_CASE("Metropolis over bidirectional paths finds the path tracer's image, wo
 }
 
 TEST_CASE("Metropolis has surfaces say of themselves what the path tracer has them say",
-          "[pssmlt][bdpt][render][statistical]") {
+          "[pssmlt][bdpt][render][statistical][gate]") {
     transport::RenderSettings settings = compared(3);
     for (const char* expression : {"C.*", "CU2L", "CDU2L", "C<RS>U2L", "CDU6L"})
         settings.channels.list.push_back(lpe_channel("c" + std::to_string(settings.channels.list.size()), expression));
@@ -182,7 +183,7 @@ TEST_CASE("Metropolis has surfaces say of themselves what the path tracer has th
 }
 
 TEST_CASE("Metropolis with channels for a target keeps every channel's mean, and spends its steps on them",
-          "[pssmlt][render][statistical]") {
+          "[pssmlt][render][statistical][gate]") {
     const std::string over = GENERATE("path", "bdpt");
     transport::RenderSettings settings;
     settings.paths.max_depth = 4;

@@ -48,7 +48,8 @@ TEST_CASE("a roulette table bounds chances and knows what it does not know", "[p
     }
 }
 
-TEST_CASE("roulette by what channels may still receive keeps their means", "[render][pruning][law4][statistical]") {
+TEST_CASE("roulette by what channels may still receive keeps their means",
+          "[render][pruning][law4][statistical][gate]") {
     int by_channels = 0;
     const auto compare = [&](const std::string& scene, const std::vector<std::string>& expressions) {
         auto built = transport::BuiltScene::build(scene_of(scene));
@@ -138,7 +139,7 @@ TEST_CASE("roulette goes by throughput alone where beauty is asked for, or chann
     CHECK(weak_paths(render_of(scene, channels_alone({deep}, false))) == 0);
 }
 
-TEST_CASE("roulette by channels costs less for as much noise", "[render][pruning][law4][statistical]") {
+TEST_CASE("roulette by channels costs less for as much noise", "[render][pruning][law4][statistical][gate]") {
     auto built = transport::BuiltScene::build(scene_of(room));
     REQUIRE(built.ok());
     const auto noise_times_rays = [&](bool by_channels) {

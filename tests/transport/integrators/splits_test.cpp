@@ -99,7 +99,7 @@ TEST_CASE("the branches of a pixel's samples are one sequence, and one of their 
     }
 }
 
-TEST_CASE("split paths and live lobes keep the means of channels", "[render][pruning][law4][statistical]") {
+TEST_CASE("split paths and live lobes keep the means of channels", "[render][pruning][law4][statistical][gate]") {
     const auto compare = [](const std::string& scene, const std::string& expression) {
         auto built = transport::BuiltScene::build(scene_of(scene));
         REQUIRE(built.ok());

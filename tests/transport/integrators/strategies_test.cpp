@@ -90,7 +90,7 @@ double weight(const PathDensities& path, std::size_t s) {
 
 }  // namespace
 
-TEST_CASE("the weights of all strategies of a path sum to 1, at lengths of 2 to 256 segments", "[bdpt][mis]") {
+TEST_CASE("the weights of all strategies of a path sum to 1, at lengths of 2 to 256 segments", "[bdpt][mis][gate]") {
     Random random(41);
     for (const bool with_specular : {false, true})
         for (const double spread : {0.5, 4.0, 12.0})

@@ -466,7 +466,7 @@ TEST_CASE("errors of lights with images name the cause", "[lights]") {
 }
 
 TEST_CASE("integrators that trace paths from lights find the path tracer's image under lights with images",
-          "[bdpt][lighttracer][render][statistical]") {
+          "[bdpt][lighttracer][render][statistical][gate]") {
     const std::string integrator = GENERATE("bdpt", "lighttracer");
     std::vector<Rgb> pixels;
     for (int i = 0; i < 64; ++i) pixels.emplace_back(i % 3 == 0 ? 1.5f : 0.2f);

@@ -46,7 +46,7 @@ Estimate with_strategy(const std::string& text, const char* strategy) {
 
 }  // namespace
 
-TEST_CASE("An emitter with a textured cutout has the same light with every strategy", "[law1]") {
+TEST_CASE("An emitter with a textured cutout has the same light with every strategy", "[law1][gate]") {
     for (const Emitter& emitter : emitters)
         for (const char* two_sided : {"false", "true"}) {
             const std::string text = lit_floor(R"("texture alpha" "holes")", two_sided, emitter.shape);

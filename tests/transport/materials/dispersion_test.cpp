@@ -186,7 +186,7 @@ TEST_CASE("wavelengths: drawn evenly, they count for white, each for as much as 
 }
 
 TEST_CASE("dispersion: a slab under a white sky has the closed form of every word",
-          "[dispersion][render][statistical]") {
+          "[dispersion][render][statistical][gate]") {
     const std::string slab = R"(
 Film "rgb" "integer xresolution" 9 "integer yresolution" 9
 PixelFilter "box" "float xradius" 0.5 "float yradius" 0.5
@@ -237,7 +237,7 @@ Shape "bilinearmesh" "point3 P" [-9 -9 .5  9 -9 .5  -9 9 .5  9 9 .5]
 }
 
 TEST_CASE("dispersion: a prism spreads a beam as Snell's law says, and at minimum deviation as its formula",
-          "[dispersion][render][statistical]") {
+          "[dispersion][render][statistical][gate]") {
     const Prism prism;
     const double index = flint_index()[588 - visible_begin];
     CHECK(prism.at(index).deviation == Approx(2 * prism.incidence - apex).epsilon(1e-12));
@@ -298,7 +298,7 @@ TEST_CASE("dispersion: a prism spreads a beam as Snell's law says, and at minimu
 }
 
 TEST_CASE("dispersion: an index that is the same at all wavelengths is one index, and one that hardly varies as good",
-          "[dispersion][render][statistical]") {
+          "[dispersion][render][statistical][gate]") {
     const auto with_eta = [](const std::string& eta) {
         std::string text = room;
         const std::string glass = "Material \"dielectric\"";
@@ -326,20 +326,21 @@ TEST_CASE("dispersion: an index that is the same at all wavelengths is one index
 }
 
 TEST_CASE("dispersion: bidirectional path tracing agrees with path tracing",
-          "[dispersion][bdpt][render][statistical]") {
+          "[dispersion][bdpt][render][statistical][gate]") {
     for (const int color : {0, 2})
         compare_with_path(prism_room, bounded(512), integrator_named("bdpt"), 12, 128,
                           {"C<RD><TS>.*[LB]", "C<RD><TG>.*[LB]", "C<TG>.*[LB]", "C<TS>.*[LB]", "C.*[LB]"}, color);
 }
 
-TEST_CASE("dispersion: light tracing agrees with path tracing", "[dispersion][light-tracer][render][statistical]") {
+TEST_CASE("dispersion: light tracing agrees with path tracing",
+          "[dispersion][light-tracer][render][statistical][gate]") {
     for (const int color : {0, 2})
         compare_with_path(prism_room, bounded(512), integrator_named("lighttracer"), 12, 512,
                           {"C<RD><TS>.*[LB]", "C<RD><TG>.*[LB]", "C<TG>.*[LB]"}, color);
 }
 
 TEST_CASE("dispersion: Metropolis light transport agrees with path tracing",
-          "[dispersion][pssmlt][render][statistical]") {
+          "[dispersion][pssmlt][render][statistical][gate]") {
     compare_with_path(prism_room, bounded(256), metropolis(100, 20'000), 12, 128, {"C<TS>.*[LB]", "C.*[LB]"}, 2);
 }
 

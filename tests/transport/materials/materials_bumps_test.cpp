@@ -218,7 +218,7 @@ TEST_CASE("tangents are the derivatives of points and normals, on every shape", 
 }
 
 TEST_CASE("every material takes bumps: no light comes out of nothing, none is lost to NaN, at any angle",
-          "[materials][render]") {
+          "[materials][render][gate]") {
     register_heights();
     const std::string text = film + R"(
         LookAt 0 0.25 3  0 0 0  0 1 0
@@ -254,7 +254,7 @@ TEST_CASE("every material takes bumps: no light comes out of nothing, none is lo
     CHECK(tested >= 11);
 }
 
-TEST_CASE("bumps are seen alike from the camera and from lights", "[materials][bdpt][lighttracer][statistical]") {
+TEST_CASE("bumps are seen alike from the camera and from lights", "[materials][bdpt][lighttracer][statistical][gate]") {
     register_heights();
     std::string text = room;
     const auto put = [&](const std::string& before, const std::string& more) {

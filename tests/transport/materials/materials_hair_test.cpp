@@ -71,7 +71,7 @@ TEST_CASE("fibres and leaves: weight times density is the value, and each lobe i
     }
 }
 
-TEST_CASE("fibres and leaves are sampled as their densities say", "[materials][statistical]") {
+TEST_CASE("fibres and leaves are sampled as their densities say", "[materials][statistical][gate]") {
     Random random(33);
     for (const NamedBsdf& c : fibres_and_leaves())
         for (const float cosine : {0.9f, 0.2f, -0.6f}) {
@@ -114,7 +114,7 @@ TEST_CASE("fibres and leaves are sampled as their densities say", "[materials][s
         }
 }
 
-TEST_CASE("hair that absorbs nothing returns all light, other hair what its albedo says", "[materials]") {
+TEST_CASE("hair that absorbs nothing returns all light, other hair what its albedo says", "[materials][gate]") {
     Random random(35);
     for (const Rgb& sigma_a : {Rgb(0), Rgb(0.2f, 0.6f, 1.5f)})
         for (const float beta : {0.1f, 0.3f, 0.6f, 1.0f})
@@ -229,7 +229,7 @@ TEST_CASE("diffuse transmission: each side's albedo, colours above 1 cut", "[mat
 }
 
 TEST_CASE("leaves and hair are seen alike from the camera and from lights",
-          "[materials][bdpt][lighttracer][statistical]") {
+          "[materials][bdpt][lighttracer][statistical][gate]") {
     std::string text = render_test::room;
     const auto put = [&](const std::string& old, const std::string& material) {
         text.replace(text.find(old), old.size(), material);

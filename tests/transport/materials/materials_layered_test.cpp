@@ -161,7 +161,7 @@ TEST_CASE("rough coats agree with brute force, by sampling and by evaluation") {
         }
 }
 
-TEST_CASE("sample and evaluate describe the same scattering, direction by direction, medium included") {
+TEST_CASE("sample and evaluate describe the same scattering, direction by direction, medium included", "[gate]") {
     struct Setting {
         float coat_alpha, base_alpha, medium;
     };

@@ -37,7 +37,7 @@ double exact(const measured_test::Surface& surface, const Vec3& wo, const Vec3& 
 }  // namespace
 
 TEST_CASE("a tabulated surface is the surface: Lambert, and GGX alike in all directions or not",
-          "[materials][measured]") {
+          "[materials][measured][gate]") {
     const Folder folder;
     struct Case {
         const char* what;
@@ -79,7 +79,7 @@ TEST_CASE("a tabulated surface is the surface: Lambert, and GGX alike in all dir
 }
 
 TEST_CASE("measured surfaces are sampled as their densities say, and return what their albedo says",
-          "[materials][measured][statistical]") {
+          "[materials][measured][statistical][gate]") {
     const Folder folder;
     Resolution around;
     around.phi = 9;

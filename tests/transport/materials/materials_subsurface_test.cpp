@@ -64,7 +64,7 @@ TEST_CASE("subsurface is its medium inside a dielectric, to the bit", "[material
     CHECK(estimate(walk).mean > 0.3);
 }
 
-TEST_CASE("a subsurface body is one event of maxdepth, by any method", "[materials][bdpt][render][statistical]") {
+TEST_CASE("a subsurface body is one event of maxdepth, by any method", "[materials][bdpt][render][statistical][gate]") {
     const std::string rough = "Material \"subsurface\" \"float roughness\" 0.4 ";
     // Rays enter the last one without scattering, by half of its surface.
     const auto [material, depth] = GENERATE_COPY(
@@ -157,7 +157,7 @@ TEST_CASE("what absorbs nothing loses nothing in a white furnace at a maxdepth o
     CHECK(found.error < 5e-3);
 }
 
-TEST_CASE("the albedo of a reflectance is what such a half space sends back", "[media]") {
+TEST_CASE("the albedo of a reflectance is what such a half space sends back", "[media][gate]") {
     // Without refraction the exact answer is known. Photon beams promise too much there, by 0.085 at the worst, and so
     // does pbrt, whose coefficients these are to be.
     for (const double albedo : {0.5, 0.8, 0.95, 0.99}) {

@@ -165,7 +165,7 @@ TEST_CASE("grids are looked up as in pbrt, and majorants bound them", "[media][g
 }
 
 TEST_CASE("flights, transmittance and emission have the right means for every majorant",
-          "[media][grids][statistical]") {
+          "[media][grids][statistical][gate]") {
     const std::string density = " \"float density\"" + list(numbers(nx * ny * nz, 4, 0.4)) + counts + box;
     const std::string radiance = " \"float Lescale\"" + list(numbers(nx * ny * nz, 5, 0.5));
     const std::string colours = " \"rgb sigma_a\"" + list(numbers(3 * nx * ny * nz, 6, 0.2)) + " \"rgb sigma_s\"" +
@@ -188,7 +188,7 @@ TEST_CASE("flights, transmittance and emission have the right means for every ma
     }
 }
 
-TEST_CASE("clouds stay within the bounds of their cells", "[media][grids]") {
+TEST_CASE("clouds stay within the bounds of their cells", "[media][grids][gate]") {
     for (const std::string& parameters :
          {std::string(), std::string("\"float density\" 3 \"float wispiness\" 2"),
           std::string("\"float frequency\" 2 \"float density\" 0.5 \"point3 p1\" [3 1 2]"),

@@ -162,7 +162,7 @@ TEST_CASE("large nanovdb tiles and backgrounds are neither read voxel by voxel n
     CHECK(sea.media.grid_bytes() < 100 * 100 * 100 * 24);  // a million cells, no voxels
 }
 
-TEST_CASE("errors of nanovdb files give the reason", "[media][grids][nanovdb][law7]") {
+TEST_CASE("errors of nanovdb files give the reason", "[media][grids][nanovdb][law7][gate]") {
     const Folder folder;
     write(folder.path("smoke.nvdb"), handles(density_grid()));
     write(folder.path("other.nvdb"), handles(density_grid("heat")));

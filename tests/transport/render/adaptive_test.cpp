@@ -66,7 +66,7 @@ TEST_CASE("every pixel ends within the tolerance or with the most samples", "[re
     CHECK(output.samples.complete);
 }
 
-TEST_CASE("channels outside the metric do not change an adaptive beauty", "[render][adaptive][law2]") {
+TEST_CASE("channels outside the metric do not change an adaptive beauty", "[render][adaptive][law2][gate]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.15);
     const auto alone = render_of(scene, settings);
@@ -80,7 +80,7 @@ TEST_CASE("channels outside the metric do not change an adaptive beauty", "[rend
     CHECK(other.statistics.camera_samples > asked.statistics.camera_samples);
 }
 
-TEST_CASE("without a beauty the metric uses all requested light", "[render][adaptive][law4]") {
+TEST_CASE("without a beauty the metric uses all requested light", "[render][adaptive][law4][gate]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.15);
     settings.channels.beauty = false;
@@ -108,7 +108,7 @@ TEST_CASE("any number of threads makes the same decisions", "[render][adaptive][
     CHECK((one == three));
 }
 
-TEST_CASE("the predicted number of samples is close to the final one", "[render][adaptive][release-only]") {
+TEST_CASE("the predicted number of samples is close to the final one", "[render][adaptive][release-only][gate]") {
     auto scene = scene_of(room);
     transport::RenderSettings settings = adaptive_settings(0.04, 65536);
     settings.film.resolution = {{48, 48}};
@@ -197,7 +197,7 @@ Findings findings(int neighbourhood, std::uint64_t least, double error, int seed
 
 }  // namespace
 
-TEST_CASE("the bias of adaptive sampling is below the stated limit", "[render][adaptive][statistical]") {
+TEST_CASE("the bias of adaptive sampling is below the stated limit", "[render][adaptive][statistical][gate]") {
     const Findings found = findings(1, 64, 0.1, 60);
     CAPTURE(found.bias.mean, found.bias.error, found.samples_per_pixel, found.strays);
     // display/README.md states at most 0.5 %; four standard errors are exceeded by chance once in 16,000 runs.

@@ -106,7 +106,7 @@ TEST_CASE("adaptive sampling makes the same decisions after interruptions", "[re
     CHECK(resumed.samples.unconverged_pixels == whole.samples.unconverged_pixels);
 }
 
-TEST_CASE("checkpoints during a render change nothing", "[render][checkpoint][law3]") {
+TEST_CASE("checkpoints during a render change nothing", "[render][checkpoint][law3][gate]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = room_settings();
     settings.samples.per_pixel = samples_until_due;
@@ -200,7 +200,8 @@ TEST_CASE("a damaged checkpoint is refused and left as it is", "[render][checkpo
     CHECK((file.bytes() == damaged));
 }
 
-TEST_CASE("a checkpoint that cannot be written is a warning, and the render continues", "[render][checkpoint][law7]") {
+TEST_CASE("a checkpoint that cannot be written is a warning, and the render continues",
+          "[render][checkpoint][law7][gate]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = room_settings();
     settings.samples.per_pixel = samples_until_due;
@@ -260,7 +261,8 @@ class Counting final : public transport::Integrator {
 
 }  // namespace
 
-TEST_CASE("an integrator's own state is saved, or the integrator is named and refused", "[render][checkpoint][law3]") {
+TEST_CASE("an integrator's own state is saved, or the integrator is named and refused",
+          "[render][checkpoint][law3][gate]") {
     for (const auto& [name, state] :
          {std::pair{"counting", transport::SavedState::saved}, std::pair{"silent", transport::SavedState::unknown}})
         transport::integrator_registry().add(
@@ -291,7 +293,7 @@ TEST_CASE("an integrator's own state is saved, or the integrator is named and re
     CHECK(refused.error().message.find("integrator 'silent' cannot save its state") != std::string::npos);
 }
 
-TEST_CASE("an interrupted render with an error limit continues to the same bits", "[law3]") {
+TEST_CASE("an interrupted render with an error limit continues to the same bits", "[law3][gate]") {
     const auto scene = scene_of(room);
     const ScratchFile file;
     transport::RenderSettings settings;

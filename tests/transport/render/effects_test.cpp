@@ -239,7 +239,7 @@ TEST_CASE("effects: forced off, the scene renders bit for bit like a scene witho
     }
 }
 
-TEST_CASE("effects: forcing on an unused effect changes no bit of any layer", "[effects]") {
+TEST_CASE("effects: forcing on an unused effect changes no bit of any layer", "[effects][gate]") {
     const import_test::Folder folder;
     std::vector<std::string> scenes{effects_scene(lamp), room};
     for (const Example& each : examples(quarter_image(folder)))

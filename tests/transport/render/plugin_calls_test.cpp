@@ -199,7 +199,7 @@ TEST_CASE("random calls of a plugin leave the same bits for any thread count, ba
     CHECK(in_buckets.values == once.values);
 }
 
-TEST_CASE("samples that a plugin discards, by any call in any order, appear nowhere", "[render][plugins][law3]") {
+TEST_CASE("samples that a plugin discards, by any call in any order, appear nowhere", "[render][plugins][law3][gate]") {
     transport::RenderSettings settings = settings_of("test:raster calls");
     const Seen once = seen_of(settings, whole, false);
     CHECK(once.discarded == 16 * 40 * 37);  // the second of three iterations of 16 samples

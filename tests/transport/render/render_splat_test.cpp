@@ -52,7 +52,8 @@ TEST_CASE("splatted images have the same bits for any number of threads and chan
 // is so close to 0 or 1 that few samples of importance mode differ, their scatter is no estimate, and the share itself
 // is compared: it is a count of N = 24 x 64 samples. With 64 samples a pixel, the bias of a ratio of sums, one over the
 // number of samples in reach, is a tenth of a standard error.
-TEST_CASE("splat and importance mode agree in the mean, at edges and borders too", "[splat][render][statistical]") {
+TEST_CASE("splat and importance mode agree in the mean, at edges and borders too",
+          "[splat][render][statistical][gate]") {
     // A bright quad across the image's border, on a dark sky: modes would differ at edges and borders.
     const auto scene = scene_of(R"(
 Film "rgb" "integer xresolution" 24 "integer yresolution" 24

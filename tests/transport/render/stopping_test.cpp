@@ -163,7 +163,7 @@ TEST_CASE("A render that had to leave a batch continues to the same bits", "[law
 }
 
 TEST_CASE("A pass stopped by the time limit is undone, so that the reported samples give the same bits",
-          "[law3][stopping]") {
+          "[law3][stopping][gate]") {
     const transport::SceneDescription scene = scene_of(room);
     transport::RenderSettings settings;
     settings.machine.threads = 2;
