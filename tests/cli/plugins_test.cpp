@@ -140,7 +140,7 @@ TEST_CASE("a plugin with any difference in its stamp is refused, and the differe
     says(offsetof(PluginStamp, compiler), "was built by h++");
     says(offsetof(PluginStamp, standard_library), "was built with mibstdc++");
     says(offsetof(PluginStamp, interface), "other headers");
-    says(offsetof(PluginStamp, layout), "std::string has 33 bytes in it and 32 here");
+    says(offsetof(PluginStamp, layout), "std::string has 33 bytes in it and 32 in this program");
 }
 
 TEST_CASE("a truncated plugin is refused", "[plugins][law7][gate]") {

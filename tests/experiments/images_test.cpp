@@ -169,7 +169,7 @@ TEST_CASE("the page contains every layer, expression and check, and fetches noth
     CHECK(folder.read("page.html") == page);
 }
 
-TEST_CASE("the page of an image works in a browser") {
+TEST_CASE("the page of an image works in a browser", "[gate]") {
     const Folder folder;
     if (!has_browser(folder)) RAYLEX_SKIP("needs the package chromium");
     write_image(folder.path("good.exr"), 0, halves);

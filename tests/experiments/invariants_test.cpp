@@ -9,7 +9,7 @@
 using namespace raylex;
 namespace fs = std::filesystem;
 
-TEST_CASE("invariants hold on scenes that once violated one", "[invariants][regression]") {
+TEST_CASE("invariants hold on scenes that once violated one", "[invariants][regression][gate]") {
     const test::Folder folder;
     std::size_t scenes = 0;
     for (const auto& entry : fs::directory_iterator(fs::path(test::source_dir()) / "tests/experiments/regressions")) {
@@ -41,7 +41,7 @@ TEST_CASE("raylex scene: write and check", "[invariants][cli]") {
     CHECK(test::run_raylex(folder, "scene write nothing.pbrt -o x.pbrt").code == 2);
 }
 
-TEST_CASE("scene check: a plugin's integrator with a mistake is found", "[invariants][plugin]") {
+TEST_CASE("scene check: a plugin's integrator with a mistake is found", "[invariants][plugin][gate]") {
     // Paths with three or more scattering events are too dark by a quarter: the last third of "C<RD>{1,3}[LO]".
     const test::Folder folder;
     const auto check = [&](const std::string& parameters) {

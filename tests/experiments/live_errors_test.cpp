@@ -169,7 +169,7 @@ TEST_CASE("the live line measures every channel with statistics in turn, and sho
 }
 
 TEST_CASE("measuring errors during a render changes no bit, and they match the finished render's within a tenth",
-          "[release-only][law2]") {
+          "[release-only][law2][gate]") {
     auto scene = transport::import_pbrt(raylex::test::source_dir() + "/experiments/scenes/cornell-color/scene.pbrt");
     REQUIRE(scene);
     transport::RenderSettings settings;
@@ -206,7 +206,7 @@ TEST_CASE("measuring errors during a render changes no bit, and they match the f
 }
 
 TEST_CASE("on a terminal the line fits its width and names the beauty's error; elsewhere nothing is measured",
-          "[release-only]") {
+          "[release-only][gate]") {
     const Folder folder;
     const std::string command = "cd '" + folder.path() + "' && exec '" + raylex::test::binary_dir() +
                                 "/raylex' render '" + raylex::test::source_dir() +

@@ -165,7 +165,7 @@ TEST_CASE("the mask changes results of the C library, but not of raylex's functi
     CHECK(line(plain, "libm") != line(masked, "libm"));
 }
 
-TEST_CASE("images have the same bits under masked processor features", "[isa]") {
+TEST_CASE("images have the same bits under masked processor features", "[isa][gate]") {
     const MaskedFolder folder;
     std::vector<std::string> seen;
     for (const char* integrator : {"path", "bdpt", "lighttracer", "pssmlt"}) {

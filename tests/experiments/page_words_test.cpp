@@ -173,7 +173,7 @@ std::vector<oracle::Path> random_paths(oracle::Random& random) {
 
 // The vectors are for osl. Their expressions have a meaning in renderman too, often a different one.
 TEST_CASE("a page answers as the compiler does on the conformance vectors and on random expressions",
-          "[words][vectors][release-only][gate]") {
+          "[words][vectors][release-only][gate][gate]") {
     const Folder folder;
     if (!has_browser(folder)) RAYLEX_SKIP("needs the package chromium");
     Comparison comparison;
@@ -205,7 +205,7 @@ TEST_CASE("a page answers as the compiler does on the conformance vectors and on
     comparison.run();
 }
 
-TEST_CASE("a page answers merged path strings as raylex ask does", "[words][gate]") {
+TEST_CASE("a page answers merged path strings as raylex ask does", "[words][gate][gate]") {
     const Folder folder;
     if (!has_browser(folder)) RAYLEX_SKIP("needs the package chromium");
     display::WordTable table;
@@ -258,7 +258,7 @@ TEST_CASE("a page answers merged path strings as raylex ask does", "[words][gate
     }
 }
 
-TEST_CASE("a page of an image and its atlas shows path strings and answers expressions", "[words][atlas][gate]") {
+TEST_CASE("a page of an image and its atlas shows path strings and answers expressions", "[words][atlas][gate][gate]") {
     const SceneFolder folder;
     REQUIRE(run_raylex(folder, "render room.pbrt -o a.exr --atlas a.atlas.exr --lpe direct=CDL").code == 0);
     REQUIRE(run_raylex(folder, "render room.pbrt -o b.exr --seed 9").code == 0);

@@ -118,7 +118,7 @@ TEST_CASE("the reason for a black channel is given, with the closest match if th
     check("C<RS.'glas'>.*", "did you mean 'glass'?");
     check("CDDDDDL", "5 scattering events, and this render follows at most 3");
     check("CU5L", "the user event U5, which the integrator does not report");
-    check("CL-CL", "no path at all");
+    check("CL-CL", "no path of any scene");
     check("C<RD'flor'>DDDD<L.'key'>", "an object labelled 'flor'");
     check("C<RD'flor'>DDDD<L.'key'>", "a light of the group 'key'");
     check("C<RD'flor'>DDDD<L.'key'>", "5 scattering events");
@@ -240,7 +240,7 @@ TEST_CASE("with many black channels, the first are explained and the others name
     REQUIRE(outcome.code == 0);
     CHECK(mentions(outcome.err, "channel 'n7' matches no path of this scene"));
     CHECK_FALSE(mentions(outcome.err, "channel 'n8'"));
-    CHECK(mentions(outcome.err, "3 more channels matches no path of this scene"));
+    CHECK(mentions(outcome.err, "3 more channels match no path of this scene"));
     CHECK(mentions(outcome.err, "'n8', 'n9', 'n10'"));
 }
 

@@ -52,7 +52,7 @@ LineResult judged(const StabilityCase& what, const ProbeResult& result, const Se
 
 }  // namespace
 
-TEST_CASE("the fast half of raylex's suite holds", "[stability][release-only][gate]") {
+TEST_CASE("the fast half of raylex's suite holds", "[stability][release-only][gate][gate]") {
     const Folder folder;
     const Outcome outcome = run_raylex(folder, "stability --fast -o out");
     INFO(outcome.out << outcome.err);

@@ -82,7 +82,8 @@ TEST_CASE("any layer can be a preview, through any view") {
     check_refused(folder, "render room.pbrt -o x.exr --aov Nn --preview Nm=n2.png",
                   {"unknown layer 'Nm'", "did you mean 'Nn'"});
     check_refused(folder, "render room.pbrt -o x.exr --preview a.png --view Rwa", {"view 'Rwa'", "did you mean 'Raw'"});
-    check_refused(folder, "render room.pbrt -o x.exr --preview a.png --driver png:file=a.png", {"used twice"});
+    check_refused(folder, "render room.pbrt -o x.exr --preview a.png --driver png:file=a.png",
+                  {"'a.png' is already an input or another output"});
     check_refused(folder, "render room.pbrt -o x.exr --preview Nn=absent/p.png --aov Nn", {"absent/p.png"});
     check_refused(folder, "render room.pbrt -o x.exr --driver gif:file=a.gif",
                   {"unknown display driver 'gif'", "exr, tev, png"});

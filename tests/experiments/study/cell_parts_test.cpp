@@ -52,7 +52,7 @@ void edit(const Folder& folder, const std::string& file, const std::function<voi
 
 }  // namespace
 
-TEST_CASE("parts of cells merge to the bits of the whole, for every method that has parts", "[law3]") {
+TEST_CASE("parts of cells merge to the bits of the whole, for every method that has parts", "[law3][gate]") {
     const Folder folder;
     folder.write("room.pbrt", raylex::test::small_scene());
     folder.write("c.toml", scene + R"(
@@ -128,7 +128,7 @@ error = true
           std::string::npos);
 }
 
-TEST_CASE("incomplete sets of parts are refused by name, before anything is written", "[law7]") {
+TEST_CASE("incomplete sets of parts are refused by name, before anything is written", "[law7][gate]") {
     const Folder folder;
     folder.write("room.pbrt", raylex::test::small_scene());
     folder.write("c.toml", scene + "[[method]]\nname = \"deep\"\n[budget]\nsamples = 56\n" + channels);

@@ -14,7 +14,7 @@ const std::string studies = source_dir() + "/experiments/studies";
 
 }  // namespace
 
-TEST_CASE("every ready experiment can be planned", "[gate]") {
+TEST_CASE("every ready experiment can be planned", "[gate][gate]") {
     const Folder folder;
     int count = 0;
     for (const auto& entry : std::filesystem::directory_iterator(studies)) {
@@ -28,7 +28,7 @@ TEST_CASE("every ready experiment can be planned", "[gate]") {
     CHECK(count == 12);
 }
 
-TEST_CASE("a planted mistake is found, and the first wrong path named", "[study][release-only][gate]") {
+TEST_CASE("a planted mistake is found, and the first wrong path named", "[study][release-only][gate][gate]") {
     const Folder folder;
     const std::string common = " '" + studies +
                                "/planted-error.toml' -o out --set replicates=4 --set budget.samples=64 "
@@ -47,7 +47,7 @@ TEST_CASE("a planted mistake is found, and the first wrong path named", "[study]
 }
 
 TEST_CASE("a channel without beauty is compared with the same channel of a full render, by the configured clock",
-          "[study][release-only][gate]") {
+          "[study][release-only][gate][gate]") {
     const Folder folder;
     const std::string common = " '" + studies +
                                "/one-light-group.toml' -o out --set replicates=3 --set budget.samples=16 "
@@ -77,7 +77,7 @@ TEST_CASE("a channel without beauty is compared with the same channel of a full 
 }
 
 TEST_CASE("methods that start at the lights agree with the path tracer in every channel of a partition, also in fog",
-          "[study][release-only][gate]") {
+          "[study][release-only][gate][gate]") {
     const Folder folder;
     const Outcome run =
         run_raylex(folder, "experiment run '" + studies +
@@ -101,7 +101,7 @@ TEST_CASE("methods that start at the lights agree with the path tracer in every 
 }
 
 TEST_CASE("one command passes the README's integrator, and finds its bias when it misses some light",
-          "[study][release-only][gate]") {
+          "[study][release-only][gate][gate]") {
     const Folder folder;
     folder.write("own.toml", "plugins = [\"" + binary_dir() + R"(/tests/libambient_occlusion.so"]
 replicates = 4

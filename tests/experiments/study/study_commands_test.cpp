@@ -17,7 +17,7 @@ using raylex::test::Outcome;
 using raylex::test::run_raylex;
 using raylex::test::small_scene;
 
-TEST_CASE("a shell never interprets an inserted value, whatever the quotes around its placeholder", "[law7]") {
+TEST_CASE("a shell never interprets an inserted value, whatever the quotes around its placeholder", "[law7][gate]") {
     const std::vector<std::string> nasty{"a b.pbrt",
                                          "$(touch pwned).pbrt",
                                          "`touch pwned`.pbrt",
@@ -139,7 +139,7 @@ TEST_CASE("unknown names in a config, a job or a flag are errors with the closes
               .err.find("accelerator 'octree' is unknown; expected bvh or kdtree") != std::string::npos);
 }
 
-TEST_CASE("a reference by a method without variances does not count as exact") {
+TEST_CASE("a reference by a method without variances does not count as exact", "[gate]") {
     // The reference is much noisier than the mean of the images: if it counted as exact, every method would be reported
     // as biased. Its noise is that of its method's replicates.
     const Folder folder;
@@ -170,7 +170,7 @@ spp = 4
     CHECK(run.out.find("(compared with path)") != std::string::npos);
 }
 
-TEST_CASE("declared omissions and slopes through two budgets are not reported as bias") {
+TEST_CASE("declared omissions and slopes through two budgets are not reported as bias", "[gate]") {
     const Folder folder;
     folder.write("c.toml", "replicates = 3\n[[scene]]\nname = \"glass\"\nfile = \"" + raylex::test::source_dir() +
                                R"(/experiments/scenes/still-life/scene.pbrt"
@@ -196,7 +196,7 @@ lpe = "C<RS>.*L"
     INFO(run.out << run.err);
     REQUIRE(run.code == 0);
     CHECK(run.out.find("BIASED") == std::string::npos);
-    CHECK(run.out.find("not judged: it declares that it does not find C<.S>.* (beauty, mirrored, rest)") !=
+    CHECK(run.out.find("not judged: the method declares that it does not find C<.S>.* (beauty, mirrored, rest)") !=
           std::string::npos);
     CHECK(run.out.find("warning: ") != std::string::npos);  // of the cell, in the terminal
     std::istringstream lines(folder.read("out/results.jsonl"));

@@ -16,7 +16,8 @@ using raylex::test::small_scene;
 
 namespace fs = std::filesystem;
 
-TEST_CASE("damage in every file of a cell is named, and the cell is rendered again, refused or left out", "[law7]") {
+TEST_CASE("damage in every file of a cell is named, and the cell is rendered again, refused or left out",
+          "[law7][gate]") {
     const Folder folder;
     folder.write("room.pbrt", small_scene());
     folder.write("c.toml", R"(threads = 1

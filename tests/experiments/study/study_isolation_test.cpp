@@ -60,7 +60,8 @@ const Cell& cell_of(const Experiment& results, const std::string& scene) {
 
 }  // namespace
 
-TEST_CASE("a scene that crashes its process fails alone: the other cells run, and resume continues", "[law7][gate]") {
+TEST_CASE("a scene that crashes its process fails alone: the other cells run, and resume continues",
+          "[law7][gate][gate]") {
     const Folder folder;
     // The address sanitizer would turn a segmentation fault into an exit code.
     const char* const options = std::getenv("ASAN_OPTIONS");
@@ -121,7 +122,7 @@ TEST_CASE("a study whose only scene crashes lists its cells as failed; an error 
 }
 
 TEST_CASE("a cell that never ends is ended by its timeout or an interrupt; no process is left",
-          "[release-only][law7][gate]") {
+          "[release-only][law7][gate][gate]") {
     const Folder folder;
     write_study(folder, {{"endless", "rendering", "timeout"}}, "timeout = \"2s\"\n");
     const Outcome run = run_raylex(folder, "experiment run c.toml -o out");

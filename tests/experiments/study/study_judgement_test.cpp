@@ -53,7 +53,7 @@ bool has(const std::string& text, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("a verdict on bias has sign, size, interval and place", "[study]") {
+TEST_CASE("a verdict on bias has sign, size, interval and place", "[study][gate]") {
     const Folder folder;
     const Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 3, 0.4});
     const Study study = judged(experiment);
@@ -76,7 +76,8 @@ TEST_CASE("a verdict on bias has sign, size, interval and place", "[study]") {
     CHECK(finding_of(study, block) == "+0.9 % [0.4, 1.4] in the block at (16, 16), +0.06 % [-0.01, 0.13] of the mean");
 }
 
-TEST_CASE("a method is not judged on channels with its declared omissions, and only on those", "[study][report]") {
+TEST_CASE("a method is not judged on channels with its declared omissions, and only on those",
+          "[study][report][gate]") {
     if (!read_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, small);
@@ -118,7 +119,7 @@ TEST_CASE("values that are not finite do not count as agreement", "[study]") {
     CHECK_FALSE(test_bias(all, reference).tested);
 }
 
-TEST_CASE("the method that made the reference is judged by another one", "[study]") {
+TEST_CASE("the method that made the reference is judged by another one", "[study][gate]") {
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 2, 5, 3, 2, 0.4});
     experiment.scenes[0].reference_method = "skewed";  // the path agrees with the reference, so it can judge
@@ -141,7 +142,7 @@ TEST_CASE("the method that made the reference is judged by another one", "[study
     CHECK(has(entry_of(study, "path max_depth=4", "beauty").verdict.note, "a mistake in both is not found"));
 }
 
-TEST_CASE("with a reference of unknown error, a bias needs confirmation by another method's images", "[study]") {
+TEST_CASE("with a reference of unknown error, a bias needs confirmation by another method's images", "[study][gate]") {
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 2, 0.4});
     experiment.scenes[0].reference_method = "path max_depth=4";
@@ -164,7 +165,7 @@ TEST_CASE("with a reference of unknown error, a bias needs confirmation by anoth
     CHECK(has(plots_of(judged(write_synthetic_study(known, small))).front().json, "noise subtracted"));
 }
 
-TEST_CASE("with a bias or missing paths, times to an error are not extrapolated", "[study]") {
+TEST_CASE("with a bias or missing paths, times to an error are not extrapolated", "[study][gate]") {
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 3, 0.4});
     const auto least_time = [&](const char* variant, const char* channel) {
@@ -182,7 +183,7 @@ TEST_CASE("with a bias or missing paths, times to an error are not extrapolated"
     CHECK(std::isfinite(least_time("path max_depth=4", "bounce1").value));
 }
 
-TEST_CASE("the first wrong path belongs to the channel in the verdict", "[study]") {
+TEST_CASE("the first wrong path belongs to the channel in the verdict", "[study][gate]") {
     const Folder folder;
     const Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 3, 0.4});
     Study study = judged(experiment);
@@ -198,7 +199,7 @@ TEST_CASE("the first wrong path belongs to the channel in the verdict", "[study]
     CHECK_FALSE(has(verdict_lines(study)[1], "first wrong path"));
 }
 
-TEST_CASE("the page begins with all channels by all methods, and the best method", "[study][report]") {
+TEST_CASE("the page begins with all channels by all methods, and the best method", "[study][report][gate]") {
     if (!read_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 6, 5, 3, 2, 0.4});
@@ -256,7 +257,7 @@ TEST_CASE("a ratio or time with an uncertainty of more than a factor of 100 is n
     CHECK(time_to_error(two, 0.1).seconds.note == wide_note);
 }
 
-TEST_CASE("a reference that is too coarse for the errors is named at the top of the page", "[study][report]") {
+TEST_CASE("a reference that is too coarse for the errors is named at the top of the page", "[study][report][gate]") {
     if (!read_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     // 0.8 / sqrt(65536) = 0.31 %, above half of 0.5 %; `small` has half of that.

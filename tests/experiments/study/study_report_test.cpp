@@ -49,7 +49,7 @@ void keep_report(const Folder& folder, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("a study's report has the known results", "[study][report]") {
+TEST_CASE("a study's report has the known results", "[study][report][gate]") {
     if (!has_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     const Experiment experiment = write_synthetic_study(folder, {});
@@ -200,7 +200,7 @@ TEST_CASE("a study's report has the known results", "[study][report]") {
 }
 
 TEST_CASE("error spectra distinguish noise from bias by frequency, and maps show where images vary",
-          "[study][report]") {
+          "[study][report][gate]") {
     if (!has_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     const Experiment experiment = write_synthetic_study(folder, {});
@@ -264,7 +264,7 @@ TEST_CASE("error spectra distinguish noise from bias by frequency, and maps show
     }
 }
 
-TEST_CASE("a study's page works in a browser", "[study][report]") {
+TEST_CASE("a study's page works in a browser", "[study][report][gate]") {
     if (!has_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     if (!has_browser(folder)) RAYLEX_SKIP("needs the package chromium");

@@ -284,7 +284,7 @@ TEST_CASE("a heavy tail is distinguished from pixels that are always hard", "[st
     CHECK(found >= 190);
 }
 
-TEST_CASE("the bias test keeps its level and finds the stated detectable bias", "[study][statistical]") {
+TEST_CASE("the bias test keeps its level and finds the stated detectable bias", "[study][statistical][gate]") {
     // 12 blocks and the whole image, eight replicates against a noisy reference.
     constexpr std::size_t blocks = 12, replicates = 8;
     const double mean = 2, sigma = 0.1, reference_sigma = 0.01;
@@ -330,7 +330,7 @@ TEST_CASE("the bias test keeps its level and finds the stated detectable bias", 
           Approx(bias / mean).epsilon(0.1));  // a deviation estimated from eight values varies, its mean hardly
 }
 
-TEST_CASE("the bias test keeps its level with three replicates and a good reference", "[study][statistical]") {
+TEST_CASE("the bias test keeps its level with three replicates and a good reference", "[study][statistical][gate]") {
     // Among 300 blocks some triples agree by chance to a hundredth of their deviation: the trap for variances with two
     // degrees of freedom.
     constexpr std::size_t blocks = 300;
