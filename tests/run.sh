@@ -82,14 +82,15 @@ check_tidy() {
         wanted=$(git diff --name-only --diff-filter=d "$base")
     fi
     wanted=$(grep '\.cpp$' <<<"$wanted") || { echo "no source to look at"; return 0; }
-    cmake --preset release >/dev/null || exit 2
+    # A folder of its own: clang-tidy does not know all warnings of g++, which CI makes errors.
+    cmake --preset release -B build/tidy -DRAYLEX_WARNINGS_AS_ERRORS=OFF >/dev/null || exit 2
     while read -r unit; do
         if { echo "${unit#"$root"/}"; sed -n 's/^#include "\(.*\)"$/\1/p' "$unit"; } | grep -qxF -- "$wanted"; then
             units+=("$unit")
         fi
-    done < <(sed -n 's/^ *"file": "\(.*\)",\{0,1\}$/\1/p' build/release/compile_commands.json)
+    done < <(sed -n 's/^ *"file": "\(.*\)",\{0,1\}$/\1/p' build/tidy/compile_commands.json)
     printf '%s\0' "${units[@]}" |
-        xargs -0 -n 1 -P "$(nproc)" clang-tidy-14 -p build/release --quiet 2>/dev/null
+        xargs -0 -n 1 -P "$(nproc)" clang-tidy-14 -p build/tidy --quiet 2>/dev/null
 }
 
 # Changed lines of every kind of file; sources as a whole are check_format_of_all's.
