@@ -164,13 +164,11 @@ void read_subject(TomlTable& table, StabilityCase& each) {
     if (table.has("scene")) {
         read_scene(table, each.scene.emplace());
     } else if (table.require("probe", each.probe)) {
-        if (probe_registry().entries().empty()) {
+        const auto known = probe_registry().require(each.probe, table.content_location_of("probe"));
+        if (probe_registry().entries().empty())
             table.source().fail(table.content_location_of("probe"),
                                 "only raylex's own tests have probes; expected a 'scene'");
-            return;
-        }
-        const auto known = probe_registry().require(each.probe, table.content_location_of("probe"));
-        if (!known) table.source().fail(known.error());
+        else if (!known) table.source().fail(known.error());
     }
     each.constants = read_axes(table, "with", true);
     each.varied = read_axes(table, "vary", false);
