@@ -203,12 +203,11 @@ BiasVerdict test_bias(const BiasSide& method, const BiasSide& reference, const B
         verdict.note = "a mean or its variance is not finite";
         return verdict;
     }
+    verdict.tested = true;
     if (tests.empty()) {
         verdict.note = "both are equal everywhere, without noise";
-        verdict.tested = true;
         return verdict;
     }
-    verdict.tested = true;
     const auto has_whole = static_cast<std::size_t>(tests.back().block == whole);
     const double blocks = static_cast<double>(tests.size() - has_whole);
     verdict.tests = static_cast<double>(tests.size()) * options.channels;
