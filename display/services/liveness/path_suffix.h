@@ -3,7 +3,8 @@
 // A light subpath has the end of its path string. It carries pairs (state of the reversed automaton, share), as a
 // tracker carries pairs (state, share): each vertex puts its event before the suffix, a scattering by several lobes
 // splits the shares by what each lobe scattered, equal states merge, dead ones drop out. A connection to a tracker is
-// one look-up for each pair of pairs, whatever the lengths. Shares multiply, so those of one contribution still sum to 1.
+// one look-up for each pair of pairs, whatever the lengths. Shares multiply, so those of one contribution still sum
+// to 1.
 //
 // A program may be too large to be reversed (lpe/reversal.h has the bound). Then suffixes keep their events, and a
 // connection moves the tracker along them one by one.
