@@ -76,12 +76,15 @@ void DriverSet::finish_live(const PixelImage& frame_buffer) {
     if (slices_.empty()) return;
     const PixelSource source{[&](ChannelId id, const PixelRegion& region) { return frame_buffer.resolve(id, region); },
                              [&](const PixelRegion& region) { return frame_buffer.resolve_alpha(region); }};
-    const double deadline = now() + patience_seconds;
-    for (const Slice& slice : slices_)
+    const double last = now() + longest_seconds;
+    double deadline = now() + patience_seconds;
+    for (const Slice& slice : slices_) {
         while (any_live() && !send(slice, source)) {
             if (now() > deadline) return;
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
         }
+        deadline = std::min(now() + patience_seconds, last);
+    }
 }
 
 Status DriverSet::close(const FinishedImage& image) {

@@ -24,8 +24,10 @@ class DriverSet {
   public:
     static constexpr double live_share = 0.02;
     static constexpr int slice_pixels = 1 << 15;
-    /// Total time that close() waits for live drivers to take the finished image.
+    /// How long close() waits for a live driver that accepts no slice of the finished image.
     static constexpr double patience_seconds = 2;
+    /// How long close() waits for all slices of the finished image.
+    static constexpr double longest_seconds = 10;
 
     void add(std::unique_ptr<DisplayDriver> driver) { drivers_.push_back(std::move(driver)); }
     [[nodiscard]] std::size_t size() const { return drivers_.size(); }

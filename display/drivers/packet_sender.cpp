@@ -57,6 +57,7 @@ struct PacketSender::State {
     bool sending = false;
     std::string failure;
     std::atomic<bool> stop{false};
+    std::atomic<std::size_t> sent_bytes{0};
 
     void fail(const std::string& why) {
         const std::lock_guard lock(mutex);
@@ -131,6 +132,7 @@ bool PacketSender::State::send_all(int descriptor, const std::vector<unsigned ch
         const ssize_t count = ::send(descriptor, packet.data() + sent, packet.size() - sent, MSG_NOSIGNAL);
         if (count > 0) {
             sent += static_cast<std::size_t>(count);
+            sent_bytes += static_cast<std::size_t>(count);
         } else if (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR) {
             // A slow viewer blocks only this thread.
             while (!stop && !wait_for(descriptor, POLLOUT, 1)) {}
@@ -190,11 +192,17 @@ bool PacketSender::send(std::vector<unsigned char> packet) {
     return true;
 }
 
-bool PacketSender::drain(double seconds) {
+bool PacketSender::drain(double stalled_seconds, double longest_seconds) {
+    const auto empty = [&] { return state_->queue.empty() && !state_->sending; };
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(longest_seconds);
     std::unique_lock lock(state_->mutex);
-    return state_->changed.wait_for(lock, std::chrono::duration<double>(seconds), [&] {
-        return state_->queue.empty() && !state_->sending;
-    }) && state_->failure.empty();
+    std::size_t sent_before = 0;
+    do {
+        sent_before = state_->sent_bytes;
+        if (state_->changed.wait_for(lock, std::chrono::duration<double>(stalled_seconds), empty))
+            return state_->failure.empty();
+    } while (state_->sent_bytes != sent_before && std::chrono::steady_clock::now() < deadline);
+    return false;
 }
 
 std::string PacketSender::failure() const {

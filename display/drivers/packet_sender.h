@@ -20,8 +20,9 @@ class PacketSender {
     /// Queues a packet. Returns false if there is no room; a single packet always fits into an empty queue. After a
     /// failure packets are accepted and discarded.
     bool send(std::vector<unsigned char> packet);
-    /// Waits until everything is handed to the system, for at most `seconds`; returns false if something is left.
-    bool drain(double seconds);
+    /// Waits until every packet is handed to the system. Gives up, and returns false, once the viewer has accepted
+    /// nothing for `stalled_seconds`, or after `longest_seconds`.
+    bool drain(double stalled_seconds, double longest_seconds);
     /// Why packets no longer arrive; empty while they do.
     [[nodiscard]] std::string failure() const;
 

@@ -12,7 +12,8 @@ namespace {
 
 /// Room for a few slices, because newer values are more useful than many old ones.
 constexpr std::size_t queue_bytes = 16u << 20;
-constexpr double drain_seconds = 1;
+constexpr double stalled_seconds = 1;  // a viewer that accepts nothing for so long does not get the rest
+constexpr double longest_drain_seconds = 10;
 
 class TevDriver : public DisplayDriver {
   public:
@@ -32,10 +33,13 @@ class TevDriver : public DisplayDriver {
     }
     [[nodiscard]] bool is_live() const override { return sender_ && sender_->failure().empty(); }
     bool region(const DriverRegion& region) override {
-        return sender_->send(tev::update_image(name_, planes_[region.layer], region.region, region.values));
+        accepted_ = sender_->send(tev::update_image(name_, planes_[region.layer], region.region, region.values));
+        return accepted_;
     }
     Status close(const FinishedImage&) override {
-        if (sender_ && !sender_->drain(drain_seconds) && sender_->failure().empty()) slow_ = true;
+        if (!sender_) return success();
+        const bool drained = sender_->drain(stalled_seconds, longest_drain_seconds);
+        slow_ = !(accepted_ && drained) && sender_->failure().empty();
         return success();
     }
     [[nodiscard]] std::string warning() const override {
@@ -50,6 +54,7 @@ class TevDriver : public DisplayDriver {
     std::string host_;
     int port_;
     std::string name_;
+    bool accepted_ = true;  // of the last region
     bool slow_ = false;
     std::vector<std::vector<std::string>> planes_;
     std::unique_ptr<PacketSender> sender_;

@@ -213,7 +213,7 @@ TEST_CASE("the bytes in a queue are limited, but one packet always fits", "[disp
     PacketSender sender("127.0.0.1", viewer.port(), 1000);
     REQUIRE(sender.send(std::vector<unsigned char>(8u << 20)));  // more than the system's buffers hold
     CHECK(!sender.send(std::vector<unsigned char>(1)));
-    CHECK(!sender.drain(0.05));
+    CHECK(!sender.drain(0.05, 10));
     CHECK(sender.failure().empty());
 }
 

@@ -72,16 +72,26 @@ template <TransportMode mode>
     return s;
 }
 
-/// What is scattered, with the densities of both directions. Without `both`: only with the density of the direction
-/// that the camera's side would have drawn. `directions`: null where closures draw directions themselves.
+/// Scattering from the side of point.wo towards a light sample. pdf: the density with which the subpath goes on to it.
+/// `directions`: null where closures draw directions themselves.
+[[gnu::always_inline]] inline BsdfEvaluation evaluate_towards(const DirectionSampler* directions, const Bsdf& bsdf,
+                                                              const SurfacePoint& point, const Vec3& to) {
+    BsdfEvaluation f = bsdf.evaluate(point.wo, to);
+    if (directions != nullptr && !f.value.is_black())
+        f.pdf = directions->pdf(bsdf, point, TransportMode::radiance, point.wo, to);
+    return f;
+}
+
+/// Scattering towards a vertex of the other direction's subpath, with the densities of both directions. Without `both`:
+/// only with the density of the direction that the camera's side would have drawn. `directions`: null where closures
+/// draw directions themselves.
 template <TransportMode mode, bool both = true>
-ConnectedScattering evaluate_scattering(const DirectionSampler* directions, const Bsdf& bsdf, const SurfacePoint& point,
-                                        const Vec3& to) {
+[[gnu::always_inline]] inline ConnectedScattering evaluate_scattering(const DirectionSampler* directions,
+                                                                      const Bsdf& bsdf, const SurfacePoint& point,
+                                                                      const Vec3& to) {
     if constexpr (mode == TransportMode::radiance) {
-        ConnectedScattering result{bsdf.evaluate(point.wo, to), 0};
-        if (result.f.value.is_black()) return result;
-        if (directions != nullptr) result.f.pdf = directions->pdf(bsdf, point, mode, point.wo, to);
-        if (both)
+        ConnectedScattering result{evaluate_towards(directions, bsdf, point, to), 0};
+        if (both && !result.f.value.is_black())
             result.pdf_reverse = direction_density<TransportMode::importance>(directions, bsdf, point, to, point.wo);
         return result;
     } else {

@@ -232,7 +232,7 @@ class Walk {
     [[nodiscard]] Real planned_survival(std::uint32_t row) const;
     [[nodiscard]] std::uint64_t planned_state(std::uint32_t row) const;
     static std::uint32_t take_branch(Subpath& path, SplitState& split, const BsdfSample& s);
-    bool goes_on(std::uint32_t row);
+    [[gnu::always_inline]] inline bool goes_on(std::uint32_t row);
     void pass_vertex(std::uint32_t row, const Vec3& direction);
     void reject(std::uint32_t row);
 

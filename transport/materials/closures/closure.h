@@ -53,9 +53,7 @@ class Bsdf {
     /// they return for BlackClosure.
     [[nodiscard]] bool passes_through() const { return holds<PassThroughClosure>(); }
     /// Whether sample() reads its u_lobe.
-    [[nodiscard]] bool chooses_lobes() const {
-        return dispatch(closure_, []<class Closure>(const Closure&) { return !WorldClosure<Closure>; });
-    }
+    [[nodiscard]] bool chooses_lobes() const { return chooses_lobes_; }
     [[nodiscard]] const Frame& frame() const { return frame_; }
     /// The lobes by side, for closures that choose between reflection and transmission first.
     [[nodiscard]] std::optional<SideLobes> side_lobes() const;
@@ -100,6 +98,7 @@ class Bsdf {
     void set(const Closure& closure) {
         closure_.emplace<Closure>(closure);
         has_density_ = closure.has_density();
+        chooses_lobes_ = !WorldClosure<Closure>;
     }
     [[nodiscard]] BsdfEvaluation evaluate_other(const Vec3& wo, const Vec3& wi) const;
     [[nodiscard]] BsdfSample sample_other(const Vec3& wo, Real u_lobe, const Vec2& u) const;
@@ -111,6 +110,7 @@ class Bsdf {
 
     Frame frame_;
     bool has_density_ = false;
+    bool chooses_lobes_ = false;
     AnyClosure closure_;
 };
 

@@ -69,9 +69,7 @@ void DirectLight::sample(CameraSubpaths& camera, Connections& connections, Weigh
     for (std::size_t j = 0; j < v.count; ++j) {
         LightSample light;
         if (!camera.can_connect(j) || !draw(camera, j, light)) continue;
-        const BsdfEvaluation f =
-            evaluate_scattering<TransportMode::radiance, false>(context_->directions, v.bsdfs[j], v.points[j], light.wi)
-                .f;
+        const BsdfEvaluation f = evaluate_towards(context_->directions, v.bsdfs[j], v.points[j], light.wi);
         if (!f.value.is_black()) connections.add_light_sample(camera, j, light, f, weight(j, light, f));
     }
 }

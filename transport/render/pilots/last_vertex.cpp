@@ -190,8 +190,7 @@ Found Pilot::sample_light(const LightChooser& chooser, const PixelSampler& numbe
                                numbers.get_2d(9), sample))
         return {};
     if (scene_.tests_alpha()) sample.radiance *= emitter_opacity(scene_, sample, point.position);
-    const BsdfEvaluation f =
-        evaluate_scattering<TransportMode::radiance, false>(context_.directions, bsdf_, point, sample.wi).f;
+    const BsdfEvaluation f = evaluate_towards(context_.directions, bsdf_, point, sample.wi);
     if (f.value.is_black()) return {};
     Ray ray = shadow_ray(point.position, point.geometric_normal, first_.source.offset.here, sample);
     ray.time = first_.ray.time;
