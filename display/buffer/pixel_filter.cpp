@@ -9,7 +9,6 @@
 namespace raylex::display {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr int smooth_segments = 256;  // linear pieces; a Gaussian then deviates by at most 2e-5 at the centre
 
 // The kernels. Formulas: M. Pharr, W. Jakob, G. Humphreys, Physically Based Rendering, 4th ed., section 8.8; for the
@@ -17,7 +16,7 @@ constexpr int smooth_segments = 256;  // linear pieces; a Gaussian then deviates
 // transform", Proc. IEEE 66 (1978), 4-term minimum.
 
 double normal_density(double x, double sigma) {
-    return elementary::exp(-x * x / (2 * sigma * sigma)) / std::sqrt(2 * pi * sigma * sigma);
+    return elementary::exp(-x * x / (2 * sigma * sigma)) / std::sqrt(2 * std::numbers::pi * sigma * sigma);
 }
 
 /// Mitchell and Netravali's piecewise cubic on [0, 2].
@@ -29,11 +28,11 @@ double mitchell(double x, double b, double c) {
 }
 
 double sinc(double x) {
-    return std::abs(x) < 1e-8 ? 1.0 : elementary::sin(pi * x) / (pi * x);
+    return std::abs(x) < 1e-8 ? 1.0 : elementary::sin(std::numbers::pi * x) / (std::numbers::pi * x);
 }
 
 double blackman_harris(double x, double radius) {
-    const double phase = pi * x / radius;
+    const double phase = std::numbers::pi * x / radius;
     return 0.35875 + 0.48829 * elementary::cos(phase) + 0.14128 * elementary::cos(2 * phase) +
            0.01168 * elementary::cos(3 * phase);
 }

@@ -7,10 +7,10 @@
 
 namespace raylex::experiments {
 
-RAYLEX_MESSAGE_FIELDS(Verdict, invariant, outcome, measured, bound, note)
-RAYLEX_MESSAGE_FIELDS(SceneReport, refused, verdicts)
-RAYLEX_MESSAGE_FIELDS(InvariantOptions, seed, only, means, ordinary, most_pixels, most_samples, replicates,
-                      samples_of_means)
+RAYLEX_JSON_FIELDS(Verdict, invariant, outcome, measured, bound, note)
+RAYLEX_JSON_FIELDS(SceneReport, refused, verdicts)
+RAYLEX_JSON_FIELDS(InvariantOptions, seed, only, means, ordinary, most_pixels, most_samples, replicates,
+                   samples_of_means)
 
 namespace {
 

@@ -6,18 +6,15 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "display/services/split_mix.h"
+
 namespace raylex::experiments {
 
-/// SplitMix64 (Steele et al. 2014, "Fast Splittable Pseudorandom Number Generators").
+/// SplitMix64.
 class Random {
   public:
     explicit Random(std::uint64_t seed) : state_(seed) {}
-    std::uint64_t bits() {
-        std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ull);
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-        return z ^ (z >> 31);
-    }
+    std::uint64_t bits() { return mix_bits(state_ += golden_gamma); }
     double unit() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
     double between(double a, double b) { return a + (b - a) * unit(); }
     std::size_t below(std::size_t n) { return static_cast<std::size_t>(bits() % n); }

@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "experiments/job/text/json_fields.h"
+
 namespace raylex::experiments {
 namespace {
 
@@ -25,45 +27,17 @@ display::ExrStorageTable storage_of(const Json& json) {
     return table;
 }
 
-Json parameter_json(const Parameter& parameter) {
-    return {{"name", parameter.name},
-            {"type", static_cast<int>(parameter.type)},
-            {"numbers", parameter.numbers},
-            {"strings", parameter.strings},
-            {"booleans", parameter.booleans}};
+/// The type of a parameter as a number. Reading throws for a number without a type.
+struct TypeNumber {
+    ParameterType& type;
+};
+void to_json(Json& json, const TypeNumber& number) {
+    json = static_cast<int>(number.type);
 }
-
-Parameter parameter_of(const Json& json) {
-    Parameter parameter;
-    parameter.name = json.at("name");
-    const int type = whole(json.at("type"));
+void from_json(const Json& json, TypeNumber& number) {
+    const int type = whole(json);
     if (type < 0 || type > static_cast<int>(ParameterType::texture)) throw std::runtime_error("no type of a parameter");
-    parameter.type = static_cast<ParameterType>(type);
-    json.at("numbers").get_to(parameter.numbers);
-    json.at("strings").get_to(parameter.strings);
-    json.at("booleans").get_to(parameter.booleans);
-    return parameter;
-}
-
-Json filters_json(const std::vector<ObjectRequest>& filters) {
-    Json json = Json::array();
-    for (const ObjectRequest& each : filters) {
-        Json parameters = Json::array();
-        for (const Parameter& parameter : each.parameters.parameters) parameters.push_back(parameter_json(parameter));
-        json.push_back({{"name", each.name}, {"parameters", parameters}});
-    }
-    return json;
-}
-
-std::vector<ObjectRequest> filters_of(const Json& json) {
-    std::vector<ObjectRequest> filters;
-    for (const Json& each : json) {
-        ObjectRequest& filter = filters.emplace_back();
-        filter.name = each.at("name");
-        for (const Json& parameter : each.at("parameters"))
-            filter.parameters.parameters.push_back(parameter_of(parameter));
-    }
-    return filters;
+    number.type = static_cast<ParameterType>(type);
 }
 
 Json mattes_json(const std::vector<RecordedMatte>& mattes) {
@@ -97,22 +71,34 @@ std::vector<RecordedMatte> mattes_of(const Json& json) {
 
 }  // namespace
 
-Json image_json(const RecordedImage& image) {
+static void visit_fields(auto visit, Parameter& parameter) {
+    visit("name", parameter.name);
+    visit("type", TypeNumber{parameter.type});
+    visit("numbers", parameter.numbers);
+    visit("strings", parameter.strings);
+    visit("booleans", parameter.booleans);
+}
+
+static void visit_fields(auto visit, ObjectRequest& filter) {
+    visit("name", filter.name);
+    visit("parameters", filter.parameters.parameters);
+}
+
+static RAYLEX_JSON_FIELDS(display::PartitionDeclaration, name, of, layers)
+
+    Json image_json(const RecordedImage& image) {
     const display::ImageDescription& description = image.description;
-    Json partitions = Json::array();
-    for (const display::PartitionDeclaration& each : description.partitions)
-        partitions.push_back({{"name", each.name}, {"of", each.of}, {"layers", each.layers}});
     const display::Chromaticities& c = description.chromaticities;
     Json json{{"beauty", image.beauty},
               {"attributes", description.attributes},
-              {"partitions", partitions},
+              {"partitions", description.partitions},
               {"chromaticities", {point_json(c.red), point_json(c.green), point_json(c.blue), point_json(c.white)}},
               {"world_to_camera", description.world_to_camera},
               {"world_to_screen", description.world_to_screen},
               {"storage", storage_json(description.storage)},
               {"single_part", description.single_part},
               {"mattes", mattes_json(image.mattes)},
-              {"filters", filters_json(image.filters)}};
+              {"filters", image.filters}};
     if (const auto& window = description.data_window)
         json["data_window"] = Json::array({window->x0, window->y0, window->x1, window->y1});
     return json;
@@ -123,9 +109,8 @@ RecordedImage image_of(const Json& json) {
     display::ImageDescription& description = image.description;
     image.beauty = whole(json.at("beauty"));
     description.attributes = json.at("attributes").get<std::map<std::string, std::string>>();
-    for (const Json& each : json.at("partitions"))
-        description.partitions.push_back(
-            {each.at("name"), each.at("of"), each.at("layers").get<std::vector<std::string>>()});
+    const FieldReader fields(json);
+    fields("partitions", description.partitions);
     display::Chromaticities& c = description.chromaticities;
     const auto colors = json.at("chromaticities").get<std::array<std::array<double, 2>, 4>>();
     c = {colors[0], colors[1], colors[2], colors[3]};
@@ -139,7 +124,7 @@ RecordedImage image_of(const Json& json) {
         description.data_window = display::PixelRegion{window[0], window[1], window[2], window[3]};
     }
     if (json.contains("mattes")) image.mattes = mattes_of(json["mattes"]);
-    if (json.contains("filters")) image.filters = filters_of(json["filters"]);
+    fields.optional("filters", image.filters, true);
     return image;
 }
 

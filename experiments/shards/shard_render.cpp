@@ -6,6 +6,7 @@
 #include "display/checkpoint/banded_record.h"
 #include "display/output/atlas/atlas_file.h"
 #include "experiments/job/sampling_requests.h"
+#include "experiments/job/text/json_fields.h"
 #include "transport/integrators/integrator.h"
 #include "transport/render/tiles.h"
 #include "transport/scene/sampler.h"
@@ -23,22 +24,20 @@ Result<transport::ChosenIntegrator> integrator_of(const Job& job, const transpor
         job.settings.paths.max_depth);
 }
 
-Json shard_json(const ShardRange& range, const ShardRequest& request, const transport::RenderOutput& output,
-                bool has_atlas) {
-    const transport::RenderStatistics& statistics = output.statistics;
-    return {{"part", request.part},
-            {"parts", request.parts},
-            {"first_sample", range.first},
-            {"end_sample", range.end},
-            {"samples_per_pixel", range.total},
-            {"camera_samples", statistics.camera_samples},
-            {"invalid_samples", statistics.invalid_samples},
-            {"atlas", has_atlas},
-            {"wall_seconds", statistics.render_seconds},
-            {"cpu_seconds", statistics.render_cpu_seconds}};
-}
-
 }  // namespace
+
+static void visit_fields(auto visit, ShardFacts& facts) {
+    visit("part", facts.part);
+    visit("parts", facts.parts);
+    visit("first_sample", facts.range.first);
+    visit("end_sample", facts.range.end);
+    visit("samples_per_pixel", facts.range.total);
+    visit("camera_samples", facts.camera_samples);
+    visit("invalid_samples", facts.invalid_samples);
+    visit("atlas", facts.has_atlas);
+    visit("wall_seconds", facts.wall_seconds);
+    visit("cpu_seconds", facts.cpu_seconds);
+}
 
 Result<ShardRange> shard_range(unsigned part, unsigned parts, std::uint64_t total) {
     const std::uint64_t blocks = (total + shard_block - 1) / shard_block;
@@ -158,7 +157,15 @@ Status ShardRender::write(const std::string& path, const transport::RenderOutput
     for (const geoaovs::Cryptomatte& matte : output.cryptomatte)
         image.mattes.push_back({matte.kind(), matte.ranks(), matte.names()});
     Json json = image_json(image);
-    json["shard"] = shard_json(range_, request_, output, !atlas_.empty());
+    const transport::RenderStatistics& statistics = output.statistics;
+    json["shard"] = ShardFacts{request_.part,
+                               request_.parts,
+                               !atlas_.empty(),
+                               range_,
+                               statistics.camera_samples,
+                               statistics.invalid_samples,
+                               statistics.render_seconds,
+                               statistics.render_cpu_seconds};
     const display::PixelImage& pixels = output.image();
     const auto bands =
         display::record_bands(pixels.layout(), pixels.channels(), output.frame_buffer.takes_raster_splats());
@@ -182,18 +189,7 @@ std::string ShardRender::text() const {
 }
 
 ShardFacts shard_facts(const Json& json) {
-    const Json& shard = json.at("shard");
-    ShardFacts facts;
-    facts.part = shard.at("part");
-    facts.parts = shard.at("parts");
-    facts.has_atlas = shard.at("atlas");
-    facts.range = {whole(shard.at("first_sample")), whole(shard.at("end_sample")),
-                   whole(shard.at("samples_per_pixel"))};
-    facts.camera_samples = whole(shard.at("camera_samples"));
-    facts.invalid_samples = whole(shard.at("invalid_samples"));
-    facts.wall_seconds = shard.at("wall_seconds");
-    facts.cpu_seconds = shard.at("cpu_seconds");
-    return facts;
+    return json.at("shard");
 }
 
 }  // namespace raylex::experiments

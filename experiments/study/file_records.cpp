@@ -13,7 +13,7 @@
 
 #include "display/services/hash64.h"
 #include "display/services/parameters.h"
-#include "experiments/job/text/json.h"
+#include "experiments/study/results_json.h"
 
 namespace raylex::experiments {
 namespace {
@@ -92,8 +92,7 @@ std::string damage_of_reference(const std::string& directory) {
     if (!json) return json.error().to_string();
     try {
         std::vector<FileRecord> files;
-        for (const auto& each : json->value("files", Json::array()))
-            files.push_back({each.at("name"), whole(each.at("bytes")), each.at("hash")});
+        for (const auto& each : json->value("files", Json::array())) files.push_back(each.get<FileRecord>());
         return damage_of(directory, files);
     } catch (const Json::exception& error) { return path + ": this is damaged: " + error.what(); }
 }

@@ -11,7 +11,7 @@
 
 #include "display/output/atomic_file.h"
 #include "display/services/parameters.h"
-#include "experiments/job/text/json.h"
+#include "experiments/study/results_json.h"
 
 namespace raylex::experiments {
 namespace {
@@ -19,231 +19,113 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::array budget_kinds{"samples", "seconds", "error"};
 
-Json values_json(const NamedValues& values) {
-    Json json = Json::object();
-    for (const auto& [name, value] : values) json[name] = value;
-    return json;
+/// The fields of a planned cell.
+void visit_plan(auto visit, Cell& cell) {
+    visit("id", cell.id);
+    visit("scene", cell.scene);
+    visit("method", cell.method);
+    visit("settings", cell.settings);
+    visit("budget_kind", cell.budget_kind);
+    visit("budget", cell.budget);
+    visit("replicate", cell.replicate);
+    visit("seed", cell.seed);
 }
 
-std::array<int, 4> crop_of(const Json& json) {
-    return {whole(json.at(0)), whole(json.at(1)), whole(json.at(2)), whole(json.at(3))};
+/// A value as one of two texts.
+struct OneOfTwo {
+    bool& value;
+    const char *if_true, *if_false;
+};
+void to_json(Json& json, const OneOfTwo& text) {
+    json = text.value ? text.if_true : text.if_false;
+}
+void from_json(const Json& json, OneOfTwo& text) {
+    text.value = json.get<std::string>() == text.if_true;
 }
 
-NamedValues values_of(const Json& json) {
-    NamedValues values;
-    for (const auto& [name, value] : json.items()) values.emplace_back(name, value.get<std::string>());
-    return values;
-}
+}  // namespace
 
-/// Reads a number. JSON has no infinity, which is stored as null.
-double number_of(const Json& json) {
-    return json.is_null() ? HUGE_VAL : json.get<double>();
+static void to_json(Json& json, BudgetKind kind) {
+    json = budget_kind_name(kind);
 }
-
-Json plan_json(const Cell& cell) {
-    return {{"id", cell.id},
-            {"scene", cell.scene},
-            {"method", cell.method},
-            {"settings", values_json(cell.settings)},
-            {"budget_kind", budget_kind_name(cell.budget_kind)},
-            {"budget", cell.budget},
-            {"replicate", cell.replicate},
-            {"seed", cell.seed}};
-}
-
-Cell planned_of(const Json& json) {
-    Cell cell;
-    cell.id = json.at("id");
-    cell.scene = json.at("scene");
-    cell.method = json.at("method");
-    cell.settings = values_of(json.at("settings"));
-    const std::string kind = json.at("budget_kind");
+static void from_json(const Json& json, BudgetKind& kind) {
+    const auto name = json.get<std::string>();
     for (std::size_t i = 0; i < budget_kinds.size(); ++i)
-        if (kind == budget_kinds[i]) cell.budget_kind = static_cast<BudgetKind>(i);
-    cell.budget = json.at("budget");
-    cell.replicate = whole(json.at("replicate"));
-    cell.seed = whole(json.at("seed"));
-    return cell;
+        if (name == budget_kinds[i]) kind = static_cast<BudgetKind>(i);
 }
 
-Json cell_json(const Cell& cell) {
-    Json json = plan_json(cell);
-    json["state"] = cell.failed ? "failed" : "done";
-    if (cell.failed) json["reason"] = cell.failure;
-    json["samples_per_pixel"] = cell.samples_per_pixel;
-    json["wall_seconds"] = cell.wall_seconds;
-    json["cpu_seconds"] = cell.cpu_seconds;
-    Json phases = Json::array();
-    for (const Phase& each : cell.phases)
-        phases.push_back({{"name", each.name}, {"wall_seconds", each.wall_seconds}, {"cpu_seconds", each.cpu_seconds}});
-    json["phases"] = phases;
-    json["rays"] = cell.rays;
-    json["invalid_samples"] = cell.invalid_samples;
-    json["peak_memory_bytes"] = cell.peak_memory_bytes;
-    Json splits = Json::array();
-    for (const PartitionVerdict& each : cell.splits)
-        splits.push_back({{"partition", each.partition},
-                          {"holds", each.holds},
-                          {"worst_relative_error", each.worst_relative_error}});
-    json["splits"] = splits;
-    if (!cell.part_of.empty()) {
-        json["part_of"] = cell.part_of;
-        json["first_sample"] = cell.first_sample;
-        json["end_sample"] = cell.end_sample;
-    }
-    if (cell.parts > 0) json["parts"] = cell.parts;
-    json["isa"] = cell.isa;
-    json["threads"] = cell.threads;
-    if (!cell.machine.empty()) json["machine"] = cell.machine;
-    if (cell.other_load >= 0) json["other_load"] = cell.other_load;
-    json["warnings"] = cell.warnings;
-    Json omits = Json::array();
-    for (const OmittedPathsInfo& each : cell.omits)
-        omits.push_back({{"expression", each.expression}, {"dialect", each.dialect}});
-    if (!cell.omits.empty()) json["omits"] = omits;
-    Json files = Json::array();
-    for (const FileRecord& each : cell.files)
-        files.push_back({{"name", each.name}, {"bytes", each.bytes}, {"hash", each.hash}});
-    if (!cell.failed) json["files"] = files;
-    return json;
+static void visit_fields(auto visit, Cell& cell) {
+    visit_plan(visit, cell);
+    visit("state", OneOfTwo{cell.failed, "failed", "done"});
+    visit.optional("reason", cell.failure, cell.failed);
+    visit("samples_per_pixel", cell.samples_per_pixel);
+    visit("wall_seconds", cell.wall_seconds);
+    visit("cpu_seconds", cell.cpu_seconds);
+    visit("phases", cell.phases);
+    visit("rays", cell.rays);
+    visit("invalid_samples", cell.invalid_samples);
+    visit("peak_memory_bytes", cell.peak_memory_bytes);
+    visit("splits", cell.splits);
+    visit.optional("part_of", cell.part_of, !cell.part_of.empty());
+    visit.optional("first_sample", cell.first_sample, !cell.part_of.empty());
+    visit.optional("end_sample", cell.end_sample, !cell.part_of.empty());
+    visit.optional("parts", cell.parts, cell.parts > 0);
+    visit("isa", cell.isa);
+    visit("threads", cell.threads);
+    visit.optional("machine", cell.machine, !cell.machine.empty());
+    visit.optional("other_load", cell.other_load, cell.other_load >= 0);
+    visit("warnings", cell.warnings);
+    visit.optional("omits", cell.omits, !cell.omits.empty());
+    visit.optional("files", cell.files, !cell.failed);
 }
 
-Cell cell_of(const Json& json) {
-    Cell cell = planned_of(json);
-    cell.failed = json.at("state") == "failed";
-    if (cell.failed) cell.failure = json.at("reason");
-    cell.samples_per_pixel = whole(json.at("samples_per_pixel"));
-    cell.wall_seconds = json.at("wall_seconds");
-    cell.cpu_seconds = json.at("cpu_seconds");
-    for (const Json& each : json.at("phases"))
-        cell.phases.push_back({each.at("name"), each.at("wall_seconds"), each.at("cpu_seconds")});
-    cell.rays = whole(json.at("rays"));
-    cell.invalid_samples = whole(json.at("invalid_samples"));
-    cell.peak_memory_bytes = whole(json.at("peak_memory_bytes"));
-    for (const Json& each : json.at("splits"))
-        cell.splits.push_back({each.at("partition"), each.at("holds"), number_of(each.at("worst_relative_error"))});
-    cell.part_of = json.value("part_of", std::string());
-    cell.first_sample = whole(json.value("first_sample", Json(0)));
-    cell.end_sample = whole(json.value("end_sample", Json(0)));
-    cell.parts = whole(json.value("parts", Json(0)));
-    cell.isa = json.at("isa");
-    cell.threads = whole(json.at("threads"));
-    cell.machine = json.value("machine", std::string());
-    cell.other_load = json.value("other_load", -1.0);
-    cell.warnings = json.at("warnings").get<std::vector<std::string>>();
-    for (const Json& each : json.value("omits", Json::array()))
-        cell.omits.push_back({each.at("expression"), each.at("dialect")});
-    for (const Json& each : json.value("files", Json::array()))
-        cell.files.push_back({each.at("name"), whole(each.at("bytes")), each.at("hash")});
-    return cell;
+/// The fields of experiment.json before those of its run.
+static void visit_fields(auto visit, Experiment& experiment) {
+    visit("name", experiment.name);
+    visit("config_hash", experiment.config_hash);
+    visit("config_file", experiment.config_file);
+    visit("overrides", experiment.overrides);
+    visit("provenance", experiment.provenance);
+    visit.optional("clock", OneOfTwo{experiment.cpu_clock, "cpu", "wall"}, true);
+    visit("scenes", experiment.scenes);
+    visit("methods", experiment.methods);
+    visit("regions", experiment.regions);
+    visit("partitions", experiment.partitions);
 }
 
-Json scene_json(const SceneInfo& scene) {
-    Json channels = Json::array();
-    for (const ChannelInfo& each : scene.channels)
-        channels.push_back(
-            {{"name", each.name}, {"expression", each.expression}, {"dialect", each.dialect}, {"beauty", each.beauty}});
-    Json json{{"name", scene.name},
-              {"file", scene.file},
-              {"hash", scene.hash},
-              {"width", scene.width},
-              {"height", scene.height},
-              {"channels", channels},
-              {"reference", scene.reference},
-              {"reference_relative_error", scene.reference_relative_error},
-              {"reference_method", scene.reference_method},
-              {"reference_samples", scene.reference_samples}};
-    if (!scene.reference_failure.empty()) json["reference_failure"] = scene.reference_failure;
-    return json;
+namespace {
+
+/// Returns the path of a reference, relative to the results' directory if it is inside.
+std::string path_within(const std::string& reference, const std::string& directory) {
+    const fs::path relative = fs::path(reference).lexically_relative(directory);
+    return relative.empty() || *relative.begin() == ".." ? fs::absolute(reference).string() : relative.string();
 }
 
-SceneInfo scene_of(const Json& json, const std::string& directory) {
-    SceneInfo scene;
-    scene.name = json.at("name");
-    scene.file = json.at("file");
-    scene.hash = json.at("hash");
-    scene.width = whole(json.at("width"));
-    scene.height = whole(json.at("height"));
-    for (const Json& each : json.at("channels"))
-        scene.channels.push_back({each.at("name"), each.at("expression"), each.at("dialect"), each.at("beauty")});
-    scene.reference = json.at("reference");
-    if (!scene.reference.empty() && fs::path(scene.reference).is_relative())
-        scene.reference = (fs::path(directory) / scene.reference).string();
-    scene.reference_relative_error = json.at("reference_relative_error");
-    scene.reference_method = json.at("reference_method");
-    scene.reference_samples = whole(json.at("reference_samples"));
-    scene.reference_failure = json.value("reference_failure", std::string());
-    return scene;
-}
-
-/// Makes the path of a reference inside the results relative to their current directory.
-SceneInfo within(SceneInfo scene, const std::string& directory) {
-    if (scene.reference.empty()) return scene;
-    const fs::path relative = fs::path(scene.reference).lexically_relative(directory);
-    scene.reference =
-        relative.empty() || *relative.begin() == ".." ? fs::absolute(scene.reference).string() : relative.string();
-    return scene;
-}
-
-Json experiment_json(const Experiment& experiment) {
-    Json json;
-    json["format"] = experiment_format;
-    json["name"] = experiment.name;
-    json["config_hash"] = experiment.config_hash;
-    json["config_file"] = experiment.config_file;
-    json["overrides"] = experiment.overrides;
-    json["provenance"] = values_json(experiment.provenance);
-    json["clock"] = experiment.cpu_clock ? "cpu" : "wall";
-    Json scenes = Json::array(), methods = Json::array(), regions = Json::array(), partitions = Json::array(),
-         cells = Json::array();
-    for (const SceneInfo& each : experiment.scenes) scenes.push_back(scene_json(within(each, experiment.directory)));
-    for (const MethodInfo& each : experiment.methods)
-        methods.push_back({{"name", each.name},
-                           {"integrator", each.integrator},
-                           {"command", each.command},
-                           {"unbiased", each.unbiased},
-                           {"settings", values_json(each.settings)}});
-    for (const Region& each : experiment.regions)
-        regions.push_back(
-            {{"name", each.name}, {"scene", each.scene}, {"crop", each.crop}, {"mask_file", each.mask_file}});
-    for (const PartitionInfo& each : experiment.partitions)
-        partitions.push_back({{"name", each.name}, {"of", each.of}, {"channels", each.channels}});
-    for (const Cell& each : experiment.planned) cells.push_back(plan_json(each));
-    json["scenes"] = scenes;
-    json["methods"] = methods;
-    json["regions"] = regions;
-    json["partitions"] = partitions;
+Json experiment_json(Experiment experiment) {
+    for (SceneInfo& each : experiment.scenes)
+        if (!each.reference.empty()) each.reference = path_within(each.reference, experiment.directory);
+    Json json{{"format", experiment_format}};
+    visit_fields(FieldWriter(json), experiment);
     json["runner"] = {
         {"total_seconds", experiment.time.total},         {"render_seconds", experiment.time.render},
         {"warm_up_seconds", experiment.time.warm_up},     {"reference_seconds", experiment.time.references},
         {"overhead_seconds", experiment.time.overhead()}, {"overhead_percent", experiment.time.overhead_percent()}};
-    json["cells"] = cells;
+    Json& cells = json["cells"] = Json::array();
+    for (Cell& each : experiment.planned) visit_plan(FieldWriter(cells.emplace_back()), each);
     return json;
 }
 
 Experiment experiment_of(const Json& json, const std::string& directory) {
     Experiment experiment;
     experiment.directory = directory;
-    experiment.name = json.at("name");
-    experiment.config_hash = json.at("config_hash");
-    experiment.config_file = json.at("config_file");
-    experiment.overrides = json.at("overrides").get<std::vector<std::string>>();
-    experiment.provenance = values_of(json.at("provenance"));
-    experiment.cpu_clock = json.value("clock", std::string("wall")) == "cpu";
-    for (const Json& each : json.at("scenes")) experiment.scenes.push_back(scene_of(each, directory));
-    for (const Json& each : json.at("methods"))
-        experiment.methods.push_back({each.at("name"), each.at("integrator"), each.at("command"), each.at("unbiased"),
-                                      values_of(each.at("settings"))});
-    for (const Json& each : json.at("regions"))
-        experiment.regions.push_back(
-            {each.at("name"), each.at("scene"), crop_of(each.at("crop")), each.at("mask_file")});
-    for (const Json& each : json.at("partitions"))
-        experiment.partitions.push_back(
-            {each.at("name"), each.at("of"), each.at("channels").get<std::vector<std::string>>()});
+    visit_fields(FieldReader(json), experiment);
+    for (SceneInfo& each : experiment.scenes)
+        if (!each.reference.empty() && fs::path(each.reference).is_relative())
+            each.reference = (fs::path(directory) / each.reference).string();
     const Json& runner = json.at("runner");
     experiment.time = {runner.at("total_seconds"), runner.at("render_seconds"), runner.value("warm_up_seconds", 0.0),
                        runner.at("reference_seconds")};
-    for (const Json& each : json.at("cells")) experiment.planned.push_back(planned_of(each));
+    for (const Json& each : json.at("cells")) visit_plan(FieldReader(each), experiment.planned.emplace_back());
     return experiment;
 }
 
@@ -343,12 +225,12 @@ std::string cell_of_part(const std::string& name) {
 }
 
 std::string cell_text(const Cell& cell) {
-    return text_of(cell_json(cell));
+    return text_of(cell);
 }
 
 Result<Cell> cell_of_text(const std::string& text, const std::string& where) {
     try {
-        return cell_of(parse_json(text));
+        return parse_json(text).get<Cell>();
     } catch (const Json::exception& error) {
         return error_at({where, 0, 0}, std::string("this is not a cell: ") + error.what());
     }
@@ -359,7 +241,7 @@ Status write_cell_file(const std::string& path, const Cell& cell, display::FileS
 }
 
 Result<Cell> read_cell_file(const std::string& path) {
-    return read_json(path, "the cell.json of an experiment's cell", cell_of);
+    return read_json(path, "the cell.json of an experiment's cell", [](const Json& json) { return json.get<Cell>(); });
 }
 
 Status write_experiment_files(const Experiment& experiment) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "display/output/color/primaries.h"
@@ -53,7 +54,7 @@ class PlainFlip {
         double edge, point;
     };
     [[nodiscard]] Seen at(int x, int y) const {
-        constexpr double pi = 3.14159265358979323846, ppd = flip_pixels_per_degree;
+        constexpr double pi = std::numbers::pi, ppd = flip_pixels_per_degree;
         constexpr double table[3][4] = {{1, 0.0047, 0, 1e-5}, {1, 0.0053, 0, 1e-5}, {34.1, 0.04, 13.5, 0.025}};
         const int r = static_cast<int>(std::ceil(3 * std::sqrt(0.04 / (2 * pi * pi)) * ppd));
         Color sums{}, weights{};

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "display/services/split_mix.h"
 #include "lpe/event.h"
 
 namespace oracle {
@@ -69,16 +70,11 @@ class ShortWords {
     Set without_user_;
 };
 
-/// A small generator with a fixed sequence on every machine (SplitMix64; Steele, Lea and Flood 2014).
+/// A small generator with a fixed sequence on every machine (SplitMix64).
 class Random {
   public:
     explicit Random(std::uint64_t seed) : state_(seed) {}
-    std::uint64_t next() {
-        std::uint64_t z = state_ += 0x9E3779B97F4A7C15ULL;
-        z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-        z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-        return z ^ (z >> 31);
-    }
+    std::uint64_t next() { return raylex::mix_bits(state_ += raylex::golden_gamma); }
     std::size_t below(std::size_t bound) { return static_cast<std::size_t>(next() % bound); }
 
   private:

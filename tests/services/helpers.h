@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
+#include <numbers>
 #include <random>
 #include <string>
 #include <string_view>
@@ -24,7 +25,7 @@ class Random {
     float uniform_float() { return static_cast<float>(engine_() >> 40) * 0x1p-24f; }
     int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
     double normal() {  // Box and Muller
-        return std::sqrt(-2 * std::log(1 - uniform())) * std::cos(6.283185307179586 * uniform());
+        return std::sqrt(-2 * std::log(1 - uniform())) * std::cos(2 * std::numbers::pi * uniform());
     }
 
   private:

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
+#include "display/services/split_mix.h"
 #include "transport/materials/closures/closure.h"
 #include "transport/math/sampling.h"
 
@@ -20,13 +22,13 @@ using transport::Vec3;
 /// Random numbers with fixed seeds: a test that passes once passes always.
 class Random {
   public:
-    explicit Random(std::uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15ull + 1) {}
-    float one() { return transport::unit_float(transport::mix_bits(state_ += 0x9e3779b97f4a7c15ull)); }
+    explicit Random(std::uint64_t seed) : state_(seed * raylex::golden_gamma + 1) {}
+    float one() { return transport::unit_float(raylex::mix_bits(state_ += raylex::golden_gamma)); }
     Vec2 two() {
         const float x = one();
         return {x, one()};
     }
-    std::uint32_t bits() { return static_cast<std::uint32_t>(transport::mix_bits(state_ += 0x9e3779b97f4a7c15ull)); }
+    std::uint32_t bits() { return static_cast<std::uint32_t>(raylex::mix_bits(state_ += raylex::golden_gamma)); }
 
   private:
     std::uint64_t state_;
@@ -111,7 +113,7 @@ class LobeGrid {
     }
 
   private:
-    static constexpr double pi_ = 3.14159265358979323846;
+    static constexpr double pi_ = std::numbers::pi;
     Frame frame_;
     double scale_;
     int rings_, sectors_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "display/services/elementary.h"
 #include "display/services/short_number.h"
@@ -44,7 +45,7 @@ Result<std::unique_ptr<Camera>> PerspectiveCamera::build(const SceneEntity& enti
     const auto window = read_screen_window(entity, placement);
     if (!window) return window.error();
     const std::array<double, 4>& screen = *window;
-    const double tangent = elementary::tan(*fov * 3.14159265358979323846 / 360);
+    const double tangent = elementary::tan(*fov * std::numbers::pi / 360);
     const Vec3 step_x = DVec3{(screen[1] - screen[0]) * tangent / width, 0, 0}.to_real(),
                step_y = DVec3{0, (screen[2] - screen[3]) * tangent / height, 0}.to_real();
     const double near = 1e-2, far = 1e3;

@@ -3,6 +3,7 @@
 // cases). Other area lights are sampled uniformly by area, which is stable for small and far ones.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "display/services/elementary.h"
 #include "transport/lights/area_points.h"
@@ -50,7 +51,7 @@ Cone cone_of(const Light& light, const Quadric& quadric, const Vec3& from) {
     Cone cone;
     cone.to_center = quadric.placement.to_world.point({0, 0, 0}) - DVec3(from);
     cone.distance = length(cone.to_center);
-    cone.radius = std::sqrt(static_cast<double>(light.area) / (4 * 3.14159265358979323846));
+    cone.radius = std::sqrt(static_cast<double>(light.area) / (4 * std::numbers::pi));
     const double s = cone.radius / cone.distance;
     cone.sin2 = s * s;
     // Closer than this, the cone is a half space, and rounded points may fall on either side of the surface.
@@ -86,7 +87,7 @@ bool sample_sphere(const Light& light, const Quadric& quadric, bool cut_out, con
         quadric.parameters(quadric.placement.to_object.point(DVec3(s.target)), a, b);
         s.uv = {static_cast<Real>(a), static_cast<Real>(b)};
     }
-    s.pdf *= static_cast<Real>(1 / (2 * 3.14159265358979323846 * cone.one_minus_cos));
+    s.pdf *= static_cast<Real>(1 / (2 * std::numbers::pi * cone.one_minus_cos));
     s.radiance = light.emission;
     return true;
 }
@@ -206,7 +207,7 @@ Real LightTable::density(const LightChooser& chooser, const EmbreeScene& geometr
         // The cone's samples lie on the near side; the far side is visible only through holes in it.
         const DVec3 out = DVec3(at.position) - shape.quadric.placement.to_world.point({0, 0, 0});
         if (cone.outside && shape.alpha >= 0 && dot(out, DVec3(from) - DVec3(at.position)) < 0) return 0;
-        if (cone.outside) return chosen * static_cast<Real>(1 / (2 * 3.14159265358979323846 * cone.one_minus_cos));
+        if (cone.outside) return chosen * static_cast<Real>(1 / (2 * std::numbers::pi * cone.one_minus_cos));
     }
     double area_density = density_of_point(light, shape, {hit.u, hit.v});
     if (light.image >= 0) area_density *= static_cast<double>(image_density(light, shape, {hit.u, hit.v}));

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "display/services/split_mix.h"
 #include "lpe/budgets.h"
 #include "transport/materials/material_inputs.h"
 

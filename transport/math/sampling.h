@@ -157,12 +157,6 @@ inline Real remap_above(Real u, Real threshold) {
     return std::min((u - threshold) / (1 - threshold), one_minus_epsilon);
 }
 
-/// 64-bit finaliser (Stafford's variant 13 of MurmurHash3's; Steele et al. 2014, "SplitMix"): a counter to random bits.
-constexpr std::uint64_t mix_bits(std::uint64_t v) {
-    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9ull;
-    v = (v ^ (v >> 27)) * 0x94d049bb133111ebull;
-    return v ^ (v >> 31);
-}
 /// The upper 24 bits as a float in [0, 1): never 1.
 constexpr Real unit_float(std::uint64_t bits) {
     return static_cast<Real>(bits >> 40) * 0x1p-24f;

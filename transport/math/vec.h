@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "transport/math/real.h"
 
@@ -101,8 +102,8 @@ bool is_finite(const BasicVec3<T>& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-inline constexpr Real pi = Real(3.14159265358979323846);
-inline constexpr Real inv_pi = Real(0.31830988618379067154);
+inline constexpr Real pi = std::numbers::pi_v<Real>;
+inline constexpr Real inv_pi = std::numbers::inv_pi_v<Real>;
 
 /// Orthonormal frame around a unit normal (Duff et al. 2017, "Building an Orthonormal Basis, Revisited", JCGT 6(1)).
 struct Frame {

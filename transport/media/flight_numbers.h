@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "display/services/elementary.h"
+#include "display/services/split_mix.h"
 #include "transport/math/vec.h"
 #include "transport/samplers/pixel_sampler.h"
 
@@ -33,7 +34,7 @@ class FlightNumbers {
   public:
     /// `key` is PixelSampler::key(); `which` distinguishes sequences of one key.
     explicit FlightNumbers(std::uint32_t key, std::uint32_t which = 0)
-        : state_(sampler_detail::mix((static_cast<std::uint64_t>(which) << 32 | key) + step)) {}
+        : state_(mix_bits((static_cast<std::uint64_t>(which) << 32 | key) + golden_gamma)) {}
 
     /// Returns an independent sequence of numbers.
     [[nodiscard]] FlightNumbers row() {
@@ -49,8 +50,7 @@ class FlightNumbers {
     }
 
   private:
-    static constexpr std::uint64_t step = 0x9e3779b97f4a7c15ull;
-    std::uint64_t bits() { return sampler_detail::mix(state_ += step); }
+    std::uint64_t bits() { return mix_bits(state_ += golden_gamma); }
     std::uint64_t state_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "display/services/elementary.h"
 #include "transport/math/fresnel.h"
@@ -84,7 +85,7 @@ double HalfSpace::reflectance() const {
         const double r = elementary::exp(lowest + (highest - lowest) * i / (radii - 1));
         sum += (multiple(r) + single(r)) * r * r;
     }
-    return sum * 2 * 3.14159265358979323846 * (highest - lowest) / (radii - 1);
+    return sum * 2 * std::numbers::pi * (highest - lowest) / (radii - 1);
 }
 
 }  // namespace

@@ -27,6 +27,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "display/services/split_mix.h"
 #include "transport/math/vec.h"
 #include "transport/samplers/primary_samples.h"
 
@@ -60,13 +61,6 @@ constexpr std::uint32_t reversed_sobol_1(std::uint32_t index) {
     index ^= (index >> 4) & 0x0f0f0f0fu;
     index ^= (index >> 8) & 0x00ff00ffu;
     return index ^ (index >> 16);
-}
-
-/// 64-bit finaliser (Stafford's variant 13, as in Steele et al. 2014, "SplitMix").
-constexpr std::uint64_t mix(std::uint64_t v) {
-    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9ull;
-    v = (v ^ (v >> 27)) * 0x94d049bb133111ebull;
-    return v ^ (v >> 31);
 }
 
 /// Moves bit i of the low half to bit 2i.
@@ -108,7 +102,7 @@ class PixelSampler {
         const std::uint64_t pixel_key = key_of(seed, ux, uy);
         source_ = kind == SamplerKind::sobol ? Source::sobol : Source::independent;
         const std::uint64_t copy = kind == SamplerKind::sobol ? sample >> 32 : sample;
-        key_ = mix(pixel_key + copy * 0x9e3779b97f4a7c15ull);
+        key_ = mix_bits(pixel_key + copy * golden_gamma);
         reversed_index_ = reverse_bits(static_cast<std::uint32_t>(sample));
     }
 
@@ -122,7 +116,7 @@ class PixelSampler {
         const std::uint64_t index = std::uint64_t{sampler_detail::reverse_bits(reversed_index_)} * n + k;
         PixelSampler numbers = *this;
         const std::uint64_t copy = source_ == Source::sobol ? index >> 32 : index;
-        numbers.key_ = sampler_detail::mix(key_ + n * 0xd6e8feb86659fd93ull) + copy * 0x9e3779b97f4a7c15ull;
+        numbers.key_ = mix_bits(key_ + n * 0xd6e8feb86659fd93ull) + copy * golden_gamma;
         numbers.reversed_index_ = sampler_detail::reverse_bits(static_cast<std::uint32_t>(index));
         return numbers;
     }
@@ -148,21 +142,21 @@ class PixelSampler {
         if (source_ == Source::chain) [[unlikely]]
             return chain().get(dimension, false);
         return sampler_detail::unit_float(
-            static_cast<std::uint32_t>(sampler_detail::mix(hash(dimension) ^ reversed_index_) >> 32));
+            static_cast<std::uint32_t>(mix_bits(hash(dimension) ^ reversed_index_) >> 32));
     }
     /// A key for another hash: distinct per (pixel, sample, dimension), but not random enough to be used directly.
     [[nodiscard]] std::uint32_t key(std::uint32_t dimension) const {
         if (source_ == Source::chain) [[unlikely]]
             return std::bit_cast<std::uint32_t>(to_float(chain().get(dimension, false)));
         return static_cast<std::uint32_t>(
-            ((key_ ^ reversed_index_) + dimension * 0x9e3779b97f4a7c15ull) * 0xbf58476d1ce4e5b9ull >> 32);
+            ((key_ ^ reversed_index_) + dimension * golden_gamma) * 0xbf58476d1ce4e5b9ull >> 32);
     }
 
   private:
     friend class SamplerBatch;
     static std::uint64_t key_of(std::uint64_t seed, std::uint32_t x, std::uint32_t y) {
         const std::uint64_t pixel = (static_cast<std::uint64_t>(y) << 32) | x;
-        return sampler_detail::mix(sampler_detail::mix(seed + 0x9e3779b97f4a7c15ull) ^ pixel);
+        return mix_bits(mix_bits(seed + golden_gamma) ^ pixel);
     }
     /// The index is the place along the curve, then the sample. Squares whose places do not fit have separate keys.
     void arrange(std::uint64_t seed, std::uint32_t x, std::uint32_t y, std::uint64_t sample, std::uint32_t bits) {
@@ -176,8 +170,8 @@ class PixelSampler {
             sample ^= std::uint64_t{1} << bits;
         }
         const std::uint32_t side = bits < 32 ? (32 - bits) / 2 : 0, inside = (1u << side) - 1;
-        key_ = mix(key_of(seed, x >> side, y >> side) + arrangement * 0x9e3779b97f4a7c15ull +
-                   (sample >> 32) * 0xd1342543de82ef95ull);
+        key_ = mix_bits(key_of(seed, x >> side, y >> side) + arrangement * golden_gamma +
+                        (sample >> 32) * 0xd1342543de82ef95ull);
         const std::uint64_t place = spread_bits(x & inside) | spread_bits(y & inside) << 1;
         reversed_index_ = reverse_bits(static_cast<std::uint32_t>(place << (bits & 63) | sample));
     }
@@ -201,7 +195,7 @@ class PixelSampler {
     }
     static std::uint64_t dimension_key(std::uint32_t dimension) { return dimension * 0xd1342543de82ef95ull; }
     [[nodiscard]] std::uint64_t hash(std::uint32_t dimension) const {
-        return sampler_detail::mix(key_ ^ dimension_key(dimension));
+        return mix_bits(key_ ^ dimension_key(dimension));
     }
     std::uint64_t key_ = 0;
     std::uint32_t reversed_index_ = 0;

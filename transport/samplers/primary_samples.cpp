@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "display/services/elementary.h"
+#include "display/services/split_mix.h"
 #include "transport/math/sampling.h"
 
 namespace raylex::transport {
@@ -57,7 +58,7 @@ void PrimarySamples::reject() {
 }
 
 std::uint64_t PrimarySamples::Draws::bits(std::uint64_t name) const {
-    return mix_bits(mix_bits(stream + mutation * 0x9e3779b97f4a7c15ull) ^ (name * 0xd1342543de82ef95ull));
+    return mix_bits(mix_bits(stream + mutation * golden_gamma) ^ (name * 0xd1342543de82ef95ull));
 }
 
 Real PrimarySamples::choose(std::uint32_t use) const {

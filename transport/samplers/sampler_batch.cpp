@@ -1,5 +1,7 @@
 #include "transport/samplers/sampler_batch.h"
 
+#include "display/services/split_mix.h"
+
 namespace raylex::transport {
 namespace {
 
@@ -13,8 +15,7 @@ bool has_wide_instructions() {
 [[gnu::target("avx2")]] void draw_sampler_pairs(const std::uint64_t* __restrict keys,
                                                 const std::uint32_t* __restrict indices, std::size_t count,
                                                 Real* __restrict x, Real* __restrict y) {
-    for (std::size_t i = 0; i < count; ++i)
-        sampler_detail::sobol_pair(sampler_detail::mix(keys[i]), indices[i], x[i], y[i]);
+    for (std::size_t i = 0; i < count; ++i) sampler_detail::sobol_pair(mix_bits(keys[i]), indices[i], x[i], y[i]);
 }
 #else
 bool has_wide_instructions() {

@@ -6,6 +6,7 @@
 #include "display/buffer/raster_footprint.h"
 #include "display/buffer/sinks/path_atlas_pixel.h"
 #include "display/services/samples/path_words.h"
+#include "display/services/split_mix.h"
 
 namespace raylex::display {
 namespace {
@@ -34,7 +35,7 @@ class PathAtlas::Batch {
     }
     Sums& of(std::uint32_t block, std::uint32_t word) {
         const std::uint64_t key = (std::uint64_t{block} << 32) | word;
-        std::size_t mask = slots_.size() - 1, at = mix64(key) & mask;
+        std::size_t mask = slots_.size() - 1, at = mix_bits(key) & mask;
         for (; slots_[at].epoch == epoch_; at = (at + 1) & mask)
             if (sums_[slots_[at].place].key == key) return sums_[slots_[at].place].light;
         slots_[at] = {epoch_, static_cast<std::uint32_t>(sums_.size())};
@@ -56,7 +57,7 @@ class PathAtlas::Batch {
         slots_.assign(2 * slots_.size(), {});
         const std::size_t mask = slots_.size() - 1;
         for (std::size_t i = 0; i < sums_.size(); ++i) {
-            std::size_t at = mix64(sums_[i].key) & mask;
+            std::size_t at = mix_bits(sums_[i].key) & mask;
             while (slots_[at].epoch == epoch_) at = (at + 1) & mask;
             slots_[at] = {epoch_, static_cast<std::uint32_t>(i)};
         }

@@ -15,6 +15,7 @@
 #include "display/buffer/plane.h"
 #include "display/buffer/sinks/path_atlas.h"
 #include "display/services/samples/branches.h"
+#include "display/services/split_mix.h"
 
 namespace raylex::display {
 
@@ -301,7 +302,7 @@ struct PathAtlas::Pixel {
 
     /// Prefetches the slot of a word that will be looked up.
     void prefetch_slot(std::uint32_t word) const {
-        if (!slots.empty()) display::prefetch(&slots[mix64(word) & (slots.size() - 1)]);
+        if (!slots.empty()) display::prefetch(&slots[mix_bits(word) & (slots.size() - 1)]);
     }
     /// Prefetches the word's light, once its slot is loaded.
     void prefetch_entry(std::uint32_t word, const Pools& pools) const {
@@ -314,7 +315,7 @@ struct PathAtlas::Pixel {
   private:
     [[nodiscard]] std::size_t slot_of(std::uint32_t word) const {
         const std::size_t mask = slots.size() - 1;
-        std::size_t at = mix64(word) & mask;
+        std::size_t at = mix_bits(word) & mask;
         while (slots[at].word != Entry::unused && slots[at].word != word) at = (at + 1) & mask;
         return at;
     }

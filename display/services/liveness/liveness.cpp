@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "display/services/samples/branches.h"
+#include "display/services/split_mix.h"
 #include "lpe/liveness_table.h"
 
 namespace raylex::display {
@@ -203,7 +204,7 @@ std::uint64_t Liveness::state_of(const Tracker& tracker) const {
     if (states_.empty()) return 0;
     std::uint64_t state = 1;
     const std::size_t words = std::size_t{tracker.count_} * tracker.groups_;
-    for (std::size_t i = 0; i < words; ++i) state = mix64(state ^ tracker.state_[i]);
+    for (std::size_t i = 0; i < words; ++i) state = mix_bits(state ^ tracker.state_[i]);
     return state | 1;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "display/services/samples/branches.h"
+#include "display/services/split_mix.h"
 
 namespace raylex::display {
 
@@ -101,7 +102,7 @@ PathSuffix LpeServices::prepend_states(PathSuffixes& pool, const PathSuffix& suf
 LpeServices::SplitSuffix LpeServices::prepend_split(PathSuffixes& pool, const PathSuffix& suffix,
                                                     std::span<const LobePart> parts, std::uint64_t key) const {
     const lpe::ReversedProgram& reversed = *pool.reversed_;
-    ChoiceNumbers numbers([&] { return mix64(mix64(seed_ + 0x9e3779b97f4a7c15ull) ^ key); });
+    ChoiceNumbers numbers([&] { return mix_bits(mix_bits(seed_ + golden_gamma) ^ key); });
     Fractions fractions(parts);
     if (attribution_ == Attribution::picked) fractions.pick(numbers.next());
     BranchList branches(reversed.word_count());

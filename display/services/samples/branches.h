@@ -9,15 +9,9 @@
 #include <span>
 
 #include "display/services/samples/lpe_services.h"
+#include "display/services/split_mix.h"
 
 namespace raylex::display {
-
-/// The finaliser of SplitMix64 (S. Vigna, public domain description): a bijection that mixes every bit.
-inline std::uint64_t mix64(std::uint64_t x) {
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-    return x ^ (x >> 31);
-}
 
 /// Random numbers that resolve an overflow. Few moves need any, so the key is computed at the first request.
 template <class MakeKey>
@@ -27,8 +21,8 @@ class ChoiceNumbers {
     double next() {
         if (!made_) state_ = make_key_();
         made_ = true;
-        state_ += 0x9e3779b97f4a7c15ull;
-        return static_cast<double>(mix64(state_) >> 11) * 0x1p-53;
+        state_ += golden_gamma;
+        return static_cast<double>(mix_bits(state_) >> 11) * 0x1p-53;
     }
 
   private:

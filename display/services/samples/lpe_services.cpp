@@ -10,6 +10,7 @@
 
 #include "display/services/parameters.h"
 #include "display/services/samples/branches.h"
+#include "display/services/split_mix.h"
 
 namespace raylex::display {
 namespace {
@@ -99,8 +100,8 @@ LpeServices::LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_
 /// Two moves of one path, and two directions from one vertex, get independent random numbers.
 std::uint64_t LpeServices::random_key(const Tracker& tracker, const LobePart& first) const {
     const CameraRow& row = table_.camera_row(tracker.row_);
-    std::uint64_t key = mix64(seed_ + 0x9e3779b97f4a7c15ull);
-    const auto absorb = [&key](std::uint64_t word) { key = mix64(key ^ word) + 0x9e3779b97f4a7c15ull; };
+    std::uint64_t key = mix_bits(seed_ + golden_gamma);
+    const auto absorb = [&key](std::uint64_t word) { key = mix_bits(key ^ word) + golden_gamma; };
     absorb((static_cast<std::uint64_t>(static_cast<std::uint32_t>(row.pixel_x)) << 32) |
            static_cast<std::uint32_t>(row.pixel_y));
     absorb(row.sample);

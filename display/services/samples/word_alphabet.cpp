@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "display/services/samples/branches.h"
+#include "display/services/split_mix.h"
 
 namespace raylex::display {
 namespace {
@@ -115,7 +116,7 @@ WordTree::WordTree() : nodes_(1), slots_(64) {}
 std::size_t WordTree::slot_of(std::uint32_t parent, Letter letter) const {
     const std::size_t mask = slots_.size() - 1;
     // Words with the same parent are adjacent: most look-ups follow one of a sibling, and then hit the cache.
-    std::size_t at = (mix64(parent) + letter) & mask;
+    std::size_t at = (mix_bits(parent) + letter) & mask;
     const auto is_other = [&](const Slot& slot) { return slot.parent != parent || slot.letter != letter; };
     while (slots_[at].word != root && is_other(slots_[at])) at = (at + 1) & mask;
     return at;

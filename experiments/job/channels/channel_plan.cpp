@@ -7,13 +7,12 @@
 
 #include "experiments/job/channels/channel_reasons.h"
 #include "experiments/job/channels/channel_set.h"
+#include "experiments/job/channels/generated_channels.h"
 #include "geoaovs/geoaovs.h"
 #include "lpe/algebra/proofs/check.h"
 #include "lpe/algebra/proofs/relations.h"
 #include "lpe/algebra/wording/regex_printing.h"
-#include "lpe/language/glob.h"
 #include "lpe/language/names.h"
-#include "lpe/shipped.h"
 
 namespace raylex::experiments {
 namespace {
@@ -21,20 +20,19 @@ namespace {
 using display::ChannelDefinition;
 using display::ChannelStyle;
 
-std::string layer_name_for(const std::string& group) {
-    std::string name = "light_";
-    for (const char c : group) {
-        const bool fits =
-            (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-        name += fits ? c : '_';
-    }
-    return name;
+/// Returns a channel of light, in the dialect renderman.
+ChannelDefinition expression_channel(std::string name, std::string expression) {
+    ChannelDefinition channel;
+    channel.name = std::move(name);
+    channel.style = ChannelStyle::expression;
+    channel.expression = std::move(expression);
+    channel.space = "rendering colour space";
+    return channel;
 }
 
 class Planner {
   public:
-    Planner(const Job& job, const SceneWords& scene)
-        : job_(job), scene_(scene), alphabet_(scene.alphabet), words_(scene.words) {}
+    Planner(const Job& job, const SceneWords& scene) : job_(job), scene_(scene), words_(scene.words) {}
 
     Result<ChannelPlan> run() {
         for (const ExpressionRequest& request : job_.expressions) {
@@ -79,12 +77,8 @@ class Planner {
             job_.macros);
         if (!expansion) return expansion.error();
         if (is_there(expansion->source)) return success();
-        ChannelDefinition channel;
-        channel.name = request.name;
-        channel.style = ChannelStyle::expression;
-        channel.expression = expansion->source.expression;
+        ChannelDefinition channel = expression_channel(request.name, expansion->source.expression);
         channel.dialect = request.dialect;
-        channel.space = "rendering colour space";
         channel.origin = where.file;
         channel.origin_line = where.line;
         channel.origin_column = where.column;
@@ -142,12 +136,8 @@ class Planner {
 
     /// Adds a layer with all light that `channels` do not accept.
     Status add_rest(const std::string& name, const std::vector<std::string>& channels, const SourceLocation& where) {
-        ChannelDefinition rest;
-        rest.name = name;
-        rest.style = ChannelStyle::expression;
-        rest.space = "rendering colour space";
+        ChannelDefinition rest = expression_channel(name, rest_text(channels));
         for (const std::string& each : channels) rest.rest_of.push_back(index_.at(each));
-        rest.expression = rest_text(channels);
         return add_channel(std::move(rest), where);
     }
 
@@ -287,12 +277,8 @@ class Planner {
             lpe::ChannelSource source{
                 request.name, request.expression, request.dialect, request.location.file, 0, 0, {}};
             if (is_there(source)) continue;
-            ChannelDefinition channel;
-            channel.name = request.name;
-            channel.style = ChannelStyle::expression;
-            channel.expression = request.expression;
+            ChannelDefinition channel = expression_channel(request.name, request.expression);
             channel.dialect = request.dialect;
-            channel.space = "rendering colour space";
             Status added = add_channel(std::move(channel), request.location);
             if (!added) return added;
             sources_.back() = std::move(source);
@@ -301,79 +287,28 @@ class Planner {
         return prove(declared);
     }
 
-    Status shipped() {
-        if (!job_.shipped_partition) return success();
-        std::vector<ExpressionRequest> requests;
-        for (const lpe::NamedExpression& each : lpe::shipped_partition())
-            requests.push_back({std::string(each.name),
-                                std::string(each.expression),
-                                lpe::Dialect::renderman,
-                                {"the shipped partition", 0, 0}});
-        return add_generated("shipped", requests);
-    }
-
-    [[nodiscard]] bool emission_carries(const std::string& group) const {
-        return std::any_of(alphabet_.terminals.begin(), alphabet_.terminals.end(), [&](const lpe::Event& event) {
-            return event.type == lpe::EventType::emission &&
-                   (event.labels.empty() ? group.empty() : event.labels.front() == group);
-        });
-    }
+    Status shipped() { return job_.shipped_partition ? add_generated("shipped", shipped_channels()) : success(); }
 
     Status light_groups() {
-        if (!job_.light_groups) return success();
-        std::vector<ExpressionRequest> requests;
-        std::map<std::string, int> taken{{"light_default", 1}};
-        const SourceLocation where{"the light groups", 0, 0};
-        for (const std::string& group : alphabet_.light_groups) {
-            if (group.empty()) continue;
-            std::string name = layer_name_for(group);
-            if (const int count = ++taken[name]; count > 1) name += "_" + std::to_string(count);
-            const std::string label = lpe::quoted_label(group);
-            const std::string terminal =
-                emission_carries(group) ? "[<L." + label + "><O." + label + ">]" : "<L." + label + ">";
-            requests.push_back({name, "C.*" + terminal, lpe::Dialect::renderman, where});
-        }
-        requests.push_back({"light_default", emission_carries("") ? "C.*[<L.''><O.''>]" : "C.*<L.''>",
-                            lpe::Dialect::renderman, where});
-        return add_generated("light_groups", requests);
+        return job_.light_groups ? add_generated("light_groups", light_group_channels(scene_.alphabet)) : success();
     }
 
-    /// Adds for every requested channel a layer per technique, weighted and unweighted, for words of up to
-    /// `most_vertices`, and one layer for longer words. The weighted layers sum to the channel by construction, because
-    /// each contribution has one technique.
+    /// Adds the layers by technique of every requested channel, with their partition.
     Status techniques() {
         if (!job_.techniques) return success();
-        constexpr std::uint32_t most_vertices = 8;
-        // Paths through subsurface bodies can scatter more often than "maxdepth", so the depth is then unknown.
-        const auto depth =
-            words_.max_depth ? static_cast<std::uint32_t>(std::max(*words_.max_depth, 1)) : most_vertices;
-        const std::uint32_t vertices = std::min(depth + 2, most_vertices);
+        const SourceLocation& where = job_.techniques->location;
         for (const std::string& name : job_.techniques->channels) {
             auto expression = technique_source(name);
             if (!expression) return expression.error();
             display::PartitionDeclaration partition{
                 "techniques" + (name == "beauty" ? "" : "_" + name), name == "beauty" ? "" : name, {}};
-            const auto add = [&](const std::string& suffix, const std::string& prefix) {
-                ChannelDefinition channel;
-                channel.name = name + "_" + suffix;
-                channel.style = ChannelStyle::expression;
-                channel.expression = prefix + ";" + *expression;
-                channel.space = "rendering colour space";
-                channel.origin = job_.techniques->location.file;
-                channel.origin_line = job_.techniques->location.line;
-                return add_channel(std::move(channel), job_.techniques->location);
-            };
-            for (std::uint32_t n = 2; n <= vertices; ++n)
-                for (std::uint32_t s = 0; s < (n == 2 ? 1 : n); ++s) {
-                    const std::string technique = "s" + std::to_string(s) + "t" + std::to_string(n - s);
-                    if (Status added = add(technique, technique); !added) return added;
-                    partition.layers.push_back(name + "_" + technique);
-                    if (Status added = add(technique + "_unweighted", technique + ";unweighted"); !added) return added;
-                }
-            if (depth + 2 > vertices) {
-                const std::string beyond = "beyond" + std::to_string(vertices);
-                if (Status added = add(beyond, beyond); !added) return added;
-                partition.layers.push_back(name + "_" + beyond);
+            for (const TechniqueLayer& layer : technique_layers(words_.max_depth)) {
+                ChannelDefinition channel =
+                    expression_channel(name + "_" + layer.suffix, layer.prefix + ";" + *expression);
+                channel.origin = where.file;
+                channel.origin_line = where.line;
+                if (layer.weighted) partition.layers.push_back(channel.name);
+                if (Status added = add_channel(std::move(channel), where); !added) return added;
             }
             if (name != "beauty" || job_.settings.channels.beauty) plan_.partitions.push_back(std::move(partition));
         }
@@ -408,7 +343,7 @@ class Planner {
 
     Status aovs() {
         for (const AovRequest& request : job_.aovs) {
-            auto definition = transport::named_channel(request.name, alphabet_.pattern_channels);
+            auto definition = transport::named_channel(request.name, scene_.alphabet.pattern_channels);
             if (!definition) {
                 Error error = definition.error();
                 error.file = request.location.file;
@@ -443,7 +378,6 @@ class Planner {
 
     const Job& job_;
     const SceneWords& scene_;
-    const transport::SceneAlphabet& alphabet_;
     lpe::Words words_;
     ChannelPlan plan_;
     std::vector<lpe::ChannelSource> sources_;  // parallel to plan_.channels

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "experiments/job/rendering/provenance.h"
+#include "experiments/job/text/json_fields.h"
 #include "transport/math/real.h"
 
 namespace raylex::experiments {
@@ -15,15 +16,19 @@ constexpr std::array verdict_names{std::pair(LineVerdict::holds, "holds"), std::
                                    std::pair(LineVerdict::died, "died"),
                                    std::pair(LineVerdict::not_applicable, "not applicable")};
 
-/// JSON has no infinities and no NaN.
-Json number_record(double value) {
-    if (std::isfinite(value)) return value;
-    return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
+/// JSON has no infinities and no NaN, which are texts.
+struct AnyNumber {
+    double& value;
+};
+void to_json(Json& json, const AnyNumber& number) {
+    const double value = number.value;
+    if (std::isfinite(value)) json = value;
+    else json = std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
 }
-double number_of(const Json& record) {
-    if (record.is_number()) return record.get<double>();
-    const auto text = record.get<std::string>();
-    return text == "inf" ? INFINITY : text == "-inf" ? -INFINITY : NAN;
+void from_json(const Json& json, AnyNumber& number) {
+    if (json.is_number()) return json.get_to(number.value), void();
+    const auto text = json.get<std::string>();
+    number.value = text == "inf" ? INFINITY : text == "-inf" ? -INFINITY : NAN;
 }
 
 std::string csv_text(const std::string& text) {
@@ -40,41 +45,36 @@ const char* name_of(LineVerdict verdict) {
     return "";
 }
 
-Json line_record(const LineResult& line) {
-    return {{"family", line.family},
-            {"case", line.name},
-            {"setting", line.setting},
-            {"rows", line.rows},
-            {"verdict", name_of(line.verdict)},
-            {"expected", number_record(line.expected)},
-            {"measured", number_record(line.measured)},
-            {"error", number_record(line.error)},
-            {"allowed", number_record(line.allowed)},
-            {"standard_error", number_record(line.standard_error)},
-            {"ulp", number_record(line.ulp)},
-            {"tolerance", line.tolerance},
-            {"note", line.note},
-            {"seconds", line.seconds}};
+static void to_json(Json& json, LineVerdict verdict) {
+    json = name_of(verdict);
+}
+static void from_json(const Json& json, LineVerdict& verdict) {
+    for (const auto& [each, name] : verdict_names)
+        if (json == name) verdict = each;
 }
 
-LineResult line_of_record(const Json& record) {
-    LineResult line;
-    line.family = record.at("family");
-    line.name = record.at("case");
-    line.setting = record.at("setting");
-    line.rows = record.at("rows").get<std::vector<int>>();
-    for (const auto& [verdict, name] : verdict_names)
-        if (record.at("verdict") == name) line.verdict = verdict;
-    line.expected = number_of(record.at("expected"));
-    line.measured = number_of(record.at("measured"));
-    line.error = number_of(record.at("error"));
-    line.allowed = number_of(record.at("allowed"));
-    line.standard_error = number_of(record.at("standard_error"));
-    line.ulp = number_of(record.at("ulp"));
-    line.tolerance = record.at("tolerance");
-    line.note = record.at("note");
-    line.seconds = record.at("seconds");
+static void visit_fields(auto visit, LineResult& line) {
+    visit("family", line.family);
+    visit("case", line.name);
+    visit("setting", line.setting);
+    visit("rows", line.rows);
+    visit("verdict", line.verdict);
+    visit("expected", AnyNumber{line.expected});
+    visit("measured", AnyNumber{line.measured});
+    visit("error", AnyNumber{line.error});
+    visit("allowed", AnyNumber{line.allowed});
+    visit("standard_error", AnyNumber{line.standard_error});
+    visit("ulp", AnyNumber{line.ulp});
+    visit("tolerance", line.tolerance);
+    visit("note", line.note);
+    visit("seconds", line.seconds);
+}
+
+Json line_record(const LineResult& line) {
     return line;
+}
+LineResult line_of_record(const Json& record) {
+    return record;
 }
 
 std::string results_json(const SuiteResults& results) {

@@ -6,6 +6,8 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
+#include "display/services/split_mix.h"
+
 namespace raylex::experiments {
 namespace {
 
@@ -22,13 +24,6 @@ using ChiSquared = boost::math::chi_squared_distribution<double, Policy>;
 using NoncentralT = boost::math::non_central_t_distribution<double, Policy>;
 
 constexpr double normal_from = 1e9;  // degrees from which t and normal quantiles agree to 1e-8 for all p used here
-
-std::uint64_t mixed(std::uint64_t x) {
-    x += 0x9e3779b97f4a7c15ULL;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
-    return x ^ (x >> 31);
-}
 
 }  // namespace
 
@@ -73,6 +68,7 @@ double sidak_adjusted(double p, double tests) {
 }
 
 std::uint64_t counter_bits(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) {
+    const auto mixed = [](std::uint64_t x) { return mix_bits(x + golden_gamma); };
     return mixed(mixed(mixed(seed) ^ stream) ^ index);
 }
 

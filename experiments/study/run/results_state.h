@@ -1,10 +1,13 @@
 // Checks the state of a results directory before a run continues in it.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "experiments/study/plan/config.h"
 #include "experiments/study/results.h"
+#include "experiments/study/run/cells/cell_parts.h"
+#include "experiments/study/run/runner.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {
@@ -14,6 +17,14 @@ Error directory_error(const std::string& path, std::string message, std::string 
 
 /// Checks that the results belong to this config, overrides included. The Error at the config names both.
 Status check_same_config(const Experiment& results, const ExperimentConfig& config);
+
+/// Returns the results that the directory already has; nothing if it is new or empty. Errors: results of another config
+/// or another --split-cells, finished cells without `resume`, incomplete cells, a directory with other files.
+Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config, const RunRequest& request,
+                                                  const WorkList& work);
+
+/// Moves cells with changed files to damaged/ID, and adds them to `missing`, so that they are rendered again.
+Status set_damaged_aside(Experiment& results);
 
 /// A lock of a run on its results directory, so that no two runs render the same cells into the same files. The system
 /// releases it when the process ends for any reason.

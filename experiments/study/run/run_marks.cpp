@@ -5,10 +5,21 @@
 #include <filesystem>
 
 #include "display/output/atomic_file.h"
-#include "experiments/job/text/json.h"
+#include "experiments/job/text/json_fields.h"
 #include "lpe/read_input.h"
 
 namespace raylex::experiments {
+
+static void visit_fields(auto visit, RunMark& mark) {
+    visit("config", mark.config_hash);
+    visit("shard", mark.shard.part);
+    visit("shards", mark.shard.parts);
+    visit("split_cells", mark.shard.split_cells);
+    visit("only_references", mark.only_references);
+    visit("done", mark.done);
+    visit("failed", mark.failed);
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -16,14 +27,7 @@ namespace fs = std::filesystem;
 constexpr std::array mark_names{"begun.json", "finished.json", "error.txt"};
 
 std::string mark_text(const RunMark& mark) {
-    return json_text(Json{{"config", mark.config_hash},
-                          {"shard", mark.shard.part},
-                          {"shards", mark.shard.parts},
-                          {"split_cells", mark.shard.split_cells},
-                          {"only_references", mark.only_references},
-                          {"done", mark.done},
-                          {"failed", mark.failed}}) +
-           "\n";
+    return json_text(mark) + "\n";
 }
 
 std::optional<RunMark> read_mark(const std::string& path) {
@@ -32,15 +36,7 @@ std::optional<RunMark> read_mark(const std::string& path) {
     const auto json = read_json_file(path, "a mark of a run");
     if (!json) return std::nullopt;
     try {
-        RunMark mark;
-        mark.config_hash = json->at("config");
-        mark.shard.part = whole(json->at("shard"));
-        mark.shard.parts = whole(json->at("shards"));
-        mark.shard.split_cells = whole(json->at("split_cells"));
-        mark.only_references = json->at("only_references");
-        mark.done = whole(json->at("done"));
-        mark.failed = whole(json->at("failed"));
-        return mark;
+        return json->get<RunMark>();
     } catch (const std::exception&) { return std::nullopt; }
 }
 

@@ -13,7 +13,6 @@
 #include "display/services/parameters.h"
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/program/console.h"
-#include "experiments/study/file_records.h"
 #include "experiments/study/results_file.h"
 #include "experiments/study/run/cells/cell_parts.h"
 #include "experiments/study/run/cells/method_settings.h"
@@ -28,59 +27,6 @@ namespace raylex::experiments {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Returns whether the directory is empty or has only traces of a run without results: locks, marks and a folder for
-/// cells.
-bool is_fresh(const std::string& directory) {
-    std::error_code failed;
-    if (!fs::is_directory(directory, failed)) return false;
-    for (const fs::directory_entry& each : fs::directory_iterator(directory, failed)) {
-        const std::string name = each.path().filename().string();
-        if (!name.starts_with(".running") && !is_run_mark(name) &&
-            !(name == "cells" && fs::is_empty(each.path(), failed)))
-            return false;
-    }
-    return true;
-}
-
-/// Returns the results that the directory already has; nothing if it is new or empty.
-Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config, const RunRequest& request,
-                                                  const WorkList& work) {
-    std::error_code failed;
-    const std::string& directory = request.directory;
-    if (!fs::exists(experiment_file(directory), failed)) {
-        if (request.resume && !request.begin)
-            return directory_error(directory, "there are no results to continue: no experiment.json",
-                                   "'raylex experiment run' starts a new run");
-        if (fs::exists(directory, failed) && !is_fresh(directory))
-            return directory_error(
-                directory, "this directory is neither empty nor a results directory; expected a new one for -o");
-        return std::optional<Experiment>();
-    }
-    auto results = read_experiment(directory);
-    if (!results) return results.error();
-    if (Status same = check_same_config(*results, config); !same) return same.error();
-    if (!request.resume && !(results->cells.empty() && results->parts.empty()))
-        return directory_error(
-            directory,
-            "there are " + std::to_string(results->cells.size() + results->parts.size()) +
-                " finished cells of this config already",
-            "'raylex experiment resume' continues; to start again, remove the directory or choose another");
-    std::set<std::string> items, settled;
-    for (const PlannedCell& each : work.items) items.insert(each.cell.id);
-    for (const Cell& each : results->parts) {
-        settled.insert(each.id);
-        if (!items.contains(each.id))
-            return directory_error(directory, "part '" + each.id + "' does not belong to this run",
-                                   "use the --split-cells of the earlier run, or choose another directory with -o");
-    }
-    for (const Cell& each : results->cells) settled.insert(each.id);
-    for (const std::string& id : items)
-        if (const std::string cell = cell_directory(directory, id); !settled.contains(id) && fs::exists(cell, failed))
-            return directory_error(cell, "this cell is incomplete: it has no cell.json",
-                                   "remove this directory, so that the cell is rendered again; all others are kept");
-    return std::optional(std::move(*results));
-}
 
 NamedValues provenance(const ExperimentConfig& config) {
     const unsigned cores = std::thread::hardware_concurrency();
@@ -134,34 +80,10 @@ class Run {
         if (failed) return directory_error(request_.directory, "cannot make this directory: " + failed.message());
         const std::string shard = request_.shard.parts > 1 ? "-" + std::to_string(request_.shard.part) : std::string();
         if (Status s = lock_.take(request_.directory, ".running" + shard); !s) return s;
-        if (Status s = set_damaged_aside(); !s) return s;
+        if (earlier_)
+            if (Status s = set_damaged_aside(*earlier_); !s) return s;
         for (const auto* notes : {&plan_.notes, &work_.notes})
             for (const std::string& note : *notes) print_note(note);
-        return success();
-    }
-
-    /// Moves cells with changed files to damaged/ID, so that they are rendered again.
-    Status set_damaged_aside() {
-        if (!earlier_) return success();
-        for (auto* list : {&earlier_->cells, &earlier_->parts})
-            for (auto cell = list->begin(); cell != list->end();) {
-                const std::string damage = damage_of(*cell);
-                if (damage.empty()) {
-                    ++cell;
-                    continue;
-                }
-                print_warning("cell '" + cell->id + "' is damaged and is rendered again: " + damage);
-                const std::string aside = request_.directory + "/damaged/" + cell->id;
-                std::error_code failed;
-                fs::create_directories(request_.directory + "/damaged", failed);
-                fs::remove_all(aside, failed);
-                fs::rename(cell->directory, aside, failed);
-                if (failed)
-                    return directory_error(cell->directory,
-                                           "cannot move this damaged cell to '" + aside + "': " + failed.message());
-                earlier_->missing.push_back(cell->id);
-                cell = list->erase(cell);
-            }
         return success();
     }
 
@@ -337,7 +259,6 @@ class Run {
 
     /// Updates the estimate of the remaining cells. For long plans this happens about once a second, so that its cost
     /// is negligible.
-    /// nothing.
     void expect(std::size_t from) {
         constexpr std::size_t short_plan = 2000;
         if (work_.items.size() > short_plan && expected_.wall() < 1 && left_seconds_ >= 0) return;

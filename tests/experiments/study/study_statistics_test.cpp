@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "experiments/study/analysis/bias.h"
@@ -445,7 +446,7 @@ TEST_CASE("spectra hold the mean square, put a wave in its ring, and are flat fo
     // A wave of 5 cycles across 40 pixels: all power except rounding at 1/8 cycle per pixel.
     PixelArray wave{24, 40, 1, {}};
     for (int y = 0; y < 24; ++y)
-        for (int x = 0; x < 40; ++x) wave.values.push_back(std::cos(2 * 3.14159265358979323846 * 5 * x / 40.0));
+        for (int x = 0; x < 40; ++x) wave.values.push_back(std::cos(2 * std::numbers::pi * 5 * x / 40.0));
     for (const FrequencyRing& ring : radial_spectrum(wave)) {
         CAPTURE(ring.frequency);
         const bool here = ring.frequency > 0.125 && ring.frequency < 0.125 * std::exp2(0.25);

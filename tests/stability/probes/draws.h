@@ -4,20 +4,22 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <numeric>
 #include <vector>
 
+#include "display/services/split_mix.h"
 #include "transport/math/sampling.h"
 
 namespace raylex::experiments {
 
-inline constexpr double exact_pi = 3.14159265358979323846;
+inline constexpr double exact_pi = std::numbers::pi;
 
 /// A fixed sequence of numbers in [0, 1), so that a probe always gives the same result.
 class Draws {
   public:
-    explicit Draws(std::uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15ull + 1) {}
-    std::uint64_t bits() { return transport::mix_bits(state_ += 0x9e3779b97f4a7c15ull); }
+    explicit Draws(std::uint64_t seed) : state_(seed * raylex::golden_gamma + 1) {}
+    std::uint64_t bits() { return raylex::mix_bits(state_ += raylex::golden_gamma); }
     transport::Real one() { return transport::unit_float(bits()); }
     transport::Vec2 two() {
         const transport::Real x = one();

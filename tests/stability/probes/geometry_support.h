@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "display/services/split_mix.h"
 #include "experiments/stability/probe.h"
 #include "transport/embree/embree_scene.h"
 #include "transport/math/sampling.h"
@@ -21,7 +22,7 @@ using namespace transport;
 class RandomNumbers {
   public:
     explicit RandomNumbers(std::uint64_t seed) : state_(seed) {}
-    Real operator()() { return unit_float(mix_bits(state_ += 0x9e3779b97f4a7c15ull)); }
+    Real operator()() { return unit_float(mix_bits(state_ += golden_gamma)); }
     Real signed_unit() { return 2 * (*this)() - 1; }
     Vec3 direction() { return sample_uniform_sphere({(*this)(), (*this)()}); }
     Vec3 point(Real extent) { return {extent * signed_unit(), extent * signed_unit(), extent * signed_unit()}; }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <random>
 
 #include "transport/cameras/aperture.h"
@@ -20,7 +21,7 @@ using namespace raylex::transport;
 
 namespace cameras {
 
-constexpr double pi_d = 3.14159265358979323846;
+constexpr double pi_d = std::numbers::pi;
 
 SceneEntity camera_of(const std::string& type, std::initializer_list<Parameter> parameters) {
     SceneEntity entity;

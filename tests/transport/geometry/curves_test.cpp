@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "display/services/split_mix.h"
 #include "transport/embree/embree_scene.h"
 #include "transport/import/builder/scene_builder.h"
 #include "transport/import/pbrt/pbrt_writer.h"
@@ -23,7 +24,7 @@ namespace {
 class CurveRandom {
   public:
     explicit CurveRandom(std::uint64_t seed) : state_(seed) {}
-    float operator()() { return unit_float(mix_bits(state_ += 0x9e3779b97f4a7c15ull)); }
+    float operator()() { return unit_float(mix_bits(state_ += golden_gamma)); }
     float signed_unit() { return 2 * (*this)() - 1; }
     Vec3 direction() { return sample_uniform_sphere({(*this)(), (*this)()}); }
 

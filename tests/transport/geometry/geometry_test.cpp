@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "display/services/split_mix.h"
 #include "support/skip.h"
 #include "transport/embree/embree_scene.h"
 #include "transport/math/sampling.h"
@@ -19,7 +20,7 @@ namespace {
 class RandomPoints {
   public:
     explicit RandomPoints(std::uint64_t seed) : state_(seed) {}
-    float operator()() { return unit_float(mix_bits(state_ += 0x9e3779b97f4a7c15ull)); }
+    float operator()() { return unit_float(mix_bits(state_ += golden_gamma)); }
     float signed_unit() { return 2 * (*this)() - 1; }
     Vec3 direction() { return sample_uniform_sphere({(*this)(), (*this)()}); }
     Vec3 point(float extent) { return {extent * signed_unit(), extent * signed_unit(), extent * signed_unit()}; }

@@ -1,5 +1,7 @@
 // Motion: interpolation between two transforms, its steps for Embree, and images of moving objects against closed
 // forms.
+#include <numbers>
+
 #include "display/services/elementary.h"
 #include "tests/transport/replicates.h"
 #include "transport/geometry/shapes/instance_motion.h"
@@ -15,7 +17,7 @@ using raylex::transport::Transform;
 
 namespace {
 
-constexpr double exact_pi = 3.14159265358979323846;
+constexpr double exact_pi = std::numbers::pi;
 
 AnimatedTransform way_between(const Transform& start, const Transform& end) {
     auto way = AnimatedTransform::between(start, end, {"here.pbrt", 3, 1});

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "transport/import/shapes/loop_subdivision.h"
@@ -148,7 +149,7 @@ TEST_CASE("many levels and vertices of many faces take time linear in the triang
     std::vector<MeshFace> fan;
     constexpr std::uint32_t spokes = 100'000;
     for (std::uint32_t i = 0; i < spokes; ++i) {
-        const double angle = 6.283185307179586 * i / spokes;
+        const double angle = 2 * std::numbers::pi * i / spokes;
         around.push_back(to_float(BasicVec3<double>{std::cos(angle), std::sin(angle), 0}));
         fan.push_back({0, i + 1, (i + 1) % spokes + 1});
     }

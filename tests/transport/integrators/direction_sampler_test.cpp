@@ -1,5 +1,7 @@
 // Another sampler of directions than the closure (paths/direction_sampler.h): its densities integrate to 1, and paths
 // that it draws estimate the same image with every method.
+#include <numbers>
+
 #include "tests/transport/materials_support.h"
 #include "transport/enclosure.h"
 #include "transport/integrators/integrator.h"
@@ -118,7 +120,7 @@ TEST_CASE("the density of a mixture of closure and sphere integrates to 1", "[di
                     const Vec3 to = transport::sample_uniform_sphere(u);
                     sum += double{mixture.pdf(bsdf, point, mode, point.wo, to)};
                 }
-            sum *= 4 * 3.14159265358979 / (rings * sectors);
+            sum *= 4 * std::numbers::pi / (rings * sectors);
             CHECK(sum == Approx(1).margin(1e-4));
             raylex::test::Random random(7);
             for (int i = 0; i < 100; ++i) {

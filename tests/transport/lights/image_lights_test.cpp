@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "tests/transport/image_file.h"
 #include "tests/transport/lit_scene.h"
@@ -15,7 +16,7 @@ using namespace raylex::transport;
 
 namespace image_lights {
 
-constexpr double pi_d = 3.14159265358979323846;
+constexpr double pi_d = std::numbers::pi;
 
 PixelSampler numbers(std::uint64_t i) {
     return PixelSampler(SamplerKind::sobol, 7, 0, 0, i);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include "tests/transport/lit_scene.h"
@@ -49,7 +50,7 @@ TEST_CASE("the irradiance of a disk light is pi L r^2 / (r^2 + h^2) below its ce
                 "AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\nShape \"disk\" \"float radius\" 1\nAttributeEnd");
         const double r2 = scale * scale;
         CHECK(irradiance(scene, {0, 0, 0}, {0, 0, 1}, 1 << 14) ==
-              Approx(5 * 3.14159265358979 * r2 / (r2 + 9)).epsilon(1e-4));
+              Approx(5 * std::numbers::pi * r2 / (r2 + 9)).epsilon(1e-4));
     }
 }
 
@@ -108,7 +109,7 @@ TEST_CASE("an image environment is sampled by its luminance, with the density pd
     for (std::uint64_t i = 0; i < count; ++i) {
         const PixelSampler sampler(SamplerKind::sobol, 3, 0, 0, i);
         integral +=
-            static_cast<double>(image.pdf(sample_uniform_sphere(sampler.get_2d(0)))) * 4 * 3.14159265358979 / count;
+            static_cast<double>(image.pdf(sample_uniform_sphere(sampler.get_2d(0)))) * 4 * std::numbers::pi / count;
         Vec3 d;
         Rgb radiance;
         float pdf = 0;
@@ -116,13 +117,13 @@ TEST_CASE("an image environment is sampled by its luminance, with the density pd
         REQUIRE(pdf > 0);
         flux += static_cast<double>(radiance.g / pdf) / count;
         uniform_flux += static_cast<double>(image.radiance(sample_uniform_sphere(sampler.get_2d(0))).g) * 4 *
-                        3.14159265358979 / count;
+                        std::numbers::pi / count;
     }
     CHECK(integral == Approx(1).epsilon(0.01));  // stratified over 64 cells of a step function
     CHECK(flux == Approx(uniform_flux).epsilon(0.01));
     CHECK(flux ==
           // radiance / pdf is constant except for black pixels
-          Approx((62 * 0.1 + 50) / 64 * 4 * 3.14159265358979).epsilon(1e-4));
+          Approx((62 * 0.1 + 50) / 64 * 4 * std::numbers::pi).epsilon(1e-4));
 }
 
 TEST_CASE("with scattering an image environment is sampled by its excess over the mean, with the density pdf()",
@@ -154,7 +155,7 @@ TEST_CASE("with scattering an image environment is sampled by its excess over th
             direction_from_octahedral({(static_cast<float>(i % n) + 0.5f) / n, (static_cast<float>(i / n) + 0.5f) / n});
         // Shares are differences of cumulative floats, each rounded by at most 2^-25 and at least 8e-4.
         CHECK(static_cast<double>(image.pdf(center, by)) ==
-              Approx(share * n * n / (4 * 3.14159265358979)).epsilon(1e-3).margin(1e-9));
+              Approx(share * n * n / (4 * std::numbers::pi)).epsilon(1e-3).margin(1e-9));
         CHECK((image.pdf(center, by) > 0) == (value > 0));  // no pixel that emits is left to scattering alone
         if (value > 0) chi_squared += std::pow(drawn[i] - share * count, 2) / (share * count);
         else CHECK(drawn[i] == 0);
@@ -222,11 +223,11 @@ TEST_CASE("a light subpath begins with the emission over the density that bidire
         {area + "Shape \"bilinearmesh\" \"point3 P\" [0 0 0  4 0 0  0 2 0  1 2 0]", {2, 3, 5}, 5},
         {area + "Scale 2 1 1 Shape \"disk\" \"float radius\" 3 \"float innerradius\" 1",
          {2, 3, 5},
-         2 * 3.14159265358979 * 8},
-        {area + "Shape \"sphere\" \"float radius\" 2", {2, 3, 5}, 16 * 3.14159265358979},
+         2 * std::numbers::pi * 8},
+        {area + "Shape \"sphere\" \"float radius\" 2", {2, 3, 5}, 16 * std::numbers::pi},
         {area + "Shape \"cylinder\" \"float radius\" 2 \"float zmin\" 0 \"float zmax\" 3",
          {2, 3, 5},
-         12 * 3.14159265358979},
+         12 * std::numbers::pi},
         {"LightSource \"point\" \"rgb I\" [2 3 5]", {2, 3, 5}, 0},
         {"LightSource \"spot\" \"rgb I\" [2 3 5] \"float coneangle\" 40 \"float conedeltaangle\" 15", {2, 3, 5}, 0},
         {"LightSource \"distant\" \"rgb L\" [2 3 5]", {2, 3, 5}, 0},

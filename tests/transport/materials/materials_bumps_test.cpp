@@ -1,5 +1,6 @@
 // Bump and normal maps: turned frames against closed forms, on every shape, under every material, by every method.
 #include <bit>
+#include <numbers>
 
 #include "transport/materials/material.h"
 #include "transport/replicates.h"
@@ -67,7 +68,7 @@ double mean_of(const std::string& text) {
 
 /// What a white surface of normal (x, y, 1) sends back of that light.
 double lambert(double x, double y) {
-    return std::max(0.0, (3 * x + 2 * y + 5) / std::sqrt(38.0) / std::sqrt(x * x + y * y + 1)) / 3.14159265358979;
+    return std::max(0.0, (3 * x + 2 * y + 5) / std::sqrt(38.0) / std::sqrt(x * x + y * y + 1)) / std::numbers::pi;
 }
 
 const std::string quad_2x4 =

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <array>
+#include <numbers>
 
 #include "tests/transport/materials_support.h"
 
@@ -81,7 +82,7 @@ void meet_coat(Double3& w, double& weight, double alpha, double eta, Random& ran
     const double side = w.z < 0 ? 1 : -1;  // where it comes from
     Double3 m{0, 0, side};
     if (alpha > 0) {
-        const double u = random.one(), tan2 = alpha * alpha * u / (1 - u), phi = 6.283185307179586 * random.one();
+        const double u = random.one(), tan2 = alpha * alpha * u / (1 - u), phi = 2 * std::numbers::pi * random.one();
         const double z = 1 / std::sqrt(1 + tan2), r = std::sqrt(1 - z * z);
         m = {r * std::cos(phi), r * std::sin(phi), z * side};
     }
@@ -111,7 +112,7 @@ double brute_force(float cosine, double alpha, double eta, double thickness, dou
     meet_coat(w, weight, alpha, eta, random);
     while (weight > 0 && w.z < 0) {
         weight *= rho * std::exp(thickness / w.z);
-        const double r2 = random.one(), phi = 6.283185307179586 * random.one();
+        const double r2 = random.one(), phi = 2 * std::numbers::pi * random.one();
         w = {std::sqrt(r2) * std::cos(phi), std::sqrt(r2) * std::sin(phi), std::sqrt(1 - r2)};
         if (w.z <= 0) return 0;
         weight *= std::exp(-thickness / w.z);
@@ -218,9 +219,9 @@ TEST_CASE("without an index step the coat vanishes but for the slab's absorption
         const Frame frame = tilted_frame();
         const Vec3 wo = local_direction(0.7f), wi = local_direction(0.4f, 2);
         const BsdfEvaluation e = make(closure, 5).evaluate(frame.to_world(wo), frame.to_world(wi));
-        const double expected = 0.6 / 3.141592653589793 * 0.4 * std::exp(-thickness / 0.7 - thickness / 0.4);
+        const double expected = 0.6 / std::numbers::pi * 0.4 * std::exp(-thickness / 0.7 - thickness / 0.4);
         CHECK(e.value.r == Approx(expected).epsilon(1e-5));
-        CHECK(e.pdf == Approx(0.4 / 3.141592653589793).epsilon(1e-5));
+        CHECK(e.pdf == Approx(0.4 / std::numbers::pi).epsilon(1e-5));
         CHECK(lobe_kinds()[e.lobes.entry[static_cast<std::size_t>(e.lobes.count - 1)].lobe].name ==
               std::string("diffuse"));
     }
@@ -266,7 +267,7 @@ TEST_CASE("rough coats as pbrt's are weighed by the mean of the densities that p
     const Vec3 wo = local_direction(0.7f), wi = local_direction(0.4f, 2);
     CoatedDiffuse closure{coat(0.3f), {Rgb(0.6f)}};
     closure.coat.as_pbrt = true;
-    const double pi_d = 3.141592653589793;
+    const double pi_d = std::numbers::pi;
     const double expected =
         0.9 * (static_cast<double>(closure.coat.interface.pdf(wo, wi, Sides::reflection)) + 0.4 / pi_d) +
         0.1 / (4 * pi_d);
@@ -283,7 +284,7 @@ TEST_CASE("a rough coat without an index step loses what it does in pbrt, in lig
         closure.coat.as_pbrt = as_pbrt;
         return static_cast<double>(make(closure, 5).evaluate(frame.to_world(wo), frame.to_world(wi)).value.r);
     };
-    const double density = 0.4 / 3.141592653589793, plain = value(0.3f, false);
+    const double density = 0.4 / std::numbers::pi, plain = value(0.3f, false);
     CHECK(value(0.3f, true) == Approx(plain / (1 + density * density)).epsilon(1e-5));  // some twenty roundings
     CHECK(value(0, true) == plain);
 }

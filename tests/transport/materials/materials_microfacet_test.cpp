@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <complex>
+#include <numbers>
 
 #include "tests/transport/materials_support.h"
 
@@ -16,16 +17,16 @@ namespace {
 template <class F>
 double integrate_normals(const Ggx& facets, const F& g, int n) {
     double sum = 0;
-    const double half_pi = 1.5707963267948966;
+    const double half_pi = std::numbers::pi / 2;
     for (int i = 0; i < n; ++i) {
         const double psi = (i + 0.5) / n * half_pi, r = std::tan(psi),
                      dr = half_pi / n / (std::cos(psi) * std::cos(psi));
         for (int j = 0; j < n; ++j) {
-            const double phi = 2 * 3.141592653589793 * (j + 0.5) / n;
+            const double phi = 2 * std::numbers::pi * (j + 0.5) / n;
             const double x = facets.alpha_x * r * std::cos(phi), y = facets.alpha_y * r * std::sin(phi);
             const double z = 1 / std::sqrt(1 + x * x + y * y);
             const Vec3 m{static_cast<float>(x * z), static_cast<float>(y * z), static_cast<float>(z)};
-            sum += g(m) * facets.alpha_x * facets.alpha_y * z * z * z * r * dr * 2 * 3.141592653589793 / n;
+            sum += g(m) * facets.alpha_x * facets.alpha_y * z * z * z * r * dr * 2 * std::numbers::pi / n;
         }
     }
     return sum;
@@ -52,7 +53,7 @@ double smooth_glass_total(float cosine, float eta) {
 TEST_CASE("the density of normals at the pole keeps its digits") {
     // The value at the pole, where the usual tan^2 form cancels: 1 / (pi alpha^2).
     for (const float alpha : {1e-4f, 1e-3f, 1e-2f})
-        CHECK(Ggx{alpha, alpha}.d({0, 0, 1}) == Approx(1 / (3.141592653589793 * alpha * alpha)).epsilon(1e-5));
+        CHECK(Ggx{alpha, alpha}.d({0, 0, 1}) == Approx(1 / (std::numbers::pi * alpha * alpha)).epsilon(1e-5));
 }
 
 TEST_CASE("visible normals project onto the area seen: Smith's masking is consistent with the distribution") {
@@ -83,7 +84,7 @@ TEST_CASE("normals seen from above follow the distribution, a thin strip of them
         for (int i = 0; i < draws; ++i) {
             const Vec3 m = facets.sample_visible_normal({0, 0, 1}, random.two());
             const double p = m.x / m.z / facets.alpha_x, q = m.y / m.z / facets.alpha_y, r2 = p * p + q * q;
-            const double angle = std::atan2(q, p) / 6.283185307179586 + 0.5;
+            const double angle = std::atan2(q, p) / (2 * std::numbers::pi) + 0.5;
             const int ring = std::min(static_cast<int>(r2 / (1 + r2) * rings), rings - 1);
             count[static_cast<std::size_t>(ring * sectors +
                                            std::min(static_cast<int>(angle * sectors), sectors - 1))] += 1;

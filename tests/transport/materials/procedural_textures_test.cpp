@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -168,7 +169,7 @@ TEST_CASE("marble's veins follow y and its colours end at the spline's", "[textu
         at.position = {3, static_cast<Real>(phase / 2), -7};
         return table->rgb(*id, at);
     };
-    const double half_pi = 1.57079632679489662;
+    const double half_pi = std::numbers::pi / 2;
     const Rgb bottom = colour(-half_pi), top = colour(half_pi), middle = colour(0);
     // The ends of the spline are its ends' control points times 1.5; the phase is float, at a maximum of the sine.
     CHECK(bottom.r == Approx(0.87).epsilon(1e-6));

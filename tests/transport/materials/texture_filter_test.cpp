@@ -1,4 +1,6 @@
 // Images over footprints: levels, look-ups, footprints of cones, and images of them against many samples.
+#include <numbers>
+
 #include "tests/transport/render_support.h"
 #include "transport/paths/footprints.h"
 #include "transport/scene/effects/effects.h"
@@ -199,7 +201,7 @@ TEST_CASE("texture filter: cones on planes, mirrors and balls", "[texture-filter
     // 1e-3: the cosine of 0.01 of a radius beside the middle, and float.
     CHECK(scattered_cone(*geometry, hit[0], on_ball[0], mirror).spread == Approx(0.01 + 2 * width / 2).epsilon(1e-3));
     BsdfSample diffuse;
-    diffuse.pdf = static_cast<Real>(1 / 3.14159265358979323846);
+    diffuse.pdf = static_cast<Real>(1 / std::numbers::pi);
     CHECK(scattered_cone(*geometry, hit[0], on_ball[0], diffuse).spread == Approx(0.25));
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "transport/geometry/ray.h"
 #include "transport/math/sampling.h"
@@ -58,7 +59,7 @@ TEST_CASE("the phase function is normalised, has mean cosine g, and sampling dra
         for (int i = 0; i < n; ++i) {  // over the cosine, midpoint rule
             const double c = -1 + (i + 0.5) * 2 / n;
             const Vec3 wi{float(std::sqrt(1 - c * c)), 0, float(c)};
-            const double p = double(phase_pdf(g, {0, 0, 1}, wi)) * 2 * 3.14159265358979323846 * 2 / n;
+            const double p = double(phase_pdf(g, {0, 0, 1}, wi)) * 2 * std::numbers::pi * 2 / n;
             integral += p;
             mean += p * c;
         }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <map>
+#include <numbers>
 
 #include "geoaovs/geoaovs.h"
 
@@ -63,7 +64,7 @@ double dot(const Point& a, const Point& b) {
 TEST_CASE("a sphere's AOVs match its equation in every pixel", "[geoaovs][render]") {
     // The default camera looks along +z from the origin, x to the right and y up: camera space is world space.
     const int size = 16;
-    const double r = 2, pi = 3.14159265358979323846;
+    const double r = 2, pi = std::numbers::pi;
     const Point centre{0.5, -0.25, 7};
     const auto aovs = aovs_of(header(size) + "Translate 0.5 -0.25 7\nShape \"sphere\" \"float radius\" 2\n");
     int hits = 0;
@@ -226,7 +227,7 @@ TEST_CASE("inside glass the index on the camera's side is the glass's", "[geoaov
 TEST_CASE("the wireframe is a line of one pixel", "[geoaovs][render]") {
     // A triangle whose sides are 0.6, 0.6 and 0.6 sqrt(2) of the image's width, 40 degrees over 64 pixels, seen at an
     // angle: only screen positions matter. Its lines cover about their length in pixels; corners are counted twice.
-    const double t = std::tan(20 * 3.14159265358979323846 / 180);
+    const double t = std::tan(20 * std::numbers::pi / 180);
     const auto corner = [&](double x, double y, double z) {
         return std::to_string(x * t * z) + " " + std::to_string(y * t * z) + " " + std::to_string(z) + " ";
     };

@@ -7,6 +7,7 @@
 
 #include "display/buffer/frame_buffer/banded_image.h"
 #include "display/deep/deep_buffer.h"
+#include "display/services/split_mix.h"
 #include "tests/support/folder.h"
 #include "transport/integrators/integrator.h"
 #include "transport/render_support.h"
@@ -18,11 +19,8 @@ namespace {
 
 /// Bits that depend only on a camera sample and the number of the call.
 std::uint64_t bits_of(const display::CameraRow& row, std::uint64_t call) {
-    std::uint64_t x = row.sample * 0x9e3779b97f4a7c15ull + static_cast<std::uint64_t>(row.pixel_x) * 1000003 +
-                      static_cast<std::uint64_t>(row.pixel_y) * 69069 + call * 0xbf58476d1ce4e5b9ull;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-    return x ^ (x >> 31);
+    return raylex::mix_bits(row.sample * raylex::golden_gamma + static_cast<std::uint64_t>(row.pixel_x) * 1000003 +
+                            static_cast<std::uint64_t>(row.pixel_y) * 69069 + call * 0xbf58476d1ce4e5b9ull);
 }
 
 class RandomCalls final : public transport::Integrator {

@@ -1,4 +1,6 @@
 // Renders against closed forms. Each scene is tiny; tolerances are standard errors of the render itself.
+#include <numbers>
+
 #include "transport/enclosure.h"
 
 using namespace render_test;
@@ -103,7 +105,7 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-9 3 0 9 3 0 9 
     transport::RenderSettings settings;
     settings.channels.list = {lpe_channel("direct", "C<RD>L")};
     const auto output = render_of(scene, settings);
-    const double cosine = 0.1 / std::sqrt(1.01), expected = 0.75 * 0.5 * 0.5 / 3.14159265358979 * 2 * cosine;
+    const double cosine = 0.1 / std::sqrt(1.01), expected = 0.75 * 0.5 * 0.5 / std::numbers::pi * 2 * cosine;
     const Estimate e = estimate(output);
     CHECK(std::abs(e.mean - expected) <= 4.5 * e.error + 1e-6);
     CHECK(e.error < 0.02 * expected);

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "display/services/split_mix.h"
 #include "lpe/algebra/wording/event_words.h"
 #include "transport/integrators/methods/bdpt.h"
 #include "transport/integrators/methods/path.h"
@@ -97,7 +98,7 @@ class Pssmlt final : public Integrator {
     }
     void splat(ThreadServices& services, display::CameraRow where, double weight, const PathContribution& f) const;
     [[nodiscard]] std::uint64_t stream(Purpose purpose, std::uint64_t number) const {
-        return mix_bits(mix_bits(context_.services.seed + purpose * 0x9e3779b97f4a7c15ull) ^ number);
+        return mix_bits(mix_bits(context_.services.seed + purpose * golden_gamma) ^ number);
     }
 
     PssmltParameters parameters_;

@@ -11,23 +11,22 @@
 namespace raylex::transport {
 namespace {
 
-constexpr double pi_d = std::numbers::pi;
-
 /// Maps the angle in (-pi/2, pi/2) of the coordinates x and z to [0, 1].
 double share_of_half_turn(double x, double z) {
-    return std::clamp(elementary::atan2(x, z) / pi_d + 0.5, 0.0, 1.0);
+    return std::clamp(elementary::atan2(x, z) / std::numbers::pi + 0.5, 0.0, 1.0);
 }
 
 /// The direction in the portal's frame of a point (x, y) in (0, 1)^2.
 DVec3 direction_of(double x, double y) {
-    const auto a = elementary::sin_cos((x - 0.5) * pi_d), b = elementary::sin_cos((y - 0.5) * pi_d);
+    const auto a = elementary::sin_cos((x - 0.5) * std::numbers::pi),
+               b = elementary::sin_cos((y - 0.5) * std::numbers::pi);
     // (tan a, tan b, 1) times both cosines: at the border this is 0 instead of infinite.
     return normalize(DVec3{a.sin * b.cos, b.sin * a.cos, a.cos * b.cos});
 }
 
 /// Solid angle per area of the rectified image: pi^2 (1 - x^2) (1 - y^2) / z (Bitterli et al. 2015, section 3).
 double solid_angle(const DVec3& w) {
-    return pi_d * pi_d * (1 - w.x * w.x) * (1 - w.y * w.y) / w.z;
+    return std::numbers::pi * std::numbers::pi * (1 - w.x * w.x) * (1 - w.y * w.y) / w.z;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "display/services/elementary.h"
+#include "display/services/split_mix.h"
 #include "transport/materials/bsdf/conductor.h"
 #include "transport/materials/bsdf/lambert.h"
 #include "transport/media/phase.h"
@@ -20,7 +21,7 @@ class WalkRandom {
         absorb(a.z, b.x);
         absorb(b.y, b.z);
     }
-    Real one() { return unit_float(mix_bits(state_ += 0x9e3779b97f4a7c15ull)); }
+    Real one() { return unit_float(mix_bits(state_ += golden_gamma)); }
     Vec2 two() {
         const Real x = one();
         return {x, one()};

@@ -8,10 +8,10 @@
 #include "display/output/atomic_file.h"
 #include "display/services/hash64.h"
 #include "experiments/job/rendering/provenance.h"
-#include "experiments/job/text/json.h"
 #include "experiments/program/console.h"
 #include "experiments/program/work_lock.h"
 #include "experiments/study/file_records.h"
+#include "experiments/study/results_json.h"
 #include "experiments/study/run/cells/cell_files.h"
 #include "experiments/study/run/cells/cell_runner.h"
 #include "experiments/study/run/cells/method_settings.h"
@@ -36,16 +36,6 @@ std::string reference_identity(const ExperimentConfig& config, const StudyScene&
 
 Status write_reference_file(const std::string& path, const Json& json) {
     return display::write_text_file(path, json_text(json, 2) + "\n", display::FileSync::later);
-}
-
-/// Returns sizes and checksums of the files in the reference's folder.
-Result<Json> files_json(const std::string& partial) {
-    auto files = file_records(partial);
-    if (!files) return files.error();
-    Json list = Json::array();
-    for (const FileRecord& each : *files)
-        list.push_back({{"name", each.name}, {"bytes", each.bytes}, {"hash", each.hash}});
-    return list;
 }
 
 /// Uses an existing reference; returns false if there is none.
@@ -81,9 +71,9 @@ Status make_directory(const std::string& path) {
 }
 
 Status close_reference(const std::string& partial, const std::string& directory, Json json) {
-    auto files = files_json(partial);
+    const auto files = file_records(partial);
     if (!files) return files.error();
-    json["files"] = *std::move(files);
+    json["files"] = *files;
     if (Status s = write_reference_file(partial + "/reference.json", json); !s) return s;
     if (Status s = display::sync_files_in(partial); !s) return s;
     std::error_code failed;

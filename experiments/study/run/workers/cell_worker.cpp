@@ -67,7 +67,7 @@ Result<Message> CellWorker::ask(const Message& request, double timeout, double s
             died_ = true;  // its memory is no longer reliable
             process_->end();
         }
-        if (message.contains("error")) return error_of(message.at("error"));
+        if (message.contains("error")) return message.at("error").get<Error>();
         return std::move(message.at("result"));
     } catch (const std::exception& error) {
         return error_at({}, std::string("a message between processes cannot be read: ") + error.what());
@@ -77,7 +77,7 @@ Result<Message> CellWorker::ask(const Message& request, double timeout, double s
 Result<DescribedScene> CellWorker::describe(std::size_t scene, std::size_t variant) {
     auto answer = ask(request_of(Operation::describe, scene, variant), config_.timeout, 0, {});
     if (!answer) return answer.error();
-    return DescribedScene{scene_of_message(answer->at("info")), partitions_of_message(answer->at("partitions"))};
+    return DescribedScene{answer->at("info"), answer->at("partitions").get<std::vector<PartitionInfo>>()};
 }
 
 Result<std::uint64_t> CellWorker::frame_buffer_bytes(std::size_t scene, std::size_t variant) {
@@ -94,18 +94,13 @@ std::string CellWorker::reason_to_keep(std::size_t scene, std::size_t variant) {
 Result<Calibration> CellWorker::calibrate(std::size_t scene, std::size_t variant) {
     auto answer = ask(request_of(Operation::calibrate, scene, variant), config_.timeout, 0, {});
     if (!answer) return answer.error();
-    return Calibration{answer->at("setup"),
-                       answer->at("seconds"),
-                       answer->at("samples"),
-                       answer->at("error"),
-                       answer->at("warnings").get<std::vector<std::string>>(),
-                       answer->at("peak_memory_bytes")};
+    return answer->get<Calibration>();
 }
 
 Result<bool> CellWorker::reference(std::size_t scene, SceneInfo& info, double& seconds,
                                    const std::function<void(const WorkProgress&)>& progress) {
     Message request = request_of(Operation::reference, scene);
-    request["info"] = scene_message(info);
+    request["info"] = info;
     auto answer =
         ask(request, config_.reference.timeout, config_.checkpoint_seconds > 0 ? seconds_to_save : 1, progress);
     if (!answer) {
@@ -114,7 +109,7 @@ Result<bool> CellWorker::reference(std::size_t scene, SceneInfo& info, double& s
         info.reference_failure = answer.error().message;
         return true;
     }
-    info = scene_of_message(answer->at("info"));
+    info = answer->at("info");
     seconds += answer->at("seconds").get<double>();
     return answer->at("made").get<bool>();
 }

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/job/text/json.h"
+#include "experiments/job/text/json_fields.h"
 #include "experiments/study/run/cells/cell_runner.h"
 #include "experiments/study/run/processes/child_process.h"
 #include "experiments/study/run/workers/worker_service.h"
@@ -28,6 +28,7 @@ struct Calibration {
     std::vector<std::string> warnings;
     std::uint64_t peak_memory_bytes = 0;
 };
+RAYLEX_JSON_FIELDS(Calibration, setup_seconds, seconds, samples, relative_error, warnings, peak_memory_bytes)
 
 class CellWorker {
   public:

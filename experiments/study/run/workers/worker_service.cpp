@@ -25,14 +25,14 @@ class Service {
         try {
             auto done = work(unpacked(request), tell);
             if (done) answer["result"] = *std::move(done);
-            else answer["error"] = error_message(done.error());
+            else answer["error"] = done.error();
         } catch (const std::bad_alloc&) {
             answer["thrown"] = true;
-            answer["error"] = error_message(
-                error_at({}, "out of memory; use a smaller scene, a smaller resolution or fewer channels"));
+            answer["error"] =
+                error_at({}, "out of memory; use a smaller scene, a smaller resolution or fewer channels");
         } catch (const std::exception& error) {
             answer["thrown"] = true;
-            answer["error"] = error_message(error_at({}, error.what()));
+            answer["error"] = error_at({}, error.what());
         }
         answer["render_seconds"] = scenes_.seconds() - before;
         return packed(answer);
@@ -54,7 +54,7 @@ class Service {
             case Operation::calibrate:
                 return calibrate(scene, variant);
             case Operation::reference:
-                return reference(scene, scene_of_message(request.at("info")), tell);
+                return reference(scene, request.at("info"), tell);
             case Operation::cell:
                 return cell(request, {cell_of_message(request.at("cell")), scene, variant}, tell);
             case Operation::close:
@@ -99,22 +99,20 @@ class Service {
         std::vector<PartitionInfo> partitions;
         for (const display::PartitionDeclaration& each : (*channels)->partitions)
             partitions.push_back({each.name, each.of.empty() ? "beauty" : each.of, each.layers});
-        return Message{{"info", scene_message(info)}, {"partitions", partitions_message(partitions)}};
+        return Message{{"info", info}, {"partitions", partitions}};
     }
 
     Result<Message> calibrate(std::size_t scene, std::size_t variant) {
         auto measured = calibration_of(config_, scenes_, scene, variant, stop_);
         if (!measured) return measured.error();
-        return Message{{"setup", measured->setup_seconds}, {"seconds", measured->seconds},
-                       {"samples", measured->samples},     {"error", measured->relative_error},
-                       {"warnings", measured->warnings},   {"peak_memory_bytes", measured->peak_memory_bytes}};
+        return Message(*measured);
     }
 
     Result<Message> reference(std::size_t scene, SceneInfo info, const Tell& tell) {
         double seconds = 0;
         auto made = provide_reference(context(tell), scene, info, seconds);
         if (!made) return made.error();
-        return Message{{"made", *made}, {"info", scene_message(info)}, {"seconds", seconds}};
+        return Message{{"made", *made}, {"info", info}, {"seconds", seconds}};
     }
 
     Result<Message> cell(const Message& request, const PlannedCell& planned, const Tell& tell) {
