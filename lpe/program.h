@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "lpe/automata/program_tables.h"
 #include "lpe/event.h"
-#include "lpe/program_tables.h"
 #include "lpe/program_view.h"
 #include "lpe/result.h"
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 #include "transport/materials/material_inputs.h"
 
 namespace raylex::transport {

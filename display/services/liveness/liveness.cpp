@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "display/services/samples/branches.h"
-#include "lpe/liveness_table.h"
+#include "lpe/automata/liveness_table.h"
 
 namespace raylex::display {
 

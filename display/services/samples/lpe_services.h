@@ -24,7 +24,7 @@
 #include "display/services/rgb.h"
 #include "display/services/samples/sample_table.h"
 #include "display/services/samples/splat_sets.h"
-#include "lpe/liveness_table.h"
+#include "lpe/automata/liveness_table.h"
 #include "lpe/program.h"
 
 namespace raylex::display {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 
 namespace raylex {
 
