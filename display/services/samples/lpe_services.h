@@ -36,9 +36,9 @@ struct EmitterSample {
                      ///< irradiance across the beam of distant lights. Without throughput, density and geometry.
     Rgb unweighted;  ///< unoccluded radiance times throughput over density, with an MIS weight of 1 for the technique
                      ///< that found it
-    float visibility = 1;            ///< transmitted fraction: 0 behind an opaque surface
-    bool found_by_sampling = false;  ///< light sampling finds this emitter here, too, but another technique found it:
-                                     ///< channels of unoccluded light leave it to the light sample
+    float visibility = 1;      ///< transmitted fraction: 0 behind an opaque surface
+    bool sampled_too = false;  ///< light sampling finds this emitter here, too, but another technique found it:
+                               ///< channels of unoccluded light leave it to the light sample
 };
 
 /// One lobe's part of a scattering value f(wo, wi) |cos|, in any common scale, because only ratios within one move
