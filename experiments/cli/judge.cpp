@@ -174,7 +174,7 @@ std::string atlas_line(const display::AtlasVerdict& verdict, std::uint64_t pixel
                        (verdict.holds ? ", sum to the beauty" : ", DO NOT SUM to the beauty") + " (largest error " +
                        number_text(verdict.largest) + " of the sum of magnitudes)";
     if (verdict.exceeding > 0) line += "; " + std::to_string(verdict.exceeding) + " pixels exceed the bound 2^-23";
-    if (verdict.clamped > 0) line += "; " + clamped_text(verdict.clamped, "words sum to it");
+    if (verdict.clamped > 0) line += "; " + clamped_text(verdict.clamped, "path strings sum to it");
     return line;
 }
 
