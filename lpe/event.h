@@ -1,4 +1,5 @@
-// The alphabet. A light path is a word of events, camera first, terminal (light, background or emission) last.
+// The alphabet. A light path is a string of events, the camera first and a terminal (light, background or emission)
+// last.
 #pragma once
 
 #include <cstdint>

@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "lpe/automata/program_tables.h"
 #include "lpe/event.h"
-#include "lpe/program_tables.h"
 #include "lpe/program_view.h"
 #include "lpe/result.h"
 
@@ -33,7 +33,7 @@ struct ChannelSource {
     std::string origin{};  ///< for errors: the file or option that contains the text
     int origin_line = 0;   ///< line in `origin` of the first character of the expression; 0: unknown
     int origin_column = 0;
-    /// If not empty, the channel has no expression: it accepts every word of W (lpe/words.h) that none of these
+    /// If not empty, the channel has no expression: it accepts every path string of W (lpe/words.h) that none of these
     /// channels accepts (indices into the list that is compiled).
     std::vector<std::size_t> rest_of{};
     /// The origin of each byte of the expression if it is not one place in one line (escapes, macros). Errors then use
@@ -48,9 +48,10 @@ struct CompileOptions {
                                      ///< channel can have more, up to a fixed limit
     std::size_t group_cap = 8;       ///< groups; more are an error that names the channels
     std::size_t word_cap = 32;       ///< words of a path's state: groups, plus the words of packed channels
-    /// Renderers report words of the form C (R | T | V | user)* (L | B | O), and by default a Program distinguishes
-    /// only these. Its tables then are several times smaller, and a state is dead as soon as no such word can be
-    /// completed. With `any_word` the program follows any sequence of events, as conformance vectors need.
+    /// Renderers report path strings of the form C (R | T | V | user)* (L | B | O), and by default a Program
+    /// distinguishes only these. Its tables then are several times smaller, and a state is dead as soon as no such path
+    /// string can be completed. With `any_word` the program follows any sequence of events, as conformance vectors
+    /// need.
     bool any_word = false;
 };
 
@@ -90,7 +91,8 @@ class Program {
     bool advance(const State* from, EventClass event, State* to) const noexcept {
         return view_.advance(from, event, to);
     }
-    /// Calls visit(channel) for every channel (index into the compiled list) whose expression accepts the word so far.
+    /// Calls visit(channel) for every channel (index into the compiled list) whose expression accepts the path string
+    /// so far.
     template <class Visit>
     void for_each_accepted(const State* states, Visit&& visit) const {
         view_.for_each_accepted(states, visit);
@@ -104,8 +106,8 @@ class Program {
     void accepts(std::span<const State> states, std::span<std::uint32_t> masks) const noexcept;
     [[nodiscard]] std::size_t mask_words() const noexcept { return (view_.channel_count + 31) / 32; }
 
-    // The words that are table rows, one by one: all of them where !view().has_parallel(), as always with
-    // CompileOptions::any_word and with one channel.
+    // For states whose machine words are all rows of tables: the case if !view().has_parallel(), and always with
+    // CompileOptions::any_word or with a single channel.
     [[nodiscard]] State next(State state, EventClass event) const noexcept { return view_.next(state, event); }
     /// The channels that accept in the state, ascending.
     [[nodiscard]] std::span<const std::uint16_t> accepted(State state) const noexcept { return view_.accepted(state); }

@@ -122,8 +122,8 @@ struct ProgramView {
         return any;
     }
 
-    /// Moves the words `from` by `masks` (laid out as one class of parallel_masks, its tail unread), cut to `mask`.
-    /// Returns the OR of the result.
+    /// Moves the machine words `from` by `masks` (laid out as one class of parallel_masks, of which the tail is not
+    /// read), restricted to `mask`. Returns the OR of the results.
     std::uint32_t move_parallel(const std::uint32_t* from, const std::uint32_t* masks, std::uint32_t mask,
                                 std::uint32_t* to) const noexcept {
         const std::uint32_t ones = widths[0].words;
@@ -149,8 +149,8 @@ struct ProgramView {
         any |= move_width<2>(from + two.state, masks + two.masks, two.words, mask, to + two.state);
         return any | move_width<3>(from + three.state, masks + three.masks, three.words, mask, to + three.state);
     }
-    /// The map of an event (`masks`) followed by the map `after`, both laid out as one class of parallel_masks without
-    /// its tail; `to` may be `after`.
+    /// Composes two maps, that of an event (`masks`) followed by `after`, both laid out as one class of parallel_masks
+    /// without its tail; `to` may be `after`.
     void compose_parallel(const std::uint32_t* after, const std::uint32_t* masks, std::uint32_t* to) const noexcept {
         const auto& [one, two, three, end] = widths;
         compose_width<1>(after, masks, one.words, to);
@@ -172,7 +172,8 @@ struct ProgramView {
     }
 
   private:
-    /// No branch, and the phase does not depend on the automata: either would make each event wait for the last.
+    /// It has no branch, and the phase does not depend on the automata: otherwise each event would wait for the one
+    /// before.
     bool advance_parallel(const State* from, EventClass event, State* to) const noexcept {
         const std::uint32_t* masks = parallel_masks + std::size_t{event} * mask_stride;
         const std::uint32_t* tail = masks + mask_stride - mask_tail;
@@ -243,7 +244,7 @@ struct ProgramView {
         visit_width<2>(state + two.state, accept + two.accept, lists + two.lists, two.words, visit);
         visit_width<3>(state + three.state, accept + three.accept, lists + three.lists, three.words, visit);
     }
-    /// The automata of word w that are in a code for which `masks` contains them.
+    /// The automata of machine word w whose code is in `masks`.
     template <std::uint32_t bits>
     static std::uint32_t automata_in(const State* state, const std::uint32_t* masks, std::uint32_t words,
                                      std::uint32_t w) noexcept {

@@ -6,8 +6,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "lpe/automata/liveness_table.h"
 #include "lpe/failure.h"
-#include "lpe/liveness_table.h"
 
 namespace raylex::lpe {
 

@@ -1,6 +1,6 @@
-// Light subpaths: path strings that are known from their light end. A bidirectional integrator follows the camera
-// subpath forward and grows the light subpath away from the light, each new vertex standing before all earlier ones;
-// then it connects any path prefix with any path suffix and computes which channels accept the whole.
+// Light subpaths: path strings that are read from their light end. A bidirectional integrator follows the camera
+// subpath forward and grows the light subpath away from the light, so each new vertex comes before all earlier ones.
+// Then it connects any path prefix with any path suffix, and computes which channels accept the whole.
 //
 // Each light vertex keeps a state of reversed automata: which states at the join lead to which channels. A vertex costs
 // one table look-up, a join one more, whatever the lengths. The automata are prepared: for a table of Q states with R
@@ -28,8 +28,8 @@ struct ReverseOptions {
     std::size_t byte_cap = 64 * 1024 * 1024;  ///< bytes of all reversed automata together
 };
 
-/// Reads words of a program from their ends. It is immutable and usable by any number of threads; only build()
-/// allocates. The program's tables must outlive it; the program object itself can move.
+/// Reads the path strings of a program from their ends. It is immutable and usable by any number of threads; only
+/// build() allocates. The program's tables must outlive it; the program object itself can move.
 class ReversedProgram {
   public:
     /// Builds the reversed automata. Errors: they need more than the options allow.

@@ -2,8 +2,8 @@
 //
 // In a closed enclosure whose walls all emit the same radiance and scatter by a few lobes of constant albedo (a Lambert
 // lobe, an ideal mirror, index-matched sheets in between), radiance is the same along every ray. A path then carries
-// the emitted radiance times the albedos of its events, whatever the shape, the camera and the pixel. An expression has
-// the sum over its words as value. With transitions d of its automaton, albedos a and emission e,
+// the emitted radiance times the albedos of its events, whatever the shape, the camera and the pixel. The value of an
+// expression is the sum over its path strings. With transitions d of its automaton, albedos a and emission e,
 //
 //     x(q) = sum over terminals t of e(t) [d(q, t) accepts] + sum over scatterings s of a(s) x(d(q, s)),
 //

@@ -3,9 +3,9 @@
 #include <optional>
 #include <utility>
 
+#include "lpe/input/read_input.h"
 #include "lpe/match.h"
 #include "lpe/program.h"
-#include "lpe/read_input.h"
 
 namespace raylex::lpe {
 

@@ -1,4 +1,4 @@
-// W, the words that a scene can produce: C scatter* (L | O | B). Every proof of the algebra is relative to W,
+// W, the path strings that a scene can produce: C scatter* (L | O | B). Every proof of the algebra is relative to W,
 // restricted to what can occur, so a split is checked on existing paths and not on impossible sequences of events.
 #pragma once
 
@@ -27,8 +27,8 @@ struct Words {
     /// The existing light groups, and the existing labels of objects and media; none: any text. Emission without a
     /// group and objects without a label always exist. Ignored if there is an alphabet, which lists its own labels.
     std::optional<std::vector<std::string>> light_groups, object_labels;
-    /// Largest number of scattering events of a word, pass-through events excluded. No limit, if it is absent or above
-    /// limits::word_depth: a proof must never cover fewer words than exist.
+    /// Largest number of scattering events of a path string, pass-through events excluded. If it is absent or above
+    /// limits::word_depth, there is no limit: a proof must never cover fewer path strings than exist.
     std::optional<int> max_depth;
     std::optional<Alphabet> alphabet;  ///< only these scattering and terminal events, further restricted by the flags
                                        ///< above

@@ -12,7 +12,7 @@
 
 #include "display/buffer/record_bytes.h"
 #include "display/services/hash64.h"
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 namespace raylex::display {
 namespace {

@@ -23,8 +23,8 @@ enum class ChannelType : std::uint8_t { real, rgb, point, normal, vector, intege
 
 /// The technique that found a contribution: `s` vertices of the light subpath and `t` of the camera subpath, including
 /// the light's and the camera's (E. Veach 1997, section 10.2). Path tracing hits lights with s = 0 and samples them
-/// with s = 1; t = 1 is a splat. The technique is not part of the word: an emitter is L because of its kind, not
-/// because of how it was hit.
+/// with s = 1; t = 1 is a splat. The technique is not part of the path string: an emitter is L because of its kind, not
+/// because of the technique that found it.
 struct Technique {
     std::uint32_t s = 0, t = 0;
     bool operator==(const Technique&) const = default;

@@ -1,5 +1,5 @@
 // The prefixes of a light path expression ("unoccluded;holdouts;C[DS]+<L.>"). They define what a channel splats instead
-// of the arriving radiance, and do not affect which words the expression accepts.
+// of the arriving radiance, and do not affect which path strings the expression accepts.
 //
 // Sources: RenderMan's public wiki (page "Holdouts": occluded and unoccluded channels with the prefix `holdouts` "only
 // contain the shadowing term for holdout geometry"), the channel definitions of RenderManForBlender, and the manual of
@@ -32,8 +32,8 @@ struct ChannelPrefixes {
     }
     /// Returns whether the channel needs the EmitterSample beside the value.
     [[nodiscard]] bool emitter_sample() const { return unoccluded || shadows || nothruput; }
-    /// Returns whether it takes a contribution of technique `found_by`; null: a surface event, which no technique
-    /// finds.
+    /// Returns whether the channel takes a contribution of technique `found_by`. Null stands for a surface event, which
+    /// no technique finds.
     [[nodiscard]] bool takes(const Technique* found_by) const {
         if (!technique) return true;
         if (found_by == nullptr) return false;
@@ -45,8 +45,8 @@ struct ChannelPrefixes {
     bool operator==(const ChannelPrefixes&) const = default;
 };
 
-/// Reads the prefixes of the channel's expression; none for a channel without one. Errors: the expression does not
-/// parse; prefixes contradict each other, such as `shadows` and `unoccluded`.
+/// Reads the prefixes of the channel's expression. A channel without an expression has none. Errors: the expression
+/// does not parse; prefixes contradict each other, such as `shadows` and `unoccluded`.
 Result<ChannelPrefixes> read_prefixes(const ChannelDefinition& channel);
 
 /// The position of the channel's expression, for errors.

@@ -47,7 +47,8 @@ struct LayerRequest {
     SourceLocation location;
 };
 
-/// Parse the names above. Errors, at `where`, list the valid names and suggest a similar one.
+/// Parse the request of a rule, a layer or statistics. Errors, at `where`, list the valid names and suggest a similar
+/// one.
 Result<RuleRequest> parse_rule_request(const std::string& channel, const std::string& rule,
                                        const SourceLocation& where);
 Result<StatisticRequest> parse_statistic_request(const std::string& channel, const std::string& statistic,

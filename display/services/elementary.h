@@ -96,7 +96,8 @@ inline SinCos<double> sin_cos_of(const Reduced& r) {
     return place(r.quadrant, x + (x * z * s + r.low * most), most + (((1 - most) - half) + (z * z * c - x * r.low)));
 }
 
-/// sin and cos for float, |x| <= largest_reduced, with errors 2^-37.6 and 2^-43.2. Without branches, for loops.
+/// sin and cos for float, |x| <= largest_reduced, with errors 2^-37.6 and 2^-43.2. It has no branches, so that
+/// compilers vectorise loops of it.
 inline SinCos<float> sin_cos_near(float argument) {
     const double x = argument, shifted = x * 0x1.45f306dc9c883p-1 + to_integer, k = shifted - to_integer;
     const double r = (x - k * 0x1.921fb544p+0) - k * 0x1.0b4611a626331p-34, z = r * r;

@@ -21,7 +21,7 @@ struct SourceLocation {
 
 /// An Error at `where`.
 Error error_at(const SourceLocation& where, std::string message, std::string hint = {});
-/// The Error of a file that `where` refers to; its hint gets "named by `what` at file:line".
+/// Completes the Error of a file that is named at `where`: its hint gets "named by `what` at file:line".
 Error named_by(Error error, std::string_view what, const SourceLocation& where);
 
 enum class ParameterType : std::uint8_t {

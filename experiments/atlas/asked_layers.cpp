@@ -36,7 +36,7 @@ Status check_channel(const display::ChannelDefinition& channel, const display::A
     if (by_technique && !atlas.table().rules.techniques)
         return error_at(where,
                         "channel '" + channel.name + "' needs the technique '" + prefixes->front() +
-                            "', and the words of " + atlas.path() + " do not distinguish techniques",
+                            "', and the path strings of " + atlas.path() + " do not distinguish techniques",
                         "render the atlas with --atlas-by label,lobe,group,technique");
     if (!prefixes->empty() && !by_technique)
         return error_at(where,
@@ -196,7 +196,7 @@ class AskedLayers::Builder {
         if (!to_.undecided_.empty() && atlas_.table().is_signed())
             return error_at(
                 {atlas_.path(), 0, 0},
-                std::string("single words can have negative light, because ") +
+                std::string("single path strings can have negative light, because ") +
                     (by_filter ? "the pixel filter has negative lobes" : "the scene disperses light by wavelength") +
                     ", so there are no bounds for channel '" + to_.undecided_.front() + "'",
                 by_filter ? "render the atlas with box, triangle, gaussian or blackman-harris"

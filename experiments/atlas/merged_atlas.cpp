@@ -84,7 +84,7 @@ std::string difference(const display::AtlasFile& a, const display::AtlasFile& b)
     const auto rules = [](const display::AtlasFile& file) {
         return "'" + to_string(file.table().rules) + "' and length " + std::to_string(file.table().rules.length);
     };
-    if (rules(a) != rules(b)) return "distinguish words by " + rules(a) + " and by " + rules(b);
+    if (rules(a) != rules(b)) return "distinguish path strings by " + rules(a) + " and by " + rules(b);
     if (attribute(a, "atlas/scene") != attribute(b, "atlas/scene")) return "belong to scenes with different events";
     if (a.description().chromaticities != b.description().chromaticities) return "have different chromaticities";
     if (job_of_image(a) != job_of_image(b))

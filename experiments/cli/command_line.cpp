@@ -14,7 +14,7 @@
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/tint.h"
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 namespace raylex::experiments {
 namespace {

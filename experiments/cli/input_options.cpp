@@ -9,7 +9,7 @@
 #include <CLI/Validators.hpp>
 
 #include "experiments/program/interrupt.h"
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 namespace raylex::experiments {
 

@@ -168,13 +168,13 @@ bool print_verdicts_of_new(std::span<const display::SplitVerdict> verdicts, cons
 }
 
 std::string atlas_line(const display::AtlasVerdict& verdict, std::uint64_t pixels) {
-    std::string line = "atlas: " + std::to_string(verdict.words) + " words, " +
+    std::string line = "atlas: " + std::to_string(verdict.words) + " path strings, " +
                        number_text(static_cast<double>(verdict.samples) / static_cast<double>(pixels), 3) +
                        " a pixel and at most " + std::to_string(verdict.most_samples) +
                        (verdict.holds ? ", sum to the beauty" : ", DO NOT SUM to the beauty") + " (largest error " +
                        number_text(verdict.largest) + " of the sum of magnitudes)";
     if (verdict.exceeding > 0) line += "; " + std::to_string(verdict.exceeding) + " pixels exceed the bound 2^-23";
-    if (verdict.clamped > 0) line += "; " + clamped_text(verdict.clamped, "words sum to it");
+    if (verdict.clamped > 0) line += "; " + clamped_text(verdict.clamped, "path strings sum to it");
     return line;
 }
 

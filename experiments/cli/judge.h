@@ -27,7 +27,7 @@ std::string repaired_text(const std::map<std::string, std::string>& attributes,
 /// to the largest half or float; for them the file does not show whether " + `what`.
 std::string clamped_text(std::size_t pixels, const std::string& what);
 
-/// Returns the result of an atlas check in one line: "atlas: 214 words, 18.3 a pixel, sum to the beauty (...)".
+/// Returns the result of an atlas check in one line: "atlas: 214 path strings, 18.3 a pixel, sum to the beauty (...)".
 std::string atlas_line(const display::AtlasVerdict& verdict, std::uint64_t pixels);
 /// Checks an atlas file, prints the result and returns the exit code.
 int judge_atlas(display::AtlasFile& file);

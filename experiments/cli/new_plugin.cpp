@@ -36,7 +36,8 @@ endif()
 find_package(raylex REQUIRED COMPONENTS plugin)
 raylex_add_plugin(@NAME@ @NAME@.cpp)
 enable_testing()
-add_test(NAME @NAME@ COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/test.sh $<TARGET_FILE:raylex::raylex> $<TARGET_FILE:@NAME@>)
+add_test(NAME @NAME@
+         COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/test.sh $<TARGET_FILE:raylex::raylex> $<TARGET_FILE:@NAME@>)
 )text";
 
 constexpr const char* scene_text = R"text(LookAt 0 1 6  0 0.8 0  0 1 0
@@ -77,7 +78,8 @@ set -euo pipefail
 raylex=$1 plugin=$2
 scene=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)/scene.pbrt
 cd "$(mktemp -d)"
-"$raylex" render "$scene" --plugin "$plugin" @OPTIONS@ @CHANNELS@ --partition shipped -o out.exr 2>messages || { cat messages; exit 1; }
+"$raylex" render "$scene" --plugin "$plugin" @OPTIONS@ @CHANNELS@ --partition shipped -o out.exr 2>messages ||
+  { cat messages; exit 1; }
 if grep -E 'refused|is empty' messages; then exit 1; fi
 "$raylex" verify out.exr
 )text";

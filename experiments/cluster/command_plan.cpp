@@ -15,7 +15,7 @@
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/job/text/json.h"
 #include "experiments/program/console.h"
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 namespace raylex::experiments {
 namespace {

@@ -13,7 +13,7 @@
 #include "experiments/report/page_layers.h"
 #include "experiments/report/statistics_table.h"
 #include "experiments/report/words/page_words.h"
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 namespace raylex::experiments {
 namespace {

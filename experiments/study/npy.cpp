@@ -9,7 +9,7 @@
 
 #include "display/services/parameters.h"
 #include "experiments/study/results.h"
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 namespace raylex::experiments {
 namespace {

@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "lpe/failure.h"
+#include "lpe/input/read_input.h"
 #include "lpe/language/pattern.h"
 #include "lpe/limits.h"
-#include "lpe/read_input.h"
 
 namespace raylex::lpe {
 

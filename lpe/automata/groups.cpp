@@ -12,8 +12,8 @@
 
 #include "lpe/automata/bit_parallel.h"
 #include "lpe/automata/languages.h"
+#include "lpe/automata/liveness_table.h"
 #include "lpe/failure.h"
-#include "lpe/liveness_table.h"
 
 namespace raylex::lpe {
 

@@ -1,5 +1,5 @@
 // The fixpoint of liveness against a search through every path of small random automata.
-#include "lpe/liveness_table.h"
+#include "lpe/automata/liveness_table.h"
 
 #include <catch2/catch.hpp>
 

@@ -8,8 +8,8 @@
 #include <atomic>
 #include <thread>
 
+#include "lpe/input/read_input.h"
 #include "lpe/match.h"
-#include "lpe/read_input.h"
 #include "lpe/vectors.h"
 #include "tests/support/budget_guard.h"
 #include "tests/support/folder.h"

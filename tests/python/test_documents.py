@@ -125,7 +125,7 @@ class HardCases(unittest.TestCase):
 
 class Budgets(unittest.TestCase):
     def test_the_page_has_the_table_of_the_source(self):
-        source = (ROOT / "lpe" / "budgets.cpp").read_text()
+        source = (ROOT / "lpe" / "input" / "budgets.cpp").read_text()
         units = {"": "", " * kilo": " K", " * mega": " M", " * giga": " G"}
         rows = re.findall(r'^    {"(\w+)", ([^,* ]+)( \* \w+)?,', source, re.MULTILINE)
         expected = {name: number.replace("'", ",") + units[unit] for name, number, unit in rows}

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 
 namespace raylex::test {
 

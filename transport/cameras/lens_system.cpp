@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "display/services/short_number.h"
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 namespace raylex::transport {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <sstream>
 
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 #include "transport/color/color_space.h"
 #include "transport/color/spectral_data.h"
 

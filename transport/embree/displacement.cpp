@@ -7,7 +7,7 @@
 #include <string>
 
 #include "display/services/short_number.h"
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 #include "transport/math/matrix34.h"
 
 namespace raylex::transport {

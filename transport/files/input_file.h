@@ -5,7 +5,7 @@
 #include <string>
 
 #include "display/services/parameters.h"
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 namespace raylex::transport {
 

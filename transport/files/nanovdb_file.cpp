@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 
 namespace raylex::transport {
 namespace {

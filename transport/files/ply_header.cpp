@@ -3,7 +3,7 @@
 #include <charconv>
 
 #include "display/services/parameters.h"
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 #include "transport/files/tokenizer.h"
 
 namespace raylex::transport::ply {

@@ -1,8 +1,9 @@
-// What an integrator is, and all it sees of the rest.
+// The interface of integrators.
 //
-// The engine hands over camera rays in batches. Row i of the batch is row i of the thread's sample table. An integrator
-// answers through the services only: it moves a tracker along each path, reports every contribution once, and writes
-// distance, opacity, surface and geometric AOVs of first hits. It never learns which light path expressions exist.
+// The engine passes camera rays in batches. Row i of the batch is row i of the thread's sample table. An integrator
+// returns its results through the services only: it moves a tracker along each path, reports every contribution once,
+// and writes distance, opacity, surface and geometric AOVs of first hits. No light path expression reaches an
+// integrator.
 //
 // The calls, in their order:
 //
@@ -17,7 +18,7 @@
 //   integrate(batch, ...)       many threads at once. It is const: shared state is read-only while rays are traced. A
 //                               loop without a bound of its own calls services.leaving() and returns when that is
 //                               true.
-//   end_iteration(i)            single-threaded: takes in what the states of threads gathered.
+//   end_iteration(i)            single-threaded: collects the results in the states of threads.
 //   save_state, restore_state   for checkpoints, when traits() declares state to save.
 //   cuts()                      after the render: names paths that were cut for their length.
 //
@@ -55,7 +56,8 @@ struct IntegratorContext : PathContext {
 /// Base of an integrator's per-thread state.
 struct IntegratorThread {
     IntegratorThread() = default;
-    /// For paths of at most `max_depth` scattering events; longer paths than 1,024 share the histogram's last slot.
+    /// For paths of at most `max_depth` scattering events. The histogram counts paths of more than 1,024 in its last
+    /// slot.
     explicit IntegratorThread(std::uint32_t max_depth) {
         counters.path_lengths.assign(std::min(max_depth, 1024u) + 1, 0);
     }
@@ -63,14 +65,15 @@ struct IntegratorThread {
     IntegratorCounters counters;
 };
 
-/// What becomes of an integrator's shared state when a render is interrupted and resumed.
+/// Whether an integrator has shared state that a resumed render needs.
 enum class SavedState : std::uint8_t {
-    unknown,  ///< it does not say: renders with checkpoints are refused
+    unknown,  ///< not declared: renders with checkpoints are refused
     none,     ///< nothing lives longer than a batch: samples are functions of their numbers
     saved     ///< save_state() and restore_state(), between the iterations of a synchronous() integrator
 };
 
-/// What an integrator can answer for. Channels that ask for more are refused before the render.
+/// The features that an integrator supports. A channel that needs a feature without support is refused before the
+/// render.
 struct IntegratorTraits {
     bool emitter_samples = false;           ///< reports emitters with an EmitterSample: prefix nothruput
     bool light_samples = false;             ///< samples lights, and blocked ones too: prefixes unoccluded and shadows
@@ -85,18 +88,20 @@ struct IntegratorTraits {
     /// gets a warning.
     bool cutouts = false;
     SavedState saved_state = SavedState::unknown;
-    /// Every contribution comes with its word: what a path atlas needs. False of those that sum them up by channels.
+    /// Every contribution is reported with its path string, as a path atlas needs. False: contributions are sums by
+    /// channel.
     bool tells_words = true;
-    /// Light lands at raster positions of its own (ThreadServices::raster). What needs samples that belong to a pixel
-    /// is refused then: layers of statistics, adaptive sampling, sample filters, deep images, other rules than the
-    /// pixel filter for light. Moments (ChannelDefinition::statistics) are not kept.
+    /// Light lands at raster positions of its own (ThreadServices::raster). Features that need samples of one pixel are
+    /// then refused: layers of statistics, adaptive sampling, sample filters, deep images, and for light all rules but
+    /// the pixel filter. Moments (ChannelDefinition::statistics) are not kept.
     bool raster_splats = false;
-    /// Beside its splats it finds light by camera samples: layers of variance and adaptive sampling may be asked for,
-    /// and are of that part. (Moments are kept for these alone.)
+    /// With raster_splats: the integrator also finds light by camera samples. Layers of variance and adaptive sampling
+    /// are then allowed. They describe this light alone, and moments are kept for it.
     bool pixel_samples = false;
-    /// Closures are regularized: what is specular by its material may scatter by the glossy lobe of the same name.
+    /// Closures are regularized: a specular material may scatter by the glossy lobe of the same name.
     bool regularizes = false;
-    /// Takes CameraBatch::weights: cameras whose rays count differently (Camera::weighs_rays) are refused otherwise.
+    /// The integrator uses CameraBatch::weights. Without this trait, cameras whose rays have weights are refused
+    /// (Camera::weighs_rays).
     bool camera_weights = false;
 };
 
@@ -104,12 +109,13 @@ class Integrator;
 
 /// How the paths of an integrator may be planned where channels alone decide how rays are spent (path_plan.h).
 struct PlanRequest {
-    /// Makes an integrator that traces only the camera subpaths to be planned, for trials; empty: nothing is planned.
+    /// Makes an integrator for trial renders, which traces only the camera subpaths that are planned. Empty: nothing is
+    /// planned.
     std::function<std::unique_ptr<Integrator>()> make_trial;
     LightChoice light_choice = LightChoice::mis;
     bool lights_by_receiver = true;  ///< LightChooser::by_receiver()
     bool splits = false;             ///< paths may be split
-    bool roulette = false;           ///< roulette may be played by what channels still expect
+    bool roulette = false;           ///< roulette may use the light that channels may still receive
     Real roulette_below = 0;         ///< WalkOptions::roulette_below; 0: no ray may be left out at random
 };
 
@@ -121,25 +127,26 @@ class Integrator {
     virtual ~Integrator() = default;
     [[nodiscard]] virtual IntegratorTraits traits() const { return {}; }
     virtual Status prepare(const IntegratorContext& context) = 0;
-    /// After prepare(): what of this scene the integrator does not find, as warnings for the user.
+    /// After prepare(): returns warnings for the user about light of this scene that the integrator does not find.
     [[nodiscard]] virtual std::vector<std::string> omissions() const { return {}; }
-    /// After the render: which paths were cut for their length, and how many, as warnings for the user.
+    /// After the render: returns warnings for the user about paths that were cut for their length, with their number.
     [[nodiscard]] virtual std::vector<std::string> cuts() const { return {}; }
-    /// Before prepare(): what the render may plan for the integrator's camera subpaths. By default nothing.
+    /// Before prepare(): returns what the render may plan for the integrator's camera subpaths. By default nothing.
     [[nodiscard]] virtual PlanRequest plan_request() const { return {}; }
     [[nodiscard]] virtual std::unique_ptr<IntegratorThread> make_thread_state() const {
         return std::make_unique<IntegratorThread>();
     }
     [[nodiscard]] virtual bool synchronous() const { return false; }
-    /// Whether there are samples to take before the image: a Metropolis integrator's bootstrap.
+    /// Whether the integrator takes samples before the image, such as the bootstrap of a Metropolis integrator.
     [[nodiscard]] virtual bool starts_up() const { return false; }
     virtual void end_startup() {}
     virtual void begin_iteration(std::uint64_t /*iteration*/) {}
     virtual void integrate(const CameraBatch& batch, IntegratorThread& thread, ThreadServices& services) const = 0;
     virtual void end_iteration(std::uint64_t /*iteration*/, std::span<IntegratorThread* const> /*threads*/) {}
 
-    /// SavedState::saved only. Appends to `bytes` all that iterations so far left behind in this object, and takes it
-    /// back after prepare(): what follows must be the same bits as if the render had never been interrupted.
+    /// Only for SavedState::saved. save_state() appends to `bytes` all results of earlier iterations that this object
+    /// holds. restore_state() reads them back after prepare(); the render then continues to the same bits as without
+    /// interruption.
     virtual void save_state(std::string& /*bytes*/) const {}
     virtual Status restore_state(std::string_view /*bytes*/) { return success(); }
 };
@@ -148,23 +155,24 @@ class Integrator {
 using IntegratorFactory =
     std::function<Result<std::unique_ptr<Integrator>>(const SceneEntity&, std::optional<std::int64_t> max_depth)>;
 
-/// path (volpath is another name for it), lighttracer, bdpt, pssmlt; plugins add theirs.
+/// The registry of integrators: path (also called volpath), lighttracer, bdpt, pssmlt, and those of plugins.
 Registry<IntegratorFactory>& integrator_registry();
 
-/// A light subpath's power is no number: counted and logged (Law 6) as a splat of `row`'s.
+/// Counts and logs (Law 6) the power of a light subpath that is not finite, as a splat of `row`.
 void reject_power(ThreadServices& services, const display::CameraRow& row, const Rgb& power);
-/// The integrator that `asked` names, with the scene's parameters that both have and `asked` does not give: "maxdepth"
-/// most of all. Without `asked`, the scene's own.
+/// The integrator of a render: `asked`, with each parameter of the scene's integrator that both types have and that
+/// `asked` does not set, such as "maxdepth". Without `asked`, the scene's integrator.
 SceneEntity integrator_for(const std::optional<SceneEntity>& asked, const SceneEntity& of_scene);
 
 struct ChosenIntegrator {
     std::unique_ptr<Integrator> integrator;
     std::string name;
     std::vector<Error> warnings;
-    std::optional<std::uint64_t> samples_per_pixel;  ///< that a scene's integrator asks for itself (mlt)
+    std::optional<std::uint64_t> samples_per_pixel;  ///< number that the scene's integrator requests itself (mlt)
 };
-/// pbrt's integrators of other names are ours, or `path`, with a warning that says how they differ; `volpath` means
-/// `path`, which takes media as they come; a name nobody knows is an Error. An empty type means `path`.
+/// Chooses the integrator for an entity. If raylex has pbrt's integrator under another name, that one is chosen;
+/// otherwise `path` is, and a warning states the difference. `volpath` means `path`, which supports media. An empty
+/// type means `path`. An unknown name is an Error.
 Result<ChosenIntegrator> choose_integrator(const SceneEntity& entity, std::optional<std::int64_t> max_depth);
 
 }  // namespace raylex::transport

@@ -1,4 +1,4 @@
-// Parameters that several integrators have: how they are read, and what the registry says of them.
+// Parameters that several integrators have: their readers, and their descriptions for the registry.
 #pragma once
 
 #include <optional>
@@ -11,16 +11,16 @@
 
 namespace raylex::transport {
 
-/// Reads the parameters of an integrator. The first error is kept; later reads give fallbacks.
+/// Reads the parameters of an integrator. It keeps the first error; later reads return fallbacks.
 class IntegratorParameters : public ParameterReader {
   public:
     explicit IntegratorParameters(const SceneEntity& entity) : ParameterReader(entity.parameters), entity_(entity) {}
 
-    /// "maxdepth": scattering events, 5 without, at most a million; `forced` comes first.
+    /// "maxdepth", the number of scattering events: `forced` if set, else the parameter, else 5; at most a million.
     std::uint32_t max_depth(std::optional<std::int64_t> forced);
-    /// "roulette" and "rrthreshold": the throughput below which paths end at random; 0: none does.
+    /// "roulette" and "rrthreshold": the throughput below which paths end at random. 0: no path ends at random.
     Real roulette_below();
-    /// The position among `names` of the string that is given.
+    /// The position in `names` of the parameter's string.
     std::size_t choice(std::string_view name, const std::vector<std::string>& names, std::size_t fallback);
     /// A number in (0, 1].
     Real fraction(std::string_view name, Real fallback, const std::string& reason = {});
@@ -30,7 +30,7 @@ class IntegratorParameters : public ParameterReader {
 };
 
 ParameterDescription describe_max_depth();
-/// `who` ends at random: "paths", "subpaths".
+/// Describes "roulette". `who` are the paths that end at random: "paths", "subpaths".
 ParameterDescription describe_roulette(const std::string& who);
 ParameterDescription describe_roulette_threshold();
 

@@ -1,4 +1,4 @@
-// What the paths of an integrator bring to the channels, path by path: for integrators that look at whole paths before
+// The contributions of single paths of an integrator to the channels, for integrators that examine whole paths before
 // they splat them, such as Metropolis light transport.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace raylex::transport {
 
-/// What one path brings, at the raster position of its camera ray and at those of its splats.
+/// The contributions of one path, at the raster position of its camera ray and at those of its splats.
 struct PathContribution {
     std::vector<Vec2> positions;  ///< on the raster, in pixels; the camera ray's comes first
     std::vector<double> values;   ///< [position][channel][colour]
@@ -27,23 +27,23 @@ struct PathContribution {
     return (path << 32) + mutation;
 }
 
-/// One thread's paths. They have a sample table of their own, so nothing of them reaches the image.
+/// The paths of one thread. They have a sample table of their own, so they add nothing to the image.
 class PathContributions final : display::RasterSink {
   public:
-    /// For paths of `integrator` and what they bring to `channels`, which take light. All of them must outlive this
-    /// object.
+    /// Follows paths of `integrator` and computes their contributions to `channels`, which are channels of light. All
+    /// arguments must outlive this object.
     PathContributions(const IntegratorContext& context, const Integrator& integrator,
                       const std::vector<display::ChannelId>& channels);
     PathContributions(const PathContributions&) = delete;  // its parts point to one another
     PathContributions& operator=(const PathContributions&) = delete;
 
-    /// Begins a path by its random numbers: a camera ray through a raster position that is drawn evenly over the area
-    /// where light still counts (CameraView::reached()). The paths of one call of follow() need distinct `sample`s.
+    /// Begins a path by its random numbers: a camera ray through a raster position drawn uniformly over the area that
+    /// adds to the image (CameraView::reached()). The paths of one call of follow() need distinct `sample`s.
     void begin(std::size_t row, const PixelSampler& numbers, std::uint64_t sample);
-    /// Follows the paths of the first `count` rows. Returns false if the render ends meanwhile: then the paths are not
-    /// whole.
+    /// Follows the paths of the first `count` rows. Returns false if the render ends before the paths do: their
+    /// contributions are then incomplete.
     [[nodiscard]] bool follow(std::size_t count, ThreadServices& services);
-    /// Counts and logs refused values of a path (Law 6) as splats, which the engine looks at.
+    /// Counts and logs the refused values of a path (Law 6), as splats that the engine examines.
     void report_refused(std::size_t row, ThreadServices& services) const;
 
     [[nodiscard]] std::size_t size() const { return rows_.size(); }  ///< most paths of one call

@@ -1,4 +1,4 @@
-// pbrt-v4's integrators that raylex has under other names: what a scene file asks for, in our terms.
+// Substitutes for pbrt-v4's integrators that raylex has under other names.
 #pragma once
 
 #include <optional>
@@ -10,13 +10,13 @@ namespace raylex::transport {
 
 struct IntegratorSubstitute {
     SceneEntity entity;
-    std::string note;                                ///< how it differs from what was named, for a warning
-    std::optional<std::uint64_t> samples_per_pixel;  ///< that the parameters ask for
+    std::string note;                                ///< difference from the requested integrator, for a warning
+    std::optional<std::uint64_t> samples_per_pixel;  ///< number that the parameters request
 };
 
-/// For `mlt`, `sppm`, `lightpath`, `simplepath`, `simplevolpath`, `randomwalk`, `ambientocclusion` and `function`;
-/// nothing for other types. Parameters that mean something to the substitute are handed on. Errors: parameters of a
-/// wrong type.
+/// Returns a substitute for `mlt`, `sppm`, `lightpath`, `simplepath`, `simplevolpath`, `randomwalk`, `ambientocclusion`
+/// and `function`, and nothing for other types. The substitute receives the parameters that it understands. Errors:
+/// parameters of a wrong type.
 Result<std::optional<IntegratorSubstitute>> substitute_for_pbrt(const SceneEntity& entity);
 
 }  // namespace raylex::transport

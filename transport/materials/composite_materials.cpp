@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "display/services/split_mix.h"
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 #include "transport/materials/material_inputs.h"
 
 namespace raylex::transport {

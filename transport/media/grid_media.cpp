@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "display/services/short_number.h"
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 #include "transport/color/spectrum.h"
 #include "transport/media/medium_parameters.h"
 

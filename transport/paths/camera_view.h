@@ -17,7 +17,7 @@ struct RasterArea {
 struct CameraView {
     const Camera* camera = nullptr;
     int width = 0, height = 0;  ///< of the image, in pixels
-    Vec2 filter_radius;         ///< light up to this distance from the image counts, in pixels
+    Vec2 filter_radius;  ///< in pixels; a light sample up to this distance from a pixel's centre adds to the pixel
 
     /// Density per area with which a camera ray through a raster position drawn uniformly over the image meets a point.
     /// `importance`: raster area per area at the point across the ray. `cosine`: |cos| at the point.
@@ -25,7 +25,8 @@ struct CameraView {
         return static_cast<double>(importance) * static_cast<double>(cosine) /
                (static_cast<double>(width) * static_cast<double>(height));
     }
-    /// Where light still counts: the image, and around it as far as the pixel filter reaches beyond a pixel's own area.
+    /// The area in which light adds to the image: the image, extended on each side by the part of the filter radius
+    /// that exceeds half a pixel.
     [[nodiscard]] RasterArea reached() const {
         const Vec2 reach{std::max(filter_radius.x - Real(0.5), Real(0)),
                          std::max(filter_radius.y - Real(0.5), Real(0))};

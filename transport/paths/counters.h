@@ -8,35 +8,37 @@
 
 namespace raylex::transport {
 
-/// Work that was left out because no channel takes its light, or too little of it (Law 4), by cause.
+/// The causes for which work is left out, because no channel takes its light, or too little of it (Law 4).
 enum class Pruned : std::uint8_t {
-    paths,                       ///< ended: no word can be completed any more
-    light_samples,               ///< not drawn: no light ends a word there
-    shadow_rays,                 ///< of light samples and connections that no channel accepts
-    rays_left_to_light_samples,  ///< last vertices where light samples find more for less,
-    light_samples_left_to_rays,  ///< and the other way round
-    lobes,                       ///< not drawn: no channel takes that side of an interface
-    light_paths,                 ///< not begun or ended: no word leads on to where one is seen or joined
-    connections,                 ///< of light subpath vertices with others or the camera: no channel takes any
-    weak_paths,                  ///< ended at random: channels are expected to receive little of them
-    closures                     ///< of first hits of which AOVs ask for the geometry alone: no texture is looked up
+    paths,                       ///< paths that ended early: no channel accepts any continuation
+    light_samples,               ///< light samples that were not drawn: no channel accepts a light there
+    shadow_rays,                 ///< shadow rays of light samples and connections that no channel accepts
+    rays_left_to_light_samples,  ///< scattering rays of last vertices that were not traced, because light samples find
+                                 ///< the same light at less cost
+    light_samples_left_to_rays,  ///< light samples of last vertices that were not drawn, because scattering rays find
+                                 ///< the same light at less cost
+    lobes,        ///< sides of an interface that were not sampled: no channel accepts a path on that side
+    light_paths,  ///< light subpaths that were not begun, or ended early: no channel accepts a path through them
+    connections,  ///< connections of light subpath vertices with camera subpaths or the camera that no channel accepts
+    weak_paths,   ///< paths that ended at random, because channels are expected to receive little from them
+    closures      ///< closures of first hits that were not made, because AOVs need only the geometry there
 };
 inline constexpr std::size_t pruned_causes = 10;
 using PrunedCounts = std::array<std::uint64_t, pruned_causes>;
 
-/// Work done, for statistics. Added up over threads at the end.
+/// Counts of work done, for statistics. The render adds the counters of all threads at its end.
 struct IntegratorCounters {
     std::uint64_t camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
-    std::uint64_t branches = 0;               ///< beside the first, of split paths
+    std::uint64_t branches = 0;               ///< number of branches of split paths, without the first branch of each
     PrunedCounts pruned{};                    ///< [Pruned]
     std::vector<std::uint64_t> path_lengths;  ///< [scattering events]
     void count(Pruned cause, std::uint64_t times = 1) { pruned[static_cast<std::size_t>(cause)] += times; }
-    /// No channel takes any light of so many paths: none was begun.
+    /// Counts paths that were not begun, because no channel takes their light.
     void leave_out_paths(std::uint64_t paths) { count(Pruned::paths, paths); }
     void add(const IntegratorCounters& other);
-    /// Adds the counts of a part of an integrator, and sets them to zero there.
+    /// Adds the counts of `part` to these counts, and sets `part` to zero.
     void take(IntegratorCounters& part);
-    /// A path of so many scattering events has ended; the longest share the last slot.
+    /// Counts a path that ended after this number of scattering events. The last slot also counts all longer paths.
     void count_length(std::uint32_t events) { ++path_lengths[std::min<std::size_t>(events, path_lengths.size() - 1)]; }
 };
 

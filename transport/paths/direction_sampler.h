@@ -1,9 +1,9 @@
-// What stands between closure and walk: where a path goes on from a vertex.
+// Samplers of the direction in which a path continues from a vertex.
 //
-// By default the closure of the vertex (in media: the phase function) draws the direction. A render may put another
-// sampler in between (PathContext::directions), for example one that learned where light comes from. Everything that
-// depends on densities of directions then uses the sampler's: scattering, the weights of light samples and of
-// connections, and reverse densities. So all techniques agree on one set of densities, and their weights sum to 1.
+// By default the closure of the vertex (in media: the phase function) samples the direction. A render may use another
+// sampler (PathContext::directions), for example one that learned where light comes from. All densities of directions
+// are then those of the sampler: for scattering, for the weights of light samples and of connections, and in reverse.
+// So all techniques use one set of densities, and their weights sum to 1.
 //
 // A sampler is used at vertices whose closure has a density. At mirrors and smooth glass the closure alone decides.
 #pragma once
@@ -13,26 +13,26 @@
 
 namespace raylex::transport {
 
-/// Shared by all threads of a render. Its densities must not change while a batch is underway.
+/// All threads of a render share the object. Its densities must not change during a batch.
 class DirectionSampler {
   public:
     virtual ~DirectionSampler() = default;
 
-    /// Draws the direction in which a path of `mode` goes on that came from point.wo. u_lobe and u in [0, 1). Of a
-    /// direction with a density only `wi` and `pdf` are read: the walk evaluates the closure there. Its pdf must be the
-    /// pdf() of the direction as rounded. Of a specular direction (`delta`) everything is read: it must be a sample of
-    /// the closure whose pdf was multiplied, and whose weight was divided, by the probability of drawing from the
-    /// closure. pdf 0: the path ends.
+    /// Samples the direction in which a path of `mode` that arrived from point.wo continues; u_lobe and u are in [0,
+    /// 1). For a direction with a density the walk reads only `wi` and `pdf` of the result, and evaluates the closure
+    /// for `wi`; `pdf` must equal pdf() of the rounded `wi`. A specular direction (`delta`) must be a sample of the
+    /// closure: its pdf is multiplied, and its weight divided, by the probability of sampling the closure. If pdf is 0,
+    /// the path ends.
     [[nodiscard]] virtual BsdfSample sample(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode,
                                             Real u_lobe, const Vec2& u) const = 0;
-    /// The density per steradian with which sample() draws `to` for a path of `mode` that came from `from`. Specular
-    /// directions are left out.
+    /// The density per steradian with which sample() returns `to` for a path of `mode` that arrived from `from`.
+    /// Specular directions are not included.
     [[nodiscard]] virtual Real pdf(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode, const Vec3& from,
                                    const Vec3& to) const = 0;
 };
 
-/// The density per steradian with which a path of `mode` that came from `from` goes on to `to`. `directions`: null
-/// where closures draw directions themselves.
+/// The density per steradian with which a path of `mode` that arrived from `from` continues to `to`. If `directions` is
+/// null, the closure samples directions.
 template <TransportMode mode>
 [[gnu::always_inline]] inline Real direction_density(const DirectionSampler* directions, const Bsdf& bsdf,
                                                      const SurfacePoint& point, const Vec3& from, const Vec3& to) {

@@ -29,11 +29,11 @@ struct SceneView {
     /// Each sample draws one wavelength from it; null if no index of refraction depends on the wavelength.
     const WavelengthDistribution* wavelengths = nullptr;
 
-    /// Whether each sample draws a time for its rays.
+    /// Whether each sample draws a time for its rays: something moves, or the code for motion is forced.
     [[nodiscard]] bool asks_for_times() const { return moves || general_code.contains(Effect::motion); }
-    /// Whether paths check for media: where there are any, or where the check is forced.
+    /// Whether paths check for media: the scene has media, or the code for media is forced.
     [[nodiscard]] bool asks_for_media() const { return media->any() || general_code.contains(Effect::media); }
-    /// Whether hits and shadow rays are tested for cutouts and interfaces, which light passes.
+    /// Whether hits and shadow rays are tested for cutouts and interfaces, which light can pass.
     [[nodiscard]] bool tests_alpha() const { return geometry->has_alpha() || general_code.contains(Effect::alpha); }
     /// Opacity from 0 to 1 at a point of a shape that has a cutout.
     [[nodiscard]] Real opacity(const ShapeGeometry& shape, const SurfacePoint& point) const {
@@ -46,10 +46,10 @@ struct SceneView {
 /// User events of surfaces, as RenderMan's default options number them (lpe:user2 "...Albedo", lpe:user6 "Normal"): U2,
 /// the albedo, and U6, the shading normal in camera space.
 enum class UserLobe : std::uint8_t { albedo, normal };
-/// The events' lobe labels, by which lobe slots number them.
+/// The lobe labels of these events. Lobe slots map the labels to numbers.
 inline constexpr std::array<const char*, 2> user_lobes{"albedo", "normal"};
 
-/// The classes of this scene's events in this render's channels: look-ups for the inner loop, filled once.
+/// The event classes of the scene's events in the program of the render's channels, as tables for inner loops.
 class EventTable {
   public:
     EventTable() = default;
@@ -58,11 +58,12 @@ class EventTable {
     EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots, bool prunes = true,
                bool regularizes = false);
 
-    /// A scattering by `lobe` at an object of this label. Inside a medium (medium_label()) the lobe does not matter.
+    /// The class of a scattering by `lobe` at an object with this label. For a medium (medium_label()) `lobe` is
+    /// ignored.
     [[nodiscard]] lpe::EventClass scatter(std::int32_t label, LobeId lobe) const {
         return scatter_[static_cast<std::size_t>(label) * lobe_count_ + lobe];
     }
-    /// Straight through a cutout or an interface without a surface.
+    /// The class of passing straight through a cutout, or through an interface without a surface.
     [[nodiscard]] lpe::EventClass straight(std::int32_t label) const {
         return straight_[static_cast<std::size_t>(label)];
     }
@@ -70,9 +71,9 @@ class EventTable {
     [[nodiscard]] std::int32_t medium_label(std::int32_t medium) const { return first_medium_label_ + medium; }
     /// The terminal O of light that a medium emits.
     [[nodiscard]] lpe::EventClass emission() const { return emission_; }
-    /// The terminal: L, or B for infinite lights, with the light's group.
+    /// The class of a light's terminal event: L, or B for an infinite light, with the light group.
     [[nodiscard]] lpe::EventClass terminal(std::uint32_t light) const { return terminal_[light]; }
-    /// A user event of a surface of this label. The L without a group, user_terminal(), follows it.
+    /// The class of a user event of a surface with this label. Its terminal is user_terminal(), an L without a group.
     [[nodiscard]] lpe::EventClass user(std::int32_t label, UserLobe lobe) const {
         return user_[static_cast<std::size_t>(label) * user_lobes.size() + static_cast<std::size_t>(lobe)];
     }
@@ -85,19 +86,19 @@ class EventTable {
     /// False if no channel has an expression: then moves may be skipped.
     [[nodiscard]] bool any() const { return any_; }
     [[nodiscard]] bool prunes() const { return prunes_; }
-    /// The events of scattering by a material at an object of this label, or inside a medium by medium_label() and
+    /// The events of scattering by a material at an object with this label. For a medium, pass medium_label() and
     /// SurfacePoint::no_material.
     [[nodiscard]] std::span<const lpe::EventClass> scatterings(std::int32_t label, std::int32_t material) const {
         const Row& row = row_of(label, material);
         return {by_kind_.data() + row.begin, row.count};
     }
-    /// The first of these: those with a density, where light can be sampled and subpaths can be connected.
+    /// The events of scatterings() that have a density: there light can be sampled and subpaths can be connected.
     [[nodiscard]] std::span<const lpe::EventClass> with_density(std::int32_t label, std::int32_t material) const {
         const Row& row = row_of(label, material);
         return {by_kind_.data() + row.begin, row.with_density};
     }
     [[nodiscard]] const display::Liveness& liveness() const { return liveness_; }
-    /// The events of this scene. Without prunes() there are no scatterings.
+    /// The events of this scene, for liveness. Its lists of scatterings are empty unless prunes().
     [[nodiscard]] display::Liveness::Alphabet alphabet() const;
 
   private:
@@ -126,13 +127,13 @@ class EventTable {
     display::Liveness liveness_;
 };
 
-/// The lobes by which paths leave a material: its own and, where closures are regularized (the integrator's trait), the
-/// lobes that these become.
+/// Appends the lobes by which paths leave a material: its own lobes and, if closures are regularized (a trait of the
+/// integrator), the glossy lobes that replace specular ones.
 void append_lobes(const Material& material, bool regularizes, std::vector<LobeId>& lobes);
-/// Every event that EventTable asks a setup for and that this scene can produce: the columns of a path atlas.
+/// Every event that EventTable can classify and that this scene can produce: the columns of a path atlas.
 std::vector<lpe::Event> scene_events(const SceneView& scene, const lpe::LobeSlots& slots, bool regularizes);
 
-/// The events behind EventTable, also what scene_alphabet() lists.
+/// Makes events, as EventTable classifies them and scene_alphabet() lists them.
 lpe::Event scattering_event(const std::string& object_label, const LobeKind& lobe, const lpe::LobeSlots& slots);
 lpe::Event straight_event(const std::string& object_label);
 lpe::Event phase_event(const std::string& medium_name);

@@ -10,8 +10,8 @@
 
 namespace raylex::transport {
 
-/// First hits side by side: entry `which[i]` of every array is one. Arrays that the AOVs of the render read must be
-/// filled. The others may be.
+/// First hits as a structure of arrays, of which `which` lists the entries that are first hits. Arrays that the AOVs of
+/// the render read must be filled; the others may be empty.
 struct FirstHits {
     std::span<const std::uint32_t> which;
     std::span<const std::uint32_t> rows;  ///< in the sample table
@@ -22,15 +22,15 @@ struct FirstHits {
     std::span<const Bsdf> bsdfs;
 };
 
-/// Writes geometric AOVs of the vertices `which`. `batch`: memory.
+/// Writes geometric AOVs of the vertices `which`. `batch` is scratch memory.
 void write_first_hits(const PathContext& context, const VertexBatch& vertices, std::span<const std::uint32_t> which,
                       geoaovs::ShadingBatch& batch, display::DisplayServices& display);
 
-/// Fills `batch` with these hits. Only the columns that the render's AOVs read are filled.
+/// Fills `batch` with the first hits. Only the columns that the render's AOVs read are filled.
 void describe_first_hits(const PathContext& context, const FirstHits& first, geoaovs::ShadingBatch& batch);
 
-/// Distance from `position` to the nearest edge, in pixels of the image; infinity without edges. `edges`: start and end
-/// in turns. Edges that pass behind the camera are cut.
+/// Distance from `position` to the nearest edge, in pixels of the image; infinity if there are no edges. `edges`
+/// alternates start and end points. An edge that passes behind the camera is cut there.
 Real edge_distance(const FirstHitSetup& setup, const Vec3& position, std::span<const Vec3> edges);
 
 }  // namespace raylex::transport

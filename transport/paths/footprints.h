@@ -8,17 +8,19 @@
 
 namespace raylex::transport {
 
-/// The width of the part of a pixel for which a sample stands, at least an eighth. Samples average what they see, so
-/// each may be narrower: sample n as if the pixel had n samples. Depends on the sample's number alone (Law 3).
+/// The width of the part of a pixel that a sample represents, relative to the pixel. Sample n represents a part as wide
+/// as if the pixel had n + 1 samples, because the pixel averages its samples; at least 1/8. The width depends on the
+/// sample's number alone (Law 3).
 [[nodiscard]] Real pixel_share(std::uint64_t sample);
-/// Narrows the cone of a camera ray from a pixel to the part for which a sample stands.
+/// Narrows the cone of a camera ray from the width of a pixel to pixel_share(sample) of it.
 [[nodiscard]] RayCone cone_of_sample(const RayCone& of_pixel, std::uint64_t sample);
 
-/// The footprint of a cone of width `width` at `point` along -wo. At a slant it is longer, at most 100 times.
+/// The footprint at `point` of a cone that arrives along -wo with width `width`. At grazing angles it is longer, by a
+/// factor of at most 100.
 [[nodiscard]] SurfaceFootprint footprint_of(const SurfaceTangents& tangents, const SurfacePoint& point, Real width);
 
-/// The cone of the ray that leaves a hit by `sample`. Mirrors and smooth glass turn and bend the arriving cone with the
-/// surface. Otherwise it is at least an eighth as wide as the part of directions for which the sample stands.
+/// The cone of the ray that leaves a hit by `sample`. At mirrors and smooth glass it is the arriving cone, turned and
+/// bent by the surface. Otherwise its angle is at least an eighth of that of a cone of 1 / pdf steradians.
 [[nodiscard]] RayCone scattered_cone(const EmbreeScene& geometry, const Hit& hit, const SurfacePoint& point,
                                      const BsdfSample& sample);
 

@@ -47,27 +47,28 @@ struct PartialMisWeights {
     /// Georgiev 2012, equation 37. `others`: the sums of both sides.
     static Real weight(double others) { return static_cast<Real>(1 / (1 + others)); }
 
-    /// What all strategies that connect nearer to the beginning of this subpath weigh, relative to the strategy that
-    /// connects behind this vertex (Georgiev 2012, equations 40, 41, 46). `reverse`: density per area of this vertex as
-    /// made from behind the connection. `reverse_to_previous`: density per steradian of the direction from here to the
-    /// vertex before, as sampled by a subpath from behind the connection.
+    /// The sum of p_j^2 / p_i^2, where strategy i connects behind this vertex, and j runs over all strategies that
+    /// connect nearer to the beginning of this subpath (Georgiev 2012, equations 40, 41, 46). `reverse`: density per
+    /// area of this vertex as made from behind the connection. `reverse_to_previous`: density per steradian of the
+    /// direction from here to the vertex before, as sampled by a subpath from behind the connection.
     [[nodiscard]] double others(double reverse, double reverse_to_previous) const {
         const double here = ratio(reverse, forward);
         return here * here * connects + times_tail(here * ratio_to_previous(reverse_to_previous));
     }
 
-    /// What all other strategies weigh beside a camera subpath that has found a light by itself, at this vertex
-    /// (Georgiev 2012, equation 43). `sampled`: density of its light sample over that of the direction it came in.
-    /// `emission`, `emission_to_previous`: densities with which a light subpath begins here.
+    /// The sum of p_j^2 / p_i^2, where strategy i is a camera subpath that meets a light at this vertex, and j runs
+    /// over all other strategies (Georgiev 2012, equation 43). `sampled`: density of the vertex's light sample over
+    /// that of its direction of arrival. `emission`, `emission_to_previous`: densities with which a light subpath
+    /// begins here.
     [[nodiscard]] double others_at_light(double sampled, double emission, double emission_to_previous) const {
         return connects * squared(sampled) +
                times_tail(ratio(emission, forward) * ratio_to_previous(emission_to_previous));
     }
 
-    /// The subpath has been scattered here (Georgiev 2012, equations 34 to 36; specular: 53 to 55).
-    /// `reverse_to_previous`: density per steradian with which a path from the next vertex is scattered to the vertex
-    /// before. Both densities of a specular scattering are 1. `new_cosine`: of the new direction to the geometric
-    /// normal.
+    /// Updates the numbers when the subpath is scattered at this vertex (Georgiev 2012, equations 34 to 36; specular:
+    /// 53 to 55). `reverse_to_previous`: density per steradian with which a path from the next vertex is scattered to
+    /// the vertex before. Both densities of a specular scattering are 1. `new_cosine`: |cos| of the new direction to
+    /// the geometric normal.
     void leave(bool specular, double reverse_to_previous, double new_cosine) {
         tail *= squared(ratio_to_previous(reverse_to_previous));
         rescale_tail();
@@ -79,8 +80,9 @@ struct PartialMisWeights {
         previous = forward;
         cosine = new_cosine;
     }
-    /// The next vertex has been reached. `density`: per area. `near`: 1 / distance^2, or 1 from infinity. A surface
-    /// that the ray then passes, as it has a cutout there, is replaced by the next.
+    /// Updates the numbers when the subpath reaches its next vertex. `density`: per area. `near`: 1 / distance^2, or 1
+    /// from infinity. If the subpath passes through a cutout at that surface, the call for the next surface replaces
+    /// this one.
     void arrive(double density, double near) {
         forward = density;
         to_previous = cosine * near;

@@ -1,4 +1,4 @@
-// What everything that follows paths gets from a render: tables that last as long as the render, and the rays and
+// Data that a render provides to all code that follows paths: tables that last as long as the render, and the rays and
 // services of one call.
 #pragma once
 
@@ -20,7 +20,7 @@
 
 namespace raylex::transport {
 
-/// What the geometric AOVs of first hits are computed with.
+/// The inputs from which the geometric AOVs of first hits are computed.
 struct FirstHitSetup {
     const geoaovs::GeometricAovs* aovs = nullptr;  ///< the geometric AOVs of the render
     bool pattern_channels = false;                 ///< true: patterns or materials write a channel, so hits are shaded
@@ -28,7 +28,7 @@ struct FirstHitSetup {
     Vec2 pixel_size;  ///< width and height of a pixel on the plane at distance 1 before the camera
 };
 
-/// What an integrator or a pilot makes LPE services from, on a sample table of its own.
+/// The inputs from which an integrator or a pilot makes LPE services on a sample table of its own.
 struct ServicesSetup {
     std::span<const display::ChannelDefinition> channels;  ///< the channels of the frame buffer
     const display::LpeSetup* lpe = nullptr;                ///< the automata of these channels
@@ -39,7 +39,7 @@ struct ServicesSetup {
     [[nodiscard]] display::LpeServices on(display::SampleTable& table) const {
         return {*lpe, table, seed, attribution};
     }
-    /// The channels that take light: those of expressions, without further outputs of their samples.
+    /// The expression channels that take samples, that is, without outputs that reuse the samples of another channel.
     [[nodiscard]] std::vector<display::ChannelId> light_channels() const {
         std::vector<display::ChannelId> ids;
         for (std::size_t i = 0; i < channels.size(); ++i)
@@ -49,7 +49,7 @@ struct ServicesSetup {
     }
 };
 
-/// What paths are followed with; the pointers live as long as the render.
+/// The tables with which paths are followed. The pointers are valid as long as the render.
 struct PathContext {
     SceneView scene;
     const EventTable* events = nullptr;            ///< path events as the channels see them
@@ -75,7 +75,7 @@ struct CameraBatch {
     /// The tile of the pixels. Within an iteration of a synchronous integrator, no two threads hold batches of one
     /// tile.
     std::uint32_t tile = 0;
-    bool startup = false;  ///< not of the image: see Integrator::starts_up
+    bool startup = false;  ///< true: the samples of the batch are dropped; see Integrator::starts_up
     /// Factors of the light along each ray; empty where all are 1. For integrators with the trait camera_weights.
     std::span<const Real> weights{};
 };
@@ -85,11 +85,11 @@ struct ThreadServices {
     display::LpeServices& lpe;
     display::RasterSplats* raster = nullptr;   ///< for integrators with the trait raster_splats; else null
     const std::atomic<bool>* leave = nullptr;  ///< set when the render ends without waiting for batches; null: never
-    bool left = false;                         ///< this batch is not finished: the engine drops its contributions
-    LaterRadiance* later = nullptr;  ///< camera subpaths report the vertices that they leave; null: none is needed
+    bool left = false;  ///< set by leaving(): the batch is not finished, and the engine drops its contributions
+    LaterRadiance* later = nullptr;  ///< receives the vertices that camera subpaths leave; null: they are not recorded
 
-    /// Whether to leave the batch as it is and return at once. Call it in every loop that a scene can make endless; one
-    /// call for each scattering event of a batch costs nothing that can be measured.
+    /// Returns true if the integrator must leave the batch unfinished and return at once. Call it in every loop that a
+    /// scene can make endless; one call for each scattering event of a batch has no measurable cost.
     [[nodiscard]] bool leaving() {
         left = left || (leave != nullptr && leave->load(std::memory_order_relaxed));
         return left;

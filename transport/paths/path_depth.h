@@ -1,17 +1,18 @@
-// How long a path is for "maxdepth".
+// The length of a path, which "maxdepth" limits.
 //
-// An event is a scattering. Inside bodies of subsurface materials paths scatter hundreds of times where pbrt looks up
-// one event in a table. So scatterings in a body's medium do not count, a passage through its surface counts 1/2, and a
-// reflection from within 1/64. 31 such reflections are free, which covers all but 10^-7 of the light (a body of eta 1.5
-// keeps 0.6 of the light that comes to its surface), and total reflection, which may never end, has a bound. Everything
-// else is a whole event, also at things that stand in a body.
+// A scattering is an event of length 1, except in bodies of subsurface materials. There a path scatters hundreds of
+// times where pbrt looks up one event in a table. So a scattering in the medium of a body has length 0, a passage
+// through its surface 1/2, and a reflection at its surface from within 1/64. A path can have 31 such reflections
+// without reaching a further event. They cover all but 10^-7 of the light (a body of eta 1.5 keeps 0.6 of the light
+// that reaches its surface from within), and total reflection, which may never end, is bounded. Things inside a body
+// have events of length 1.
 //
-// What a scattering counts follows from its own surface, or the medium around it, and its two directions, never from
-// the way that rays took before: all strategies count alike, those that connect subpaths too, in bodies with holes or
-// the wrong way out. The medium of one that is open, or the wrong way out, may fill all of space, and where it absorbs
-// nothing a walk there has no end: a subpath has at most 65,536 scatterings, or "maxdepth" where that is more. A half
-// space that absorbs nothing has let 99.6 % of its light out by then: 2 / sqrt(pi n) is left after n steps of any
-// symmetric kind, the first of them inwards (Sparre Andersen 1954), surface and index apart.
+// The length of a scattering follows from its surface (or the medium around it) and its two directions, never from
+// earlier vertices. So all strategies compute the same length, connections included, also in bodies that have holes or
+// are inside out. The medium of such a body may fill all of space. A walk in it never ends if the medium absorbs
+// nothing, so a subpath has at most 65,536 scatterings, or "maxdepth" if that is more. By then 99.6 % of the light has
+// left a half space that absorbs nothing: after n steps of any symmetric distribution, the first of them inwards, 2 /
+// sqrt(pi n) is left (Sparre Andersen 1954; reflection at the surface is ignored).
 #pragma once
 
 #include <cstdint>
@@ -25,8 +26,8 @@ namespace raylex::transport {
 /// Lengths are in 1/64 of an event.
 inline constexpr std::int32_t whole_event = 64;
 
-/// A vertex from which a path may go on or be connected: the length of the path that leads there, and which sides are
-/// within bodies.
+/// A vertex from which a path may continue or be connected: the length of the path to the vertex, and which of its
+/// sides are inside a body.
 struct VertexDepth {
     std::int32_t before = 0;  ///< length of its subpath
     std::int32_t least = 0;   ///< `before` plus the least that an event there may count
@@ -49,7 +50,7 @@ class DepthLimit {
 
     [[nodiscard]] bool has_bodies() const { return has_bodies_; }
     [[nodiscard]] bool allows(std::int32_t length) const { return length <= longest_; }
-    /// Whether a subpath of so many scatterings may have one more, where there are bodies.
+    /// In scenes with bodies: whether a subpath with this number of scatterings may have one more.
     [[nodiscard]] bool allows_walk(std::uint32_t scatterings) const { return scatterings < longest_walk_; }
     [[nodiscard]] bool is_within(std::int32_t medium) const { return medium >= 0 && media_[medium].in_body; }
 

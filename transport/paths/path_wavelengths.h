@@ -40,7 +40,9 @@ class PathWavelengths {
         return path.one_wavelength ? path.beta * weight(row) : path.beta;
     }
 
-    /// Subpaths have reached vertices, whose closures have the mean index.
+    /// Where the index of refraction of a vertex depends on the wavelength, sets the index of the subpath's wavelength
+    /// in the closure and marks the subpath. Skips interfaces that reflect all wavelengths alike: leave() handles
+    /// these.
     [[gnu::noinline]] void meet(VertexBatch& vertices, std::span<Subpath> paths) const {
         for (std::size_t j = 0; j < vertices.surfaces; ++j) {
             const SurfacePoint& point = vertices.points[j];
@@ -50,7 +52,7 @@ class PathWavelengths {
             paths[vertices.rows[j]].one_wavelength = true;
         }
     }
-    /// A subpath leaves vertex j by `s`. Applies the index of its wavelength where meet() has left the mean index.
+    /// Applies the wavelength of a subpath that leaves vertex j by `s`, at interfaces that meet() skipped.
     template <TransportMode mode>
     [[gnu::noinline]] void leave(const VertexBatch& vertices, std::size_t j, Subpath& path, BsdfSample& s) const {
         if (j >= vertices.surfaces || !(s.pdf > 0)) return;

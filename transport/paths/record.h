@@ -1,9 +1,9 @@
 // The record of paths: the one place that calls the LPE services.
 //
-// A record keeps, row by row, where each camera subpath stands in the language. Walks and integrators report events to
-// it (scattered by these lobes, arrived at that light) and read two answers: whether the path is live, and whether a
-// connection is live. The record and the services alone deal with channels, their liveness (Law 4), the shares
-// of lobes (Law 5), prefixes and holdouts.
+// A record keeps one tracker for each camera subpath. Walks and integrators report events to the record (a scattering
+// by these lobes, the arrival at a light) and read two results: whether the path is live, and whether a connection is
+// live. Channels, their liveness (Law 4), the shares of lobes (Law 5), prefixes and holdouts are handled only in the
+// record and the services.
 //
 // Paths that begin at a light are recorded in the order in which the camera would have met them: a light record puts
 // each vertex before the earlier ones, and a connection leads a camera subpath along that suffix to the light.
@@ -23,7 +23,7 @@
 
 namespace raylex::transport {
 
-/// The far end of a connection: a vertex of a light subpath, as the camera's side meets it.
+/// The light end of a connection: a vertex of a light subpath.
 struct LightEnd {
     std::int32_t label = 0;
     LobeList lobes;  ///< of the scattering there towards the camera's side
@@ -31,13 +31,14 @@ struct LightEnd {
     display::PathSuffix word;  ///< the path suffix from the vertex to the light; valid until the next batch
 };
 
-/// Light that a path brings to the camera.
+/// Light that a path brings to the camera, found by one technique.
 struct Arrival {
-    Rgb value{};                     ///< the contribution to beauty
-    Rgb emitted{};                   ///< radiance that leaves the emitter towards the path
-    Rgb unweighted{};                ///< `value` with nothing in the way, and without the MIS weight
-    Real visibility = 1;             ///< fraction that arrives
-    bool found_by_sampling = false;  ///< light sampling finds the same emitter there too
+    Rgb value{};          ///< contribution to beauty, with the MIS weight
+    Rgb emitted{};        ///< radiance that leaves the emitter towards the path
+    Rgb unweighted{};     ///< `value` without the MIS weight and without `visibility`
+    Real visibility = 1;  ///< fraction that surfaces on the way let pass: 0 behind an opaque one
+    /// A light sample could find this light too, and another technique found it. False for light samples.
+    bool sampled_too = false;
 };
 
 using LobeParts = std::array<display::LobePart, max_lobes>;
@@ -52,61 +53,62 @@ inline std::span<const display::LobePart> lobe_parts(const EventTable& events, s
 
 class Record {
   public:
-    /// `rows` is the number of camera subpaths; 0 for records of splats.
+    /// `rows` is the number of camera subpaths; records of splats have none.
     explicit Record(const EventTable& events, std::size_t rows = 0) : events_(&events), trackers_(rows) {}
 
-    /// Rows [0, count) stand at the camera.
+    /// Moves rows [0, count) to the camera.
     void begin(display::LpeServices& lpe, std::size_t count) {
         lpe_ = &lpe;
         for (std::size_t row = 0; row < count; ++row) trackers_[row] = lpe.begin(static_cast<int>(row));
     }
-    /// Without rows: report by these services.
+    /// For records without rows: sets the services to report to.
     void begin(display::LpeServices& lpe) { lpe_ = &lpe; }
 
-    // What happens to the camera subpath of a row. `label` is an object's, or EventTable::medium_label().
+    // Events of the camera subpath of a row. `label` is that of an object, or EventTable::medium_label().
     void scatter(std::uint32_t row, std::int32_t label, const LobeList& lobes) {
         scatter(trackers_[row], label, lobes);
     }
     void pass_through(std::uint32_t row, std::int32_t label) { pass_through(trackers_[row], label); }
-    /// Its first hit is a holdout.
+    /// Marks the subpath's first hit as a holdout.
     void hold_out(std::uint32_t row) { lpe_->hold_out(trackers_[row]); }
-    /// It has arrived at an emitter whose event is `terminal`.
+    /// Reports light of an emitter that the subpath has reached. `terminal` is the event of the emitter.
     void arrive(std::uint32_t row, lpe::EventClass terminal, display::Technique technique,
                 const Arrival& arrival) const;
-    /// Its throughput is NaN or infinite: counted and logged (Law 6).
+    /// Counts and logs a subpath whose throughput is NaN or infinite (Law 6).
     void reject(std::uint32_t row, const Rgb& throughput) const {
         lpe_->contribute(to_float(throughput), {}, trackers_[row]);
     }
-    /// Reports a user event of the surface, if a channel takes it. `throughput`: up to the surface. `value()` is called
-    /// only then.
+    /// Reports a user event of the surface. Calls `value()` only if a channel takes it. `throughput` is that of the
+    /// path to the surface.
     template <class Value>
     void say(std::uint32_t row, std::int32_t label, UserLobe lobe, const Rgb& throughput, Value value) const;
 
-    /// Whether the subpath can still find light that counts.
+    /// Whether the subpath can still find light that a channel takes.
     [[nodiscard]] bool is_live(std::uint32_t row) const {
         return takes_all(row) || (lpe_->live(trackers_[row]) && events_->liveness().of(trackers_[row]).anything);
     }
-    /// What channels can still take behind the vertex, whichever lobe of its material scatters.
+    /// What channels can still take after the subpath is scattered at the vertex, by any lobe of its material.
     [[nodiscard]] display::Liveness::LiveSet live_set(std::uint32_t row, std::int32_t label,
                                                       std::int32_t material) const {
         return takes_all(row) ? display::Liveness::LiveSet() : live_set_of_channels(row, label, material);
     }
-    /// Whether the subpath can find light that counts at its vertex or behind it, by any lobe of the material there.
+    /// Whether the subpath can find light that a channel takes, at its vertex or later, by any lobe of the material
+    /// there.
     [[nodiscard]] bool is_live(std::uint32_t row, std::int32_t label, std::int32_t material) const {
         return live_set(row, label, material).anything;
     }
-    /// Whether the subpath can find light that counts behind its vertex if this lobe scatters it there.
+    /// Whether the subpath can find light that a channel takes after this lobe scatters it at its vertex.
     [[nodiscard]] bool is_live_lobe(std::uint32_t row, std::int32_t label, LobeId lobe) const {
         const lpe::EventClass event = events_->scatter(label, lobe);
         return lpe_->live(trackers_[row]) && events_->liveness().after(trackers_[row], {&event, 1}).anything;
     }
-    /// Whether the subpath can find light that counts behind a collision with a particle of this medium.
+    /// Whether the subpath can find light that a channel takes after a scattering in this medium.
     [[nodiscard]] bool is_live_in_medium(std::uint32_t row, std::int32_t medium) const;
     /// True if beauty takes the whole path, or if pruning is off. Then is_live() is true as well.
     [[nodiscard]] bool takes_all(std::uint32_t row) const {
         return lpe_->takes_all(trackers_[row]) || !events_->prunes();
     }
-    /// Whether a channel other than beauty takes some of it.
+    /// Whether a channel other than beauty can take light of the subpath.
     [[nodiscard]] bool channels_follow(std::uint32_t row) const { return lpe_->channels_follow(trackers_[row]); }
     /// Whether blocked light must be reported too.
     [[nodiscard]] bool wants_blocked_light() const { return lpe_->wants_emitter_samples(); }
@@ -116,8 +118,8 @@ class Record {
         if_visible,        ///< some channel takes what arrives: trace a shadow ray
         if_visible_or_not  ///< channels take it whatever is in the way: report it without a ray
     };
-    /// Whether a channel takes a connection of the subpath of a row, scattered at its vertex by these lobes towards a
-    /// light, or towards `end`. For rows that beauty does not take whole. `cutouts`: there may be some in between,
+    /// Whether a channel takes a connection of a row's subpath, scattered at its vertex by these lobes, to a light or
+    /// to `end`. Only for rows of which beauty does not take everything. `cutouts`: the connection may pass cutouts,
     /// which leave events of their own.
     [[nodiscard]] Liveness liveness_of_connection(std::uint32_t row, std::int32_t label, const LobeList& lobes,
                                                   std::uint32_t light, const LightEnd* end, bool cutouts) const;
@@ -125,7 +127,8 @@ class Record {
     [[nodiscard]] bool is_live_splat(std::uint32_t row, const LightEnd& end) const;
 
     void hold_out(display::Tracker& tracker) const { lpe_->hold_out(tracker); }
-    // Connections move their own tracker: past the camera subpath's vertex, past cutouts in between, to the light.
+    // Trackers of connections: each is a copy that moves past the camera subpath's vertex and the cutouts in between,
+    // to the light.
     [[nodiscard]] display::Tracker after(std::uint32_t row, std::int32_t label, const LobeList& lobes) const {
         display::Tracker tracker = trackers_[row];
         scatter(tracker, label, lobes);
@@ -144,7 +147,7 @@ class Record {
     }
     void add(const display::Tracker& at_light, display::Technique technique, const Arrival& arrival) const;
 
-    // Where the subpath of a row stands in the language. A branch of a split path begins there again.
+    // The tracker of a row's subpath. A branch of a split path starts from a copy of it.
     [[nodiscard]] const display::Tracker& tracker(std::uint32_t row) const { return trackers_[row]; }
     void go_back(std::uint32_t row, const display::Tracker& tracker) { trackers_[row] = tracker; }
 
@@ -164,7 +167,8 @@ class Record {
     std::vector<display::Tracker> trackers_;  // by row
 };
 
-/// The language of a render's channels, read from the lights. Cannot be moved: it points at itself.
+/// The automata of a render's channels, reversed, for path strings that grow from the light. Not movable: it contains
+/// pointers to itself.
 class LightLanguage {
   public:
     LightLanguage(const display::LpeSetup& setup, const EventTable& events);
@@ -172,12 +176,13 @@ class LightLanguage {
     LightLanguage& operator=(const LightLanguage&) = delete;
     /// Null where the channels' program is too large to be reversed.
     [[nodiscard]] const lpe::ReversedProgram* reversed() const { return reversed_ ? &*reversed_ : nullptr; }
-    /// Whether a path atlas needs the events as well.
+    /// Whether suffixes keep their events, which a path atlas needs.
     [[nodiscard]] bool keeps_paths() const { return keeps_paths_; }
-    /// Nothing is known if beauty is requested, which takes all.
+    /// Liveness by path suffixes. If beauty is requested, which takes everything, all suffixes are live.
     [[nodiscard]] const display::SuffixLiveness& liveness() const { return liveness_; }
-    /// For a light's suffix: liveness(), but nothing for lights that no channel takes. These are known even where
-    /// suffixes are not (bit-parallel channels, programs too large to be reversed).
+    /// What is live for a suffix that is a light alone. Nothing is live for lights that no channel takes. This holds
+    /// even where the liveness of longer suffixes is unknown (bit-parallel channels, programs too large to be
+    /// reversed).
     [[nodiscard]] display::SuffixLiveness::LiveSet live_set_of(lpe::EventClass terminal) const;
 
   private:
@@ -214,11 +219,11 @@ class LightRecord {
     void pass_through(std::uint32_t row, std::int32_t label) {
         if (words_) word_[row] = lpe_->prepend(*words_, word_[row], events_->straight(label));
     }
-    /// Whether further scatterings of the subpath can count (Law 4).
+    /// Whether a channel can take light of the subpath after further scatterings (Law 4).
     [[nodiscard]] bool is_live(std::uint32_t row) const {
         return takes_all() || (words_ && language_->liveness().of(*words_, word_[row]).goes_on);
     }
-    /// What is live once its current vertex scatters by any lobe of the material there.
+    /// What is live after the current vertex of a row's subpath scatters by any lobe of its material.
     [[nodiscard]] display::SuffixLiveness::LiveSet live_set(std::uint32_t row, std::int32_t label,
                                                             std::int32_t material) const {
         if (takes_all()) return {};
@@ -226,15 +231,16 @@ class LightRecord {
         return language_->liveness().after(*words_, word_[row], events_->scatterings(label, material),
                                            events_->with_density(label, material).size());
     }
-    /// Whether the subpath can count at its vertex or after it, by any lobe of the material there.
+    /// Whether a channel can take light of the subpath at its vertex or later, by any lobe of the material there.
     [[nodiscard]] bool is_live(std::uint32_t row, std::int32_t label, std::int32_t material) const {
         return live_set(row, label, material).anything();
     }
-    /// Whether the subpath can count after a collision with a particle of this medium.
+    /// Whether a channel can take light of the subpath after a scattering in this medium.
     [[nodiscard]] bool is_live_in_medium(std::uint32_t row, std::int32_t medium) const {
         return is_live(row, events_->medium_label(medium), SurfacePoint::no_material);
     }
-    /// Whether a connection of a camera subpath with `end` can count, by any lobes of the materials of both vertices.
+    /// Whether a channel can take light of a connection of a camera subpath with `end`, by any lobes of the materials
+    /// of both vertices.
     [[nodiscard]] bool is_live_connection(const Record& camera, std::uint32_t row, std::int32_t label,
                                           std::int32_t material, const LightEnd& end,
                                           std::int32_t material_of_end) const {
@@ -242,7 +248,8 @@ class LightRecord {
                language_->liveness().joins(camera.tracker(row), events_->with_density(label, material), *end.words,
                                            end.word, events_->with_density(end.label, material_of_end));
     }
-    /// The suffix behind the current vertex. The vertex itself scatters by LightEnd::lobes when it is connected.
+    /// The light end at the current vertex: the suffix behind the vertex. The vertex itself scatters by LightEnd::lobes
+    /// when it is connected.
     [[nodiscard]] LightEnd end(std::uint32_t row, std::int32_t label) const {
         LightEnd end;
         end.label = label;
@@ -263,9 +270,9 @@ class LightRecord {
 
 inline void Record::add(const display::Tracker& at_light, display::Technique technique, const Arrival& arrival) const {
     if (!lpe_->wants_emitter_samples()) return lpe_->contribute(to_float(arrival.value), technique, at_light);
-    lpe_->contribute(to_float(arrival.value), technique, at_light,
-                     {to_float(arrival.emitted), to_float(arrival.unweighted), to_float(arrival.visibility),
-                      arrival.found_by_sampling});
+    lpe_->contribute(
+        to_float(arrival.value), technique, at_light,
+        {to_float(arrival.emitted), to_float(arrival.unweighted), to_float(arrival.visibility), arrival.sampled_too});
 }
 
 inline void Record::arrive(std::uint32_t row, lpe::EventClass terminal, display::Technique technique,

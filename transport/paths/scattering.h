@@ -24,7 +24,7 @@ struct ConnectedScattering {
     Real pdf_reverse = 0;  ///< density per steradian with which a subpath from the other vertex goes back
 };
 
-/// The subpath leaves a vertex. The caller updates the throughput.
+/// Updates a subpath that leaves a vertex, except its throughput.
 template <TransportMode mode>
 inline void leave_vertex(Subpath& path, const SurfacePoint& point, const BsdfSample& s) {
     ++path.depth;
@@ -50,8 +50,9 @@ inline void weigh_importance(const Bsdf& bsdf, const SurfacePoint& point, BsdfSa
     s.weight *= (s_in / s_out) * (g_out / g_in) * (s.transmitted ? s.eta * s.eta : 1.0f);
 }
 
-/// One sample of a closure for a subpath that came from point.wo, `pdf` being the density whatever the closure. u_lobe
-/// and u in [0, 1). The radiance's 1 / eta^2 is in a camera subpath's weight and not in a light subpath's.
+/// One sample of a closure for a subpath that arrived from point.wo; u_lobe and u are in [0, 1). `pdf` of the result is
+/// the density of the direction for every closure. The weight of a camera subpath contains the radiance's factor 1 /
+/// eta^2; that of a light subpath does not.
 template <TransportMode mode>
 [[gnu::always_inline]] inline BsdfSample sample_scattering(const Bsdf& bsdf, const SurfacePoint& point, Real u_lobe,
                                                            const Vec2& u) {
@@ -72,8 +73,8 @@ template <TransportMode mode>
     return s;
 }
 
-/// Scattering from the side of point.wo towards a light sample. pdf: the density with which the subpath goes on to it.
-/// `directions`: null where closures draw directions themselves.
+/// Evaluates the scattering from point.wo towards a light sample, with the density for a subpath from the camera. If
+/// `directions` is null, closures sample directions.
 [[gnu::always_inline]] inline BsdfEvaluation evaluate_towards(const DirectionSampler* directions, const Bsdf& bsdf,
                                                               const SurfacePoint& point, const Vec3& to) {
     BsdfEvaluation f = bsdf.evaluate(point.wo, to);
@@ -82,9 +83,8 @@ template <TransportMode mode>
     return f;
 }
 
-/// Scattering towards a vertex of the other direction's subpath, with the densities of both directions. Without `both`:
-/// only with the density of the direction that the camera's side would have drawn. `directions`: null where closures
-/// draw directions themselves.
+/// Evaluates the scattering from point.wo to `to`, with the densities of both directions. Without `both`, only the
+/// density for a subpath from the camera is set. If `directions` is null, closures sample directions.
 template <TransportMode mode, bool both = true>
 [[gnu::always_inline]] inline ConnectedScattering evaluate_scattering(const DirectionSampler* directions,
                                                                       const Bsdf& bsdf, const SurfacePoint& point,
@@ -108,8 +108,8 @@ template <TransportMode mode, bool both = true>
     }
 }
 
-/// One sample of another sampler than the closure, which has a density, for a subpath that came from point.wo.
-/// `transmitted` and `eta` of directions with a density stay unset: only roulette reads them.
+/// One sample of `directions` for a subpath that arrived from point.wo, at a closure that has a density. Directions
+/// with a density leave `transmitted` and `eta` unset, which only roulette reads.
 template <TransportMode mode>
 [[gnu::noinline]] BsdfSample sample_direction(const DirectionSampler& directions, const Bsdf& bsdf,
                                               const SurfacePoint& point, Real u_lobe, const Vec2& u) {

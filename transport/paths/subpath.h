@@ -25,19 +25,23 @@ inline constexpr std::uint32_t filter_dimension = 0, lens_dimension = 1, time_di
 
 struct alignas(64) Subpath {
     Rgb beta{1};  ///< throughput: product of scattering weights; of a light subpath the power it carries
-    /// Roulette compares beta times this factor with the threshold for a camera subpath: the product of eta^2 over
-    /// transmissions, which cancels their scaling of radiance. For a light subpath beta over this: its first power.
+    /// The factor by which roulette scales the throughput before it compares it with the threshold. Of a camera
+    /// subpath: the product of eta^2 over its transmissions, which cancels their scaling of radiance; it is multiplied.
+    /// Of a light subpath: its initial power, by which beta is divided.
     Real roulette_scale = 1;
-    /// Density of the last direction, per steradian (from a light at infinity: per area across the beam). Of a specular
-    /// direction: the probability of its lobe.
+    /// Density of the last direction, as multiple importance sampling uses it: the sampler's density per steradian,
+    /// times the number of rays that leave a split vertex, times the share of scattering rays at a last vertex
+    /// (TechniqueShares::ray). Of a specular direction: the probability of its lobe, without these factors. Of the
+    /// first ray of a light subpath: EmissionDensity::direction, or 0 if the walk keeps no densities. 0 for a camera
+    /// ray.
     Real pdf = 0;
-    Vec3 from;                  ///< the vertex it left; the camera or the light at first
-    Vec3 from_normal;           ///< the shading normal there; zero where there is no surface
+    Vec3 from;                  ///< the vertex that the last ray left; initially a point on the camera or the light
+    Vec3 from_normal;           ///< shading normal at `from`; zero where there is no surface
     std::uint32_t depth = 0;    ///< number of scattering events so far
-    std::int32_t length = 0;    ///< their length, which "maxdepth" bounds (path_depth.h)
-    std::uint32_t segment = 0;  ///< number of rays so far, beyond cutouts too: keys choices made once a ray
-    std::int32_t medium = -1;   ///< which the next ray crosses; -1: none
-    /// Number of the chooser (LiveLights) of the light sample at the vertex that the ray leaves.
+    std::int32_t length = 0;    ///< sum of the lengths of these events, which "maxdepth" bounds (path_depth.h)
+    std::uint32_t segment = 0;  ///< number of rays so far, also of those behind cutouts: keys choices made once a ray
+    std::int32_t medium = -1;   ///< medium that the next ray crosses; -1: none
+    /// Number of the chooser (LiveLights) from which the vertex that the ray leaves draws its light sample.
     std::uint8_t lights = 0;
     bool specular = true;  ///< the last direction is the camera's or a delta lobe's: light sampling cannot find it
     bool any_non_specular = false;  ///< some scattering was not specular
@@ -45,7 +49,7 @@ struct alignas(64) Subpath {
 };
 static_assert(sizeof(Real) > 4 || sizeof(Subpath) <= 64, "what every stage reads fits into a cache line");
 
-/// How rays leave the vertices of a camera subpath (splits.h).
+/// How many rays leave the vertices of a camera subpath, and by which lobes (splits.h).
 struct SplitState {
     std::uint8_t rays = 1;      ///< number of rays that leave the current vertex
     bool all_lobes = false;     ///< one ray leaves the current vertex by each of its specular lobes
@@ -67,10 +71,11 @@ struct SubpathDimensions {
         return first + depth * stride + which;
     }
 };
-/// Plus scattering events so far: the number by which a vertex of a camera subpath takes a light sample or not.
+/// The first of the dimensions, one for each scattering event, that decide whether a vertex of a camera subpath takes a
+/// light sample.
 inline constexpr std::uint32_t light_technique_dimensions = 1u << 23;
-/// Dimensions of a vertex beside those of SubpathDimensions: of the light sample of a camera subpath, and of the lens
-/// position to which a light subpath is connected.
+/// Further dimensions of a vertex, for the light sample of a camera subpath and for the lens position to which a light
+/// subpath is connected.
 inline constexpr std::uint32_t light_choice_dimension = 0, light_sample_dimension = 1, camera_lens_dimension = 0;
 
 /// Dimensions of the start of a light subpath: light_dimensions + one of these.

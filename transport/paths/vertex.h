@@ -12,7 +12,7 @@ namespace raylex::transport {
 
 /// Rays on their way to the next vertices.
 struct RayQueue {
-    std::vector<std::uint32_t> rows;  ///< whose subpath
+    std::vector<std::uint32_t> rows;  ///< the subpath of each ray
     std::vector<Ray> rays;
     std::size_t count = 0;
 
@@ -74,8 +74,8 @@ inline Ray ray_from(const VertexBatch& vertices, std::size_t j, const Vec3& dire
     return ray;
 }
 
-/// Bump and normal maps turn the shading normals of `points`, whose `random_key` is set. Closures, lights and AOVs all
-/// see the normals that the maps give.
+/// Applies bump and normal maps to the shading normals of `points`, whose `random_key` is set. Closures, lights and
+/// AOVs all use the resulting normals.
 inline void apply_bump(const SceneView& scene, std::span<const Hit> hits, std::span<SurfacePoint> points) {
     for (std::size_t j = 0; j < hits.size(); ++j) {
         const NormalDetail& detail = scene.materials->normal_detail(*scene.textures, points[j]);

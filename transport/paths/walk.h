@@ -40,12 +40,12 @@ struct WalkOptions {
     bool regularize = false;                       ///< closures behind a scattering that is not specular
     /// False: specular scatterings at the beginning of a camera subpath do not count; at most `max_depth` of them.
     bool counts_first_specular = true;
-    /// Light and user events that a camera subpath meets before so many scatterings are not reported: another part of
-    /// the integrator finds them.
+    /// The walk does not report light and user events that a camera subpath meets before this number of scatterings:
+    /// another part of the integrator finds them.
     std::uint32_t first_depth = 0;
     /// Light subpaths longer than this are cut, and counted.
     std::uint32_t most_scatterings = ~0u;
-    /// Light subpaths with densities: the chooser by which camera subpaths sample lights, for the weights.
+    /// For light subpaths with densities: the chooser from which camera subpaths draw light samples, for the weights.
     const LightChooser* sampled = nullptr;
 };
 
@@ -104,26 +104,26 @@ class Walk {
     [[nodiscard]] std::span<const std::uint32_t> first_entries() const { return {first_entries_.data(), first_count_}; }
     [[nodiscard]] std::span<const EscapedRay> escaped() const { return escaped_; }
     [[nodiscard]] std::span<const EmitterHit> emitters() const { return emitters_; }
-    /// Empty unless channels take blocked light.
+    /// Arrivals of the last advance(). Empty unless channels take blocked light.
     [[nodiscard]] std::span<const SurfaceArrival> arrivals() const { return arrivals_; }
-    /// Light subpaths only: since begin().
+    /// Light subpaths with an invalid power, since begin().
     [[nodiscard]] std::span<const InvalidPower> invalid_powers() const { return invalid_powers_; }
 
-    /// Light subpaths that were cut since begin() (WalkOptions::most_scatterings).
+    /// Number of light subpaths that were cut for their length since begin() (WalkOptions::most_scatterings).
     [[nodiscard]] std::uint64_t cut() const { return cut_; }
 
     [[nodiscard]] const Subpath& path(std::uint32_t row) const { return paths_[row]; }
     /// The factor of light that the subpath of a row meets: beta, times the weight of its wavelength if it has one. For
-    /// light subpaths: the power.
+    /// light subpaths it is the power.
     [[nodiscard]] Rgb throughput(std::uint32_t row) const { return wavelengths_.throughput(row, paths_[row]); }
-    /// The weight of a row's wavelength, for paths that are of one wavelength.
+    /// The weight of a row's wavelength, for paths of one wavelength.
     [[nodiscard]] const Rgb& wavelength_weight(std::uint32_t row) const { return wavelengths_.weight(row); }
-    /// At the current vertex; options.densities only.
+    /// The partial MIS weights at a row's current vertex. Only with options.densities.
     [[nodiscard]] PartialMisWeights& mis_weights(std::uint32_t row) { return mis_weights_[row]; }
     [[nodiscard]] const PartialMisWeights& mis_weights(std::uint32_t row) const { return mis_weights_[row]; }
-    /// Distance along the camera ray to where the ray of a row begins, over cutouts passed.
+    /// Distance along the camera ray to the start of a row's current ray, which is behind the cutouts that it passed.
     [[nodiscard]] Real travelled(std::uint32_t row) const { return travelled_.empty() ? 0 : travelled_[row]; }
-    /// With which the row's subpath uses its techniques at the vertex that its ray leaves.
+    /// The shares with which a row's subpath uses its techniques at the vertex that its ray leaves.
     [[nodiscard]] TechniqueShares technique_shares(std::uint32_t row) const {
         return shares_.empty() ? TechniqueShares() : shares_[row];
     }

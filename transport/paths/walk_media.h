@@ -6,7 +6,8 @@
 
 namespace raylex::transport {
 
-/// A ray towards a hit or miss at `distance`. Returns false if the subpath ends or collides before.
+/// Follows a ray of a subpath, which hits a surface or nothing at `distance`, through its medium. Returns false if the
+/// subpath ends or collides before.
 template <TransportMode mode>
 bool Walk<mode>::traverse_medium(std::uint32_t row, const Ray& ray, Real distance, display::DisplayServices& display) {
     const Subpath& path = paths_[row];
@@ -23,7 +24,7 @@ bool Walk<mode>::traverse_medium(std::uint32_t row, const Ray& ray, Real distanc
     return attenuate(row, passed);
 }
 
-/// Crosses a grid. A function of its own, so that homogeneous media pay one test for grids.
+/// Follows a ray through a grid. It is a separate function, so that homogeneous media pay one test for grids.
 template <TransportMode mode>
 [[gnu::noinline]] bool Walk<mode>::traverse_grid(std::uint32_t row, const Ray& ray, Real distance,
                                                  display::DisplayServices& display) {
@@ -62,7 +63,7 @@ bool Walk<mode>::allows_collision(std::uint32_t row) const {
     return depth_limit_.allows(depth_limit_.at_collision(paths_[row].length, paths_[row].medium).least);
 }
 
-/// Returns false if nothing is left of the path, which ends.
+/// Returns false if the path ends because no light is left.
 template <TransportMode mode>
 bool Walk<mode>::attenuate(std::uint32_t row, const Rgb& transmittance) {
     Subpath& path = paths_[row];

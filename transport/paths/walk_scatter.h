@@ -33,7 +33,7 @@ void Walk<mode>::pass_cutouts() {
     passes_.clear();
 }
 
-/// The probability with which a planned roulette lets the path of a row go on; 0: throughput decides.
+/// The probability with which a planned roulette continues the path of a row. 0: the throughput decides.
 template <TransportMode mode>
 Real Walk<mode>::planned_survival(std::uint32_t row) const {
     const Subpath& path = paths_[row];
@@ -43,8 +43,8 @@ Real Walk<mode>::planned_survival(std::uint32_t row) const {
     return context_.plan->roulette.chance(planned_state(row), strength);
 }
 
-/// The state by which a plan distinguishes paths. A specular direction is a state of its own: no light sample shares
-/// its light, so more depends on such a path.
+/// The state by which a plan distinguishes paths. Specular directions have states of their own: no light sample finds
+/// their light, so more depends on these paths.
 template <TransportMode mode>
 std::uint64_t Walk<mode>::planned_state(std::uint32_t row) const {
     if constexpr (mode == TransportMode::importance) return 0;
@@ -82,8 +82,9 @@ bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
     return true;
 }
 
-/// Takes the share of a branch. Roulette sees the branch as strong as the unsplit path. Returns the number of rays that
-/// compete for the same light in multiple importance sampling; 1 where each ray follows another lobe.
+/// Multiplies the throughput by the share of a branch. Roulette treats the branch like the unsplit path. Returns the
+/// number of rays that compete for the same light in multiple importance sampling, which is 1 if each ray follows
+/// another lobe.
 template <TransportMode mode>
 std::uint32_t Walk<mode>::take_branch(Subpath& path, SplitState& split, const BsdfSample& s) {
     const std::uint32_t rays = split.rays;
@@ -99,7 +100,8 @@ std::uint32_t Walk<mode>::take_branch(Subpath& path, SplitState& split, const Bs
     return rays;
 }
 
-/// Corrects the length of the event at vertex j, which the path has left. Returns false if the path is too long for it.
+/// Corrects the path's length for the event at vertex j, which the path has left. Returns false if the path is too
+/// long.
 template <TransportMode mode>
 [[gnu::noinline]] bool Walk<mode>::stays_short(std::size_t j, const Vec3& direction) {
     Subpath& path = paths_[vertices_.rows[j]];

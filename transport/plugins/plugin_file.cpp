@@ -8,7 +8,7 @@
 #include <span>
 #include <type_traits>
 
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 namespace raylex::transport {
 namespace {

@@ -6,7 +6,7 @@
 // of tasks without synchronisation of threads. Between phases no samples are in progress, and the schedule chooses the
 // next phase.
 //
-// A schedule is called at most once per task. Private to transport/render.
+// The engine calls render() at most once per task. Private to transport/render.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ class Schedule {
 
     /// The position of a render that resumes nothing.
     [[nodiscard]] virtual RenderPosition beginning() const { return {}; }
-    /// Called once a session, before its first phase; not if the render has to end before that.
+    /// Called once a session, before its first phase. Not called if the render has to end before that.
     virtual void begin_session(const RenderState& /*state*/) {}
     /// Whether the render is complete; called between phases.
     [[nodiscard]] virtual bool finished(const RenderPosition& position) const = 0;
@@ -43,9 +43,10 @@ class Schedule {
 
     /// Whether a record taken between two tasks of a phase is consistent.
     [[nodiscard]] virtual bool can_save_amid_phase() const { return true; }
-    /// Whether threads must leave their batches because the phase takes too long; called while threads work.
+    /// Whether threads must leave their batches because the phase takes too long. Called while threads work.
     [[nodiscard]] virtual bool overdue(const RenderState& /*state*/) const { return false; }
-    /// Decides about the phase after threads had to leave their batches because it took too long.
+    /// Called after threads had to leave their batches because the phase took too long. Decides how the render
+    /// continues.
     virtual Status after_overdue(RenderState& /*state*/) { return success(); }
 
     /// The forecast of the camera samples of the whole render, after `done`.

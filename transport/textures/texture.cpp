@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 #include "transport/textures/parameter_reader.h"
 #include "transport/textures/texture_storage.h"
 

@@ -17,7 +17,7 @@
 #include "display/output/color/shipped_config.h"
 #include "display/services/parameters.h"
 #include "display/services/thread_or_none.h"
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 namespace ocio = OCIO_NAMESPACE;
 

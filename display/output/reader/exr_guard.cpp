@@ -11,7 +11,7 @@
 
 #include <ImfThreading.h>
 
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 namespace raylex::display {
 

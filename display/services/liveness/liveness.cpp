@@ -7,7 +7,7 @@
 
 #include "display/services/samples/branches.h"
 #include "display/services/split_mix.h"
-#include "lpe/liveness_table.h"
+#include "lpe/automata/liveness_table.h"
 
 namespace raylex::display {
 

@@ -1,5 +1,6 @@
-// What channels can still take of a path (Law 4): anything at all, anything after another scattering, and which lights
-// without one. The answer depends on the states of the path's tracker and on the events that a scene can bring.
+// Computes what channels can still take of a path (Law 4): anything at all, anything after another scattering, and
+// which lights without another scattering. The result depends on the states of the path's tracker and on the events
+// that a scene can produce.
 #pragma once
 
 #include <algorithm>
@@ -26,32 +27,32 @@ class Liveness {
     };
     /// The classes in ascending order, each once.
     static std::vector<lpe::EventClass> distinct(std::vector<lpe::EventClass> classes);
-    /// What is live in a state, or in several.
+    /// What is live in one state, or in any of several states.
     struct LiveSet {
         std::uint64_t terminals = ~std::uint64_t{0};  ///< bits by bit_of(): counts without a scattering before it
         bool anything = true;                         ///< some path string of the scene with this prefix is accepted
         bool scatters = true;                         ///< such a path string with another scattering is
     };
 
-    /// Nothing is known, so everything is live.
+    /// Without tables: everything is live.
     Liveness() = default;
     Liveness(const LpeSetup& setup, const Alphabet& alphabet);
 
     [[nodiscard]] bool is_known() const { return !states_.empty(); }
-    /// For paths that are still at the camera.
+    /// What is live for a path at the camera.
     [[nodiscard]] const LiveSet& at_camera() const { return at_camera_; }
     [[nodiscard]] LiveSet of(const Tracker& tracker) const;
-    /// What is live once one of these events has scattered the path.
+    /// What is live after one of these events has scattered the path.
     [[nodiscard]] LiveSet after(const Tracker& tracker, std::span<const lpe::EventClass> scatterings) const;
-    /// A hash of the tracker's states without their shares; two states share one with probability 2^-63. 0 if nothing
-    /// is known.
+    /// A hash of the tracker's states without their shares. Two different states have the same hash with probability
+    /// 2^-63. 0 if there are no tables.
     [[nodiscard]] std::uint64_t state_of(const Tracker& tracker) const;
-    /// The bit in LiveSet::terminals of a class in Alphabet::terminals. Those after the 63rd share the last.
+    /// The bit in LiveSet::terminals of a class in Alphabet::terminals. All classes after the 63rd share the last bit.
     [[nodiscard]] std::uint64_t bit_of(lpe::EventClass terminal) const;
-    /// The values of LiveSet::terminals in the states that paths of the scene reach, for each automaton. That of a path
-    /// is a union of these.
+    /// The values of LiveSet::terminals in the states that paths of the scene reach, for each automaton. The value of a
+    /// path is a union of some of these.
     [[nodiscard]] const std::vector<std::uint64_t>& sets_of_terminals() const { return sets_; }
-    /// Their union: the terminals that are live for some path.
+    /// The union of sets_of_terminals(): the terminals that are live for some path.
     [[nodiscard]] std::uint64_t live_terminals() const;
 
   private:

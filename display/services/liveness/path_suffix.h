@@ -1,8 +1,8 @@
 // Path suffixes: the path strings of light subpaths, with shares (Law 5 from the light end).
 //
-// A light subpath has the end of its path string. It carries pairs (state of the reversed automaton, share), as a
-// tracker carries pairs (state, share): each vertex puts its event before the suffix, a scattering by several lobes
-// splits the shares by what each lobe scattered, equal states merge, dead ones drop out. A connection to a tracker is
+// A light subpath has only the end of its path string. It carries pairs (state of the reversed automaton, share), as
+// a tracker carries pairs (state, share): each vertex prepends its event, a scattering by several lobes splits the
+// shares by what each lobe scattered, equal states merge, and dead ones are dropped. A connection to a tracker takes
 // one look-up for each pair of pairs, whatever the lengths. Shares multiply, so those of one contribution still sum
 // to 1.
 //
@@ -27,10 +27,10 @@
 
 namespace raylex::display {
 
-/// Opaque: valid until its pool is cleared.
+/// Opaque. Valid until its pool is cleared.
 class PathSuffix {
   public:
-    /// False: no channel takes anything from the light subpath, whatever stands before it.
+    /// False: no channel takes anything from the light subpath, whatever events are prepended.
     [[nodiscard]] bool live() const { return branches_ != 0; }
     /// Pairs of (reversed state, share); for diagnostics.
     [[nodiscard]] int branches() const { return branches_; }
@@ -46,7 +46,7 @@ class PathSuffix {
     bool whole_ = true;  // not split yet: one branch at most, its share 1 and not stored
 };
 
-/// One thread's suffixes. Keeps its memory from batch to batch.
+/// The suffixes of one thread. It keeps its memory from batch to batch.
 class PathSuffixes {
   public:
     static constexpr std::size_t capacity = Tracker::capacity;  ///< branches of a suffix
@@ -68,9 +68,9 @@ class PathSuffixes {
         std::uint32_t next;          // towards the light: in events_; its own place for the terminal
         std::uint32_t first, count;  // in parts_
     };
-    /// A suffix of this event and those of `next`; null: the event is a terminal.
+    /// A suffix that consists of this event and the events of `next`. If `next` is null, the event is a terminal.
     [[nodiscard]] PathSuffix keep(std::span<const LobePart> parts, const PathSuffix* next);
-    /// The value of `path_` for such a suffix. If that of `next` is 0, no path, so is the result.
+    /// The value of `path_` for a suffix that keep() makes. It is 0, for no path, if that of `next` is 0.
     [[nodiscard]] std::uint32_t keep_path(std::span<const LobePart> parts, const PathSuffix* next);
 
     const lpe::ReversedProgram* reversed_;

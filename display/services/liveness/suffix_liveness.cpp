@@ -1,6 +1,6 @@
 #include "display/services/liveness/suffix_liveness.h"
 
-#include "lpe/liveness_table.h"
+#include "lpe/automata/liveness_table.h"
 
 namespace raylex::display {
 

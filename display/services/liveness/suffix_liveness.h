@@ -1,6 +1,6 @@
-// What channels can still take of a light subpath (Law 4), by its path suffix and by the events that a scene can bring:
-// Liveness, read from the light. A scattering has the same effect on the suffix whether the light subpath grows by it
-// or a camera subpath arrives through it, so one table serves both.
+// Computes what channels can still take of a light subpath (Law 4), from its path suffix and the events that a scene
+// can produce. It is the counterpart of Liveness for paths that grow from the light. A scattering has the same effect
+// on the suffix whether the light subpath grows by it or a camera subpath arrives through it, so one table serves both.
 #pragma once
 
 #include <cstdint>
@@ -24,20 +24,21 @@ class SuffixLiveness {
         [[nodiscard]] bool anything() const { return seen || joins || goes_on; }
     };
 
-    /// Nothing is known, so everything is live.
+    /// Without tables: everything is live.
     SuffixLiveness() = default;
-    /// `reversed` reads the path strings of `setup` from their ends; both must outlive this object. Nothing is known
-    /// without it, nor for programs with bit-parallel automata (lpe/program_view.h).
+    /// `reversed` reads the path strings of `setup` from their ends; both must outlive this object. Everything is live
+    /// if it is null, or if the program has bit-parallel automata (lpe/program_view.h).
     SuffixLiveness(const LpeSetup& setup, const lpe::ReversedProgram* reversed, const Liveness::Alphabet& alphabet);
 
-    /// For a light's suffix, its terminal.
+    /// What is live for a suffix that is a light's terminal alone.
     [[nodiscard]] LiveSet of(lpe::EventClass terminal) const;
     [[nodiscard]] LiveSet of(const PathSuffixes& pool, const PathSuffix& suffix) const;
-    /// What is live once one of these events stands before the suffix. The first `with_density` of them have a density:
-    /// only those are seen or joined.
+    /// What is live after one of these events is prepended to the suffix. The first `with_density` of them have a
+    /// density: only at those can the vertex be seen or connected.
     [[nodiscard]] LiveSet after(const PathSuffixes& pool, const PathSuffix& suffix,
                                 std::span<const lpe::EventClass> scatterings, std::size_t with_density) const;
-    /// Whether a channel may accept the path string `camera`, one of `here`, one of `there`, `suffix`.
+    /// Whether a channel may accept the path string of `camera`, then one event of `here`, one of `there`, and
+    /// `suffix`.
     [[nodiscard]] bool joins(const Tracker& camera, std::span<const lpe::EventClass> here, const PathSuffixes& pool,
                              const PathSuffix& suffix, std::span<const lpe::EventClass> there) const;
 

@@ -1,4 +1,4 @@
-// Moves the pairs (automaton state, share) of Law 5: shared by trackers, light words and their connections. Private to
+// Moves the pairs (automaton state, share) of Law 5. Trackers, path suffixes and their connections use it. Private to
 // the LPE services.
 #pragma once
 

@@ -21,7 +21,7 @@ Rgb own_value(const ChannelPrefixes& prefixes, const Rgb& value, const EmitterSa
     if (!prefixes.takes(technique)) return Rgb();
     if (prefixes.unweighted) return sample.unweighted * sample.visibility;
     if (prefixes.light_samples()) {
-        if (sample.found_by_sampling) return Rgb();
+        if (sample.sampled_too) return Rgb();
         const Rgb& whole = prefixes.nothruput ? sample.emitted : sample.unweighted;
         return prefixes.unoccluded ? whole : whole * (1 - sample.visibility);
     }

@@ -24,7 +24,7 @@
 #include "display/services/rgb.h"
 #include "display/services/samples/sample_table.h"
 #include "display/services/samples/splat_sets.h"
-#include "lpe/liveness_table.h"
+#include "lpe/automata/liveness_table.h"
 #include "lpe/program.h"
 
 namespace raylex::display {
@@ -36,9 +36,9 @@ struct EmitterSample {
                      ///< irradiance across the beam of distant lights. Without throughput, density and geometry.
     Rgb unweighted;  ///< unoccluded radiance times throughput over density, with an MIS weight of 1 for the technique
                      ///< that found it
-    float visibility = 1;            ///< transmitted fraction: 0 behind an opaque surface
-    bool found_by_sampling = false;  ///< light sampling finds this emitter here, too, but another technique found it:
-                                     ///< channels of unoccluded light leave it to the light sample
+    float visibility = 1;      ///< transmitted fraction: 0 behind an opaque surface
+    bool sampled_too = false;  ///< light sampling finds this emitter here, too, but another technique found it:
+                               ///< channels of unoccluded light leave it to the light sample
 };
 
 /// One lobe's part of a scattering value f(wo, wi) |cos|, in any common scale, because only ratios within one move
@@ -110,10 +110,11 @@ class LpeSetup {
     /// channel of another type than rgb; prefixes that contradict each other.
     static Result<LpeSetup> build(std::span<const ChannelDefinition> channels, ChannelId beauty,
                                   const lpe::CompileOptions& options = {});
-    /// Makes the services keep the words of every contribution in this alphabet (path_words.h), for a path atlas. From
-    /// then on events are classified by its columns, so call it before classifying any. Errors: too large an automaton.
+    /// Makes the services keep the path string of every contribution in this alphabet (path_words.h), for a path atlas.
+    /// Events are then classified by the columns of the alphabet, so call it before classifying any. Errors: too large
+    /// an automaton.
     Status keep_words(WordAlphabet alphabet);
-    /// Null if words are not kept.
+    /// Null if path strings are not kept.
     [[nodiscard]] const std::shared_ptr<const WordAlphabet>& words() const { return alphabet_; }
     /// Returns whether moves matter, because there are channels or an atlas.
     [[nodiscard]] bool reads_words() const { return program_.group_count() > 0 || alphabet_ != nullptr; }
@@ -210,8 +211,8 @@ class LpeServices {
     void contribute(const Rgb& value, Technique technique, const Tracker& tracker, const EmitterSample& sample);
     /// False if no channel uses an EmitterSample; then the integrator need not compute any, nor report blocked light.
     [[nodiscard]] bool wants_emitter_samples() const { return setup_.wants_emitter_samples_; }
-    /// Whether what a tracker that stands after its terminal contributes depends on what is in the way. False: no
-    /// shadow ray is needed (Law 4).
+    /// For a tracker that has moved along its terminal: whether its contribution depends on what is in the way. False:
+    /// no shadow ray is needed (Law 4).
     [[nodiscard]] bool needs_visibility(const Tracker& tracker) const;
     /// Adds a surface's own value (its albedo, its normal) to the channels that accept the path; beauty never takes it.
     /// The tracker must have passed the user event and a light after it; `throughput` is that of the path to the
@@ -227,11 +228,11 @@ class LpeServices {
         if (takes_all(tracker)) return true;
         return setup_.live_.empty() ? tracker.count_ != 0 && !tracker.held_out_ : is_live(tracker);
     }
-    /// The same, one event ahead: whether contributing after `event` could reach any channel.
+    /// Whether anything could still accept the path after it moves along `event`, at once or after further events.
     [[nodiscard]] bool live_after(const Tracker& tracker, lpe::EventClass event) const;
     /// Returns whether beauty is requested; it takes everything that is not held out.
     [[nodiscard]] bool wants_beauty() const { return setup_.beauty_ >= 0; }
-    /// Whether any channel still follows the path, beauty apart.
+    /// Whether any channel other than beauty still follows the path.
     [[nodiscard]] bool channels_follow(const Tracker& tracker) const { return tracker.count_ != 0; }
     /// Whether beauty takes everything that this path finds, so that nothing of it can be saved.
     [[nodiscard]] bool takes_all(const Tracker& tracker) const { return setup_.beauty_ >= 0 && !tracker.held_out_; }

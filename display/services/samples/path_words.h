@@ -1,10 +1,10 @@
-// The words of a batch's contributions, for a path atlas: the third output of the LPE services, after beauty and
+// The path strings of a batch's contributions, for a path atlas: the third output of the LPE services, after beauty and
 // channels.
 //
-// Beside its pairs (automaton state, share) a tracker has a handle to the events that it was moved along. They are
-// processed only when light arrives. Then the words of every prefix are computed once, each a pair (word, share) by Law
-// 5, with no limit on their number except the number of words that the path can have. Shares of one contribution sum to
-// 1, so its words sum to the value that beauty takes.
+// In addition to its pairs (automaton state, share), a tracker has a handle to the events along which it was moved.
+// They are processed only when light arrives. Then the path strings of every prefix are computed once, as pairs (path
+// string, share) by Law 5. Their number is limited only by the number of path strings that the path can have. Shares of
+// one contribution sum to 1, so its path strings sum to the value that beauty takes.
 //
 // Each SampleTable owns one object, for one thread, and clears it with itself. It allocates only when it grows.
 #pragma once
@@ -26,7 +26,7 @@ class PathWords {
     /// The handle of a path: its index in the pool of events. 0: at the camera.
     using Path = std::uint32_t;
 
-    /// The light of one word in one row, without the filter weight.
+    /// The light of one path string in one row, without the filter weight.
     struct Entry {
         std::uint32_t row = 0;
         std::uint32_t word = 0;  ///< index in words()
@@ -36,7 +36,7 @@ class PathWords {
     /// `alphabet` must outlive this object.
     explicit PathWords(const WordAlphabet& alphabet);
 
-    /// Clears paths and light, but keeps the words.
+    /// Clears paths and light, but keeps the path strings.
     void clear();
     /// The path with one more event.
     [[nodiscard]] Path move(Path from, lpe::EventClass event);
@@ -48,11 +48,11 @@ class PathWords {
     /// The entries in the order of contributions.
     [[nodiscard]] std::span<const Entry> entries() const { return entries_; }
     [[nodiscard]] const WordTree& words() const { return words_; }
-    /// [column] whether some word had light through this event.
+    /// [column] whether some path string had light through this event.
     [[nodiscard]] std::span<const std::uint8_t> seen() const { return seen_; }
-    /// Returns whether words omit cutouts that their light passed.
+    /// Returns whether path strings omit cutouts that their light passed.
     [[nodiscard]] bool dropped_straight() const { return dropped_straight_; }
-    /// [word] the number of the word in the atlas, which fills it in.
+    /// [path string] the number of the path string in the atlas, which fills it in.
     std::vector<std::uint32_t> known_as;
     /// The generation of the atlas when it filled in known_as.
     std::uint64_t atlas_generation = 0;

@@ -5,10 +5,10 @@
 //     splats.lpe().move(tracker, ...);                              // the word from the camera to the terminal
 //     splats.lpe().contribute(value, technique, tracker);
 //
-// A contribution reaches beauty and every channel that accepts the word, with the exact shares, checks and counts of
-// the LPE services. `value` is an estimate, per light path, of the camera's measurement per fraction of the image's
-// area: a path that finds radiance 1 at a raster position drawn uniformly over the image contributes 1. The frame
-// buffer multiplies by the kernel of the pixel filter and divides by the number of light paths per pixel.
+// A contribution reaches beauty and every channel that accepts the path string, with the exact shares, checks and
+// counts of the LPE services. `value` is an estimate, per light path, of the camera's measurement per fraction of the
+// image's area: a path that finds radiance 1 at a raster position drawn uniformly over the image contributes 1. The
+// frame buffer multiplies by the kernel of the pixel filter and divides by the number of light paths per pixel.
 #pragma once
 
 #include <algorithm>

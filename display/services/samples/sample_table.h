@@ -116,8 +116,8 @@ class SampleTable {
         const auto components = static_cast<std::size_t>(component_count(channel(id).type));
         return {raw_values(id) + static_cast<std::size_t>(row) * components, components};
     }
-    /// The memory behind values(), for services that call touch() and set_row_state() themselves; values without these
-    /// calls are lost.
+    /// The memory of values(), for services that call touch() and set_row_state() themselves. Values written without
+    /// these calls are lost.
     [[nodiscard]] double* raw_values(ChannelId id) { return values_.data() + offset_[static_cast<std::size_t>(id)]; }
     /// Touched rows are recorded in stripes, because most of many channels get nothing from the samples of one pixel.
     [[nodiscard]] bool touched(ChannelId id) const { return touched_[static_cast<std::size_t>(id)] != 0; }
@@ -192,9 +192,9 @@ class SampleTable {
                     count, state);
     }
 
-    /// Makes the table keep the words of its light, in an alphabet that outlives it, and the light of each word.
+    /// Makes the table keep the path strings of its light, in an alphabet that outlives it, and the light of each one.
     PathWords& keep_words(const WordAlphabet& alphabet);
-    /// Null if words are not kept. An atlas stores its number of each word in them.
+    /// Null if path strings are not kept. An atlas stores its number of each path string in them.
     [[nodiscard]] PathWords* words() const { return words_.get(); }
 
     std::vector<float> depth;  ///< [row] hit distance or the value of WriteDistance; +inf for a miss

@@ -1,8 +1,9 @@
-// The letters of words in a path atlas: the events of a scene as far as they are distinguished, and words as numbers.
+// The letters of path strings in a path atlas: the events of a scene, as far as they are distinguished. Path strings
+// are stored as numbers.
 //
-// An atlas keeps the light of every distinct word. Its letters are the scene's events, distinguished as the user
-// requests: by object label, lobe, light group. Every event of the scene is a column. Columns that differ in nothing
-// that is kept share a letter, and the atlas lists the events of each letter.
+// An atlas keeps the light of every distinct path string. Its letters are the scene's events, distinguished as the user
+// requests: by object label, lobe, light group. Every event of the scene is a column. Columns that differ only in
+// properties that are not kept share a letter, and the atlas lists the events of each letter.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +27,7 @@ inline std::string to_string(const Technique& technique) {
     return "s" + std::to_string(technique.s) + "t" + std::to_string(technique.t);
 }
 
-/// The properties that distinguish words, and the maximum length of words.
+/// The properties that distinguish path strings, and the maximum length of path strings.
 struct WordRules {
     bool labels = true;       ///< labels of objects and media
     bool lobes = true;        ///< names and numbers of lobes; type and scatter letter always distinguish words
@@ -34,7 +35,7 @@ struct WordRules {
     bool straight = false;    ///< pass-through events at cutouts, which only the osl dialect has
     bool techniques = false;  ///< how light was found, which expressions can only select by a prefix
     static constexpr int most_length = 1000;
-    int length = 8;  ///< scatterings of the longest word that is stored completely
+    int length = 8;  ///< scatterings of the longest path string that is stored completely
 };
 
 /// Parses a list of "label", "lobe", "group", "straight" and "technique", separated by commas. Errors are at `where`.
@@ -45,9 +46,9 @@ Result<WordRules> parse_word_rules(const std::string& text, const SourceLocation
 class WordAlphabet {
   public:
     using Letter = std::uint16_t;
-    /// Represents one or more arbitrary scatterings: in words beyond the maximum length, and in merged words.
+    /// Represents one or more arbitrary scatterings: in path strings beyond the maximum length, and in merged ones.
     static constexpr Letter open = 0xffff;
-    /// The first letter for techniques, which follow the terminal if techniques distinguish words.
+    /// The first letter for techniques, which follow the terminal if techniques distinguish path strings.
     static constexpr Letter first_technique = 0x8000;
     /// The largest s or t of a technique that is distinguished; larger ones count as this.
     static constexpr std::uint32_t most_vertices = 127;
@@ -84,7 +85,7 @@ class WordAlphabet {
     WordRules rules_;
 };
 
-/// Words as numbers: all prefixes that occurred, each as its parent and one more letter.
+/// Path strings as numbers: all prefixes that occurred, each as its parent and one more letter.
 class WordTree {
   public:
     using Letter = WordAlphabet::Letter;
@@ -96,7 +97,7 @@ class WordTree {
     };
 
     WordTree();
-    /// The word with one more letter; a new word gets the next number.
+    /// The path string with one more letter; a new path string gets the next number.
     std::uint32_t child(std::uint32_t parent, Letter letter);
     [[nodiscard]] const Node& node(std::uint32_t word) const { return nodes_[word]; }
     [[nodiscard]] std::size_t size() const { return nodes_.size(); }

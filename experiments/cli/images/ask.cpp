@@ -55,7 +55,7 @@ Status check_options(const AskOptions& options) {
     if (options.merge && options.files.size() < 2)
         return option_error("--merge", "one atlas cannot be merged; expected at least two");
     if (!options.top && !options.at.empty())
-        return option_error("--at", "--at needs the number of words; expected --top as well, such as --top 20");
+        return option_error("--at", "--at needs the number of path strings; expected --top as well, such as --top 20");
     if (layers != !options.output.empty() && !options.merge)
         return option_error("-o", layers ? "layers need a file; expected -o LAYERS.exr"
                                          : "-o is used only with layers or --merge; expected no -o");
@@ -193,7 +193,8 @@ int write_layers(const CLI::App& command, display::AtlasFile& atlas, const AskOp
         hold = hold && verdict.holds;
     }
     print_line(options.output + ": " + std::to_string(atlas.width()) + "x" + std::to_string(atlas.height()) + ", " +
-               counted(layers.channels().size(), "layer") + " from " + counted(atlas.table().words.size(), "word"));
+               counted(layers.channels().size(), "layer") + " from " +
+               counted(atlas.table().words.size(), "path string"));
     return hold ? exit_holds : exit_does_not_hold;
 }
 

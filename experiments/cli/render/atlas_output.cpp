@@ -21,7 +21,7 @@ Status AtlasOutput::prepare(Job& job, const SceneWords& scene) {
         return error_at(request.location,
                         "an atlas stores unfiltered light, and sample filter '" +
                             job.settings.channels.sample_filters.front().type +
-                            "' changes the samples, so the words would not sum to the beauty",
+                            "' changes the samples, so the path strings would not sum to the beauty",
                         "leave out the sample filters or the atlas");
     if (job.settings.labels.picked_lobes)
         return error_at(request.location,

@@ -23,7 +23,7 @@ class AtlasOutput {
     /// Writes the atlas to its file. If that fails, writes it to the folder for temporary files; the error names the
     /// new path.
     Status write(const transport::RenderOutput& output, const display::ImageDescription& description);
-    /// Reads the written file and checks that its words sum to its beauty. Returns nothing without an atlas.
+    /// Reads the written file and checks that its path strings sum to its beauty. Returns nothing without an atlas.
     Result<std::optional<display::AtlasVerdict>> judge() const;
 
   private:

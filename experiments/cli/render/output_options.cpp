@@ -112,13 +112,13 @@ void add_file_options(const OptionGroup& group, OutputOptions& options) {
         "also writes a path atlas: the light of every path string (kind of path), from which 'raylex ask' makes new "
         "layers without another render");
     group.add("--atlas-by", options.atlas_by, "label,lobe,group,straight,technique",
-              "properties that distinguish the atlas's words besides the event types; default label,lobe,group");
+              "properties that distinguish path strings, besides the types of events; default label,lobe,group");
     group
         .add("--atlas-length", options.atlas_length, "N",
-             "longest words stored whole, in scattering events; default: the render's maximum depth, at most 64")
+             "longest path strings stored whole, in scattering events; default: the render's maximum depth, at most 64")
         ->check(CLI::Range(1, display::WordRules::most_length));
     group.add("--atlas-budget", options.atlas_budget, "SIZE",
-              "memory limit of the atlas, default 2GiB; beyond it the words with the least light are merged");
+              "memory limit of the atlas, default 2GiB; beyond it the path strings with the least light are merged");
     group.add_repeated("--tev", options.viewers, "HOST[:PORT]",
                        "shows every layer in a running tev viewer during the render; default port 14158");
     group.add_repeated("--driver", options.drivers, "NAME:KEY=VALUE,...", "adds a display driver: " + driver_list());

@@ -156,7 +156,7 @@ Status RenderOutputs::check_buckets(const transport::RenderPlan& plan) {
                         "a deep image" + why + "its samples are kept in memory for the whole image", without_it);
     if (!job_->outputs.atlas.file.empty())
         return error_at(job_->outputs.atlas.location,
-                        "a path atlas" + why + "its words are kept in memory for the whole image", without_it);
+                        "a path atlas" + why + "its path strings are kept in memory for the whole image", without_it);
     if (std::any_of(job_->outputs.drivers.begin(), job_->outputs.drivers.end(),
                     [](const display::DriverRequest& each) { return each.name == "tev"; }))
         return live_viewer_in_buckets();

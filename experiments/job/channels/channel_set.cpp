@@ -11,7 +11,7 @@
 #include "experiments/program/console.h"
 #include "lpe/algebra/proofs/relations.h"
 #include "lpe/channels/channel_errors.h"
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 namespace raylex::experiments {
 namespace {

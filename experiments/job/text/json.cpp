@@ -1,7 +1,7 @@
 #include "experiments/job/text/json.h"
 
 #include "display/services/parameters.h"
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 namespace raylex::experiments {
 

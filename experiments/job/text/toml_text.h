@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "experiments/job/text/toml_table.h"
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 namespace raylex::experiments {
 

@@ -162,14 +162,14 @@ void add_answers(py::module_& module) {
     using experiments::BrightPixel;
     using experiments::BrightWord;
     using experiments::SuggestedLayer;
-    py::class_<BrightPixel>(module, "PixelWords", "The brightest words of a pixel, in order.")
+    py::class_<BrightPixel>(module, "PixelWords", "The brightest path strings of a pixel, in order.")
         .def_property_readonly(
             "rgba", [](const BrightPixel& p) { return py::make_tuple(p.rgba[0], p.rgba[1], p.rgba[2], p.rgba[3]); },
             "value in the render: scene-linear red, green, blue, and alpha")
         .def_readonly("mean", &BrightPixel::mean, "(R + G + B) / 3")
         .def_readonly("error", &BrightPixel::error, "standard error of the mean; inf if unknown")
         .def_readonly("samples", &BrightPixel::samples, "camera samples of the pixel")
-        .def_readonly("more", &BrightPixel::more, "number of further words")
+        .def_readonly("more", &BrightPixel::more, "number of further path strings")
         .def_readonly("words", &BrightPixel::words, "list of AtlasWord");
     py::class_<BrightWord>(module, "AtlasWord", "The light of one word in one pixel.")
         .def_readonly("number", &BrightWord::word, "index in Atlas.words")
@@ -186,13 +186,14 @@ void add_answers(py::module_& module) {
             return "SuggestedLayer(" + layer.name + ": " + (layer.expression.empty() ? "rest" : layer.expression) +
                    ", noise " + std::to_string(layer.noise) + ", light " + std::to_string(layer.light) + ")";
         });
-    py::class_<display::AtlasVerdict>(module, "AtlasVerdict", "Whether all words sum to the beauty, pixel by pixel.")
+    py::class_<display::AtlasVerdict>(module, "AtlasVerdict",
+                                      "Whether all path strings sum to the beauty, pixel by pixel.")
         .def_readonly("holds", &display::AtlasVerdict::holds)
-        .def_readonly(
-            "largest_relative", &display::AtlasVerdict::largest,
-            "largest |sum - beauty| / (sum of |words| + |beauty|) of any pixel; at most 2^-23 if the check holds")
+        .def_readonly("largest_relative", &display::AtlasVerdict::largest,
+                      "largest |sum - beauty| / (sum of |path strings| + |beauty|) of any pixel; at most 2^-23 if the "
+                      "check holds")
         .def_readonly("exceeding", &display::AtlasVerdict::exceeding, "number of pixels beyond 2^-23")
-        .def_readonly("entries", &display::AtlasVerdict::samples, "number of words of all pixels together")
+        .def_readonly("entries", &display::AtlasVerdict::samples, "number of path strings of all pixels together")
         .def("__bool__", [](const display::AtlasVerdict& verdict) { return verdict.holds; });
 }
 
@@ -209,17 +210,18 @@ void add_atlas(py::module_& module) {
             "width", [](const Atlas& atlas) { return atlas.file().width(); }, "pixels")
         .def_property_readonly(
             "height", [](const Atlas& atlas) { return atlas.file().height(); }, "pixels")
-        .def_property_readonly("words", &word_texts,
-                               "the words by index: 'C <R.D.'floor'> ... L'; '...' means one or more scattering events")
+        .def_property_readonly(
+            "words", &word_texts,
+            "the path strings by index: 'C <R.D.'floor'> ... L'; '...' means one or more scattering events")
         .def_property_readonly(
             "by", [](const Atlas& atlas) { return to_string(atlas.table().rules); },
-            "properties that distinguish words")
+            "properties that distinguish path strings")
         .def_property_readonly(
             "length", [](const Atlas& atlas) { return atlas.table().rules.length; },
-            "number of scattering events of the longest complete words")
+            "number of scattering events of the longest complete path strings")
         .def_property_readonly(
             "merged", [](const Atlas& atlas) { return atlas.table().merged; },
-            "number of words shortened to stay within the budget")
+            "number of path strings shortened to stay within the budget")
         .def_property_readonly(
             "attributes", [](const Atlas& atlas) { return atlas.file().description().attributes; },
             "attributes of the header: dict of str")
@@ -240,7 +242,7 @@ void add_atlas(py::module_& module) {
         .def("__repr__", [](const Atlas& atlas) {
             return "Atlas('" + atlas.file().path() + "': " + std::to_string(atlas.file().width()) + "x" +
                    std::to_string(atlas.file().height()) + ", " + std::to_string(atlas.table().words.size()) +
-                   " words)";
+                   " path strings)";
         });
     module.def("_merge_atlases", &merge, "paths"_a, "output"_a);
 }

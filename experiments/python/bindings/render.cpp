@@ -17,7 +17,7 @@
 #include "experiments/python/bindings/call_scope.h"
 #include "experiments/python/bindings/image.h"
 #include "experiments/python/bindings/run_control.h"
-#include "experiments/python/bindings/scene.h"
+#include "experiments/python/bindings/scenes/scene.h"
 #include "transport/plugins/plugin_loader.h"
 
 namespace raylex::python {

@@ -8,7 +8,7 @@
 #include "experiments/program/console.h"
 #include "experiments/report/html.h"
 #include "experiments/stability/suite/suite_chart.h"
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 #include "transport/math/real.h"
 
 namespace raylex::experiments {

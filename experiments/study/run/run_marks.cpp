@@ -6,7 +6,7 @@
 
 #include "display/output/atomic_file.h"
 #include "experiments/job/text/json_fields.h"
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 namespace raylex::experiments {
 

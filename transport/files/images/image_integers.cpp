@@ -1,7 +1,7 @@
 // Code that readers of integer images share: budgets, and the conversion of stored integers to linear values.
 #include <limits>
 
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 #include "transport/files/images/image_readers.h"
 
 namespace raylex::transport {

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "display/services/parameters.h"
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 #include "transport/files/images/image_readers.h"
 
 namespace raylex::transport {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 
 namespace raylex::transport {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 #include "transport/color/color_space.h"
 
 namespace raylex::transport {

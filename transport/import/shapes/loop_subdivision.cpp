@@ -13,7 +13,7 @@
 #include <tuple>
 
 #include "display/services/elementary.h"
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 #include "transport/import/shapes/shape_parameters.h"
 #include "transport/math/matrix34.h"
 

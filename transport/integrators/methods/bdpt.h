@@ -30,7 +30,7 @@ struct BdptParameters {
     bool count_mirrors = true;      ///< WalkOptions::counts_first_specular
 };
 
-/// For integrators that use this one.
+/// Makes the integrator for other integrators that use it.
 std::unique_ptr<Integrator> make_bdpt_integrator(const BdptParameters& parameters);
 
 /// The registry's entry: parameters maxdepth, countmirrors, roulette, rrthreshold.

@@ -17,10 +17,10 @@ struct PathParameters : WalkOptions {
     PathStrategy strategy = PathStrategy::mis;
     LightSelection light_selection = LightSelection::receiver;
     bool splits = true;            ///< without beauty: split paths where the plan finds a gain (strategy mis)
-    bool channel_roulette = true;  ///< without beauty: roulette by what channels still expect (strategy mis)
+    bool channel_roulette = true;  ///< without beauty: roulette by what channels may still receive (strategy mis)
 };
 
-/// Makes the integrator for others that use it.
+/// Makes the integrator for other integrators that use it.
 std::unique_ptr<Integrator> make_path_integrator(const PathParameters& parameters);
 
 /// The registry's entry: parameters maxdepth, strategy, roulette, rrthreshold, splits, channelroulette, regularize,

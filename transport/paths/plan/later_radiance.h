@@ -1,9 +1,9 @@
 // Radiance found later: what each vertex of a path leads to.
 //
-// Light is reported where a path finds it. Whoever learns from paths (pilots, a guide) needs it at the vertices that
-// the path passed before. The walk reports each vertex that a path leaves. What the channels receive of the row from
-// then on was found behind the vertex, until the path ends or goes back to a vertex as near to the camera (splits.h).
-// Values come from the sample table, so only light counts that a channel takes.
+// Light is reported at the vertex where a path finds it. Code that learns from paths (pilots, a guide) needs it at the
+// earlier vertices of the path. So the walk reports each vertex that a path leaves. All light that the channels receive
+// for the row after that belongs to the vertex, until the path ends or goes back to a vertex that is as near to the
+// camera (splits.h). Values come from the sample table, so only light that a channel takes is included.
 //
 //     later.begin();
 //     services.later = &later;
@@ -24,12 +24,12 @@ namespace raylex::transport {
 struct PassedVertex {
     std::uint32_t row = 0;
     std::uint32_t depth = 0;  ///< number of scattering events, with this one
-    std::uint64_t state = 0;  ///< where the path's tracker stands: the state by which a plan tells paths apart
-    Rgb throughput;           ///< with the scattering here; each ray of a split vertex carries its part of it
-    Real strength = 0;        ///< as roulette compares it: the largest colour, without the scaling by eta^2
+    std::uint64_t state = 0;  ///< state of the path's tracker, by which a plan distinguishes paths
+    Rgb throughput;           ///< includes the scattering here; each ray of a split vertex carries its part of it
+    Real strength = 0;        ///< the value that roulette compares: the largest colour, without the scaling by eta^2
     bool split = false;       ///< rays are split at this vertex or before
     Vec3 position, direction;
-    /// Density of the direction, per steradian, times the expected number of rays that leave the vertex by the plan; of
+    /// Density of the direction per steradian, times the expected number of rays that leave the vertex by the plan. For
     /// a specular direction: the probability of its lobe.
     Real pdf = 0;
 };
@@ -37,18 +37,21 @@ struct PassedVertex {
 /// Records the vertices of paths and the light that channels receive behind them; for one thread.
 class LaterRadiance {
   public:
-    /// What one row's path passed, and what `channels` received: each value is the mean of three colours.
+    /// The vertices of one row's path, and the values that `channels` received: each value is the mean of three
+    /// colours.
     struct Path {
         std::span<const PassedVertex> vertices;  ///< in the order in which rays left them
         std::size_t channels = 0;
         const double *before_vertices, *behind_vertices;  // [vertex][channel]
-        const double* received;                           ///< [channel] by the whole path
+        const double* received;                           ///< [channel] from the whole path
 
-        /// What the channel had received when the ray left vertex i, with the light sample there.
+        /// The value that the channel had received when the ray left vertex i; it includes the light sample at the
+        /// vertex.
         [[nodiscard]] double before(std::size_t i, std::size_t channel) const {
             return before_vertices[i * channels + channel];
         }
-        /// What the channel received behind vertex i. The radiance along the ray is this over the ray's throughput.
+        /// The value that the channel received behind vertex i. Divided by the ray's throughput, it is the radiance
+        /// along the ray.
         [[nodiscard]] double behind(std::size_t i, std::size_t channel) const {
             return behind_vertices[i * channels + channel];
         }

@@ -12,9 +12,9 @@ namespace raylex::transport {
 
 class LiveLights;
 
-/// Probabilities with which a last vertex takes a light sample and traces a scattering ray. A vertex is last if
-/// channels take light that arrives there, and no light that is scattered again before. The weights of multiple
-/// importance sampling use the densities times these shares.
+/// The probabilities with which a last vertex takes a light sample and traces a scattering ray. At a last vertex,
+/// channels take light that arrives there from an emitter, and no light that is scattered again before. The weights of
+/// multiple importance sampling use the densities times these shares.
 struct TechniqueShares {
     Real light = 1, ray = 1;
 
@@ -28,7 +28,8 @@ struct SplitPlan {
     std::uint8_t rays = 1;
     /// Number of specular vertices behind that vertex at which both the reflected and the transmitted ray are followed.
     std::uint8_t both_lobes = 0;
-    /// Which of two rays are followed: for pilots, which measure costs. `none`: paths end where they would split.
+    /// Which of two rays are followed; pilots measure costs with it. `none`: paths end at the vertex where they would
+    /// split.
     enum class Only : std::uint8_t { all, first, none } only = Only::all;
 
     [[nodiscard]] bool any() const { return rays > 1 || both_lobes > 0; }
@@ -36,7 +37,7 @@ struct SplitPlan {
 
 struct PathPlan {
     TechniqueShares shares;
-    std::shared_ptr<const LiveLights> lights;  ///< what DirectLight builds otherwise; null: not built
+    std::shared_ptr<const LiveLights> lights;  ///< choosers of lights; null: DirectLight builds them
     SplitPlan splits;
     RouletteTable roulette;  ///< empty: roulette depends on throughput alone
     // For pilots.

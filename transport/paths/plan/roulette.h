@@ -1,5 +1,6 @@
-// Russian roulette by what the requested channels may still receive of a path, for renders without beauty. The dual of
-// splitting (Bolin and Meyer 1997; Rath et al. 2022, "EARS"). The state of a path is where its tracker stands.
+// Russian roulette by the light that the requested channels may still receive from a path, for renders without beauty.
+// It is the dual of splitting (Bolin and Meyer 1997; Rath et al. 2022, "EARS"). The state of a path is that of its
+// tracker, and whether its last direction was specular.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +16,8 @@ namespace raylex::transport {
 class RouletteTable {
   public:
     static constexpr std::size_t most_states = 256;  ///< other states are left to plain roulette
-    /// Whatever is expected: no light is found too rarely, and no survivor stands for more than 8 paths.
+    /// The smallest probability of going on: every survivor represents at most 8 paths, so no light is found too
+    /// rarely.
     static constexpr Real least_chance = Real(0.125);
 
     [[nodiscard]] bool empty() const { return count_ == 0; }

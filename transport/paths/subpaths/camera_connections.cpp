@@ -114,7 +114,7 @@ void CameraConnections::splat(std::span<const display::CameraRow> rows, ThreadSe
         Arrival arrival;
         arrival.value = p.value;
         arrival.unweighted = p.unweighted;
-        arrival.found_by_sampling = true;
+        arrival.sampled_too = true;
         if (scene.tests_alpha() || scene.asks_for_media()) {
             Rgb transmittance(1);
             arrival.visibility = pass_through_transmittance(

@@ -29,7 +29,7 @@ struct LightSubpathVertex {
     std::uint32_t key = 0;  ///< keys the numbers of its connection in grid media
 };
 
-/// Which surfaces light subpaths do not connect to the camera as the camera sees them.
+/// Surfaces that the camera can see but to which light subpaths have no connection.
 struct UnconnectedSurfaces {
     bool specular = false;  ///< mirrors and smooth glass have no density towards the camera
     bool curves = false;    ///< flat curves and tubes face the ray that meets them

@@ -60,20 +60,20 @@ class CameraSubpaths : public Walk<TransportMode::radiance> {
         const VertexBatch& v = vertices();
         return record_.is_live(v.rows[j], v.sources[j].label, v.points[j].material);
     }
-    /// Reports light that the subpath of a row has met: throughput x emitted x weight. `sampled_too`: light sampling
-    /// finds the same emitter.
+    /// Reports light that the subpath of a row has met: throughput x emitted x weight. `sampled_too`: a light sample
+    /// could have found it as well (Arrival::sampled_too).
     void report(std::uint32_t row, std::uint32_t light, const Rgb& throughput, const Rgb& emitted, Real weight,
                 bool sampled_too) const {
         const Rgb value = throughput * emitted;
-        record_.arrive(
-            row, record_.events().terminal(light), {0, path(row).depth + 2},
-            {.value = value * weight, .emitted = emitted, .unweighted = value, .found_by_sampling = sampled_too});
+        record_.arrive(row, record_.events().terminal(light), {0, path(row).depth + 2},
+                       {.value = value * weight, .emitted = emitted, .unweighted = value, .sampled_too = sampled_too});
     }
 
   private:
     void split(std::size_t j);
     void keep_split_vertices();
-    /// When no subpath goes on, subpaths go back to vertices that were kept. Returns false if there are none.
+    /// Sends subpaths back to vertices that were kept for further branches. Call it when no subpath goes on. Returns
+    /// false if no vertex is left.
     bool go_back();
     void report_surfaces();
     void keep_live_lobes();

@@ -79,7 +79,7 @@ bool Connections::needs_shadow_ray(const Record& record) {
     if (live == Liveness::if_visible_or_not) {
         display::Tracker tracker = record.after(p.row, p.label, p.lobes);
         const Rgb unweighted = blockable_.back().unweighted;
-        Arrival arrival{.value = p.value, .unweighted = unweighted, .found_by_sampling = end != nullptr};
+        Arrival arrival{.value = p.value, .unweighted = unweighted, .sampled_too = end != nullptr};
         report_one(record, pending_.size() - 1, arrival, tracker);
     }
     pending_.pop_back();
@@ -116,7 +116,7 @@ void Connections::report(CameraSubpaths& subpaths) {
         Arrival arrival{.value = pending.value,
                         .unweighted = blockable ? blockable_[i].unweighted : Rgb(),
                         .visibility = blocked_[i] ? 0.0f : 1.0f,
-                        .found_by_sampling = pending.end != no_end};
+                        .sampled_too = pending.end != no_end};
         if (attenuates && (!blocked_[i] || in_media_)) {
             Rgb transmittance(1);
             // Channels of blocked light take what the media let pass, also those behind the surface that blocks it.

@@ -1,5 +1,5 @@
-// Next event estimation: which light a vertex samples, whether it samples one at all, with which density, and light
-// that does not arrive.
+// Next event estimation: chooses the light that a vertex samples, decides whether it samples one, computes the density,
+// and reports blocked light.
 //
 //     direct_light.sample(camera, connections, weight);
 //     connections.report(camera);
@@ -17,8 +17,8 @@ namespace raylex::transport {
 /// leaves all but delta lights to scattering.
 enum class PathStrategy : std::uint8_t { mis, light, scattering };
 
-/// How the light of a light sample is chosen: by what each can send to the receiver, where there are many; by emitted
-/// power (one choice in ten is uniform); or with the same probability for each.
+/// How a light sample chooses its light: by the light that each one can send to the receiver, where there are many; by
+/// emitted power (one choice in ten is uniform); or uniformly.
 enum class LightSelection : std::uint8_t { receiver, power, uniform };
 
 LightChoice light_choice(LightSelection selection, PathStrategy strategy);
@@ -46,14 +46,14 @@ class DirectLight {
     /// The density, per steradian, with which a light sample from where the subpath was scattered finds the infinite
     /// light behind the escaped ray; 0 where light sampling does not find it.
     [[nodiscard]] Real density(const CameraSubpaths& camera, const EscapedRay& ray, std::uint32_t light) const;
-    /// For channels that take blocked light: where a ray hits a surface, reports with visibility 0 the infinite lights
-    /// behind the surface that light sampling never finds.
+    /// For channels that take blocked light. If a ray hits a surface, reports with visibility 0 the infinite lights
+    /// behind the surface that light samples never find.
     void report_hidden_environments(const CameraSubpaths& camera) const;
     /// The choice among all lights that are sampled.
     [[nodiscard]] const LightChooser& chooser() const { return (*lights_)[LiveLights::all]; }
 
   private:
-    /// Decides whether vertex j takes a light sample and draws it. False: there is none.
+    /// Decides whether vertex j takes a light sample, and draws it. Returns false if the vertex takes none.
     bool draw(CameraSubpaths& camera, std::size_t j, LightSample& sample) const;
 
     const PathContext* context_ = nullptr;

@@ -16,7 +16,7 @@
 
 namespace raylex::transport {
 
-/// The lights from which light subpaths begin, for a whole render: those of which a channel can take something.
+/// The lights from which light subpaths begin, for a whole render: the lights whose light some channel can take.
 class LightEmitters {
   public:
     LightEmitters() = default;
@@ -30,7 +30,7 @@ class LightEmitters {
     [[nodiscard]] std::span<const std::int32_t> media() const { return media_; }
     /// Whether any subpath begins.
     [[nodiscard]] bool any() const { return any_; }
-    /// Whether subpaths could begin, and no channel takes their light.
+    /// Whether the scene has lights for light subpaths, but no channel takes their light.
     [[nodiscard]] bool none_is_live() const { return none_is_live_; }
 
   private:

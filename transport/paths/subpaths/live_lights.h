@@ -17,10 +17,10 @@ class LiveLights {
     /// `by_receiver`: LightChooser::by_receiver().
     LiveLights(const SceneView& scene, const EventTable& events, LightChoice choice, bool by_receiver);
 
-    /// For bdpt, whose weights need the same choice of lights at every vertex: the lights that are live for joins by
-    /// `language`; all lights if it is null.
+    /// For bdpt, whose weights need the same choice of lights at every vertex: the lights that are live for connections
+    /// by `language`; all lights if it is null.
     static LiveLights alike_everywhere(const SceneView& scene, const EventTable& events, const LightLanguage* language);
-    /// Whether the constructor had these arguments.
+    /// Whether the object was constructed with these arguments.
     [[nodiscard]] bool is_of(LightChoice choice, bool by_receiver) const {
         return choice_ == choice && by_receiver_ == by_receiver;
     }

@@ -14,7 +14,7 @@ class RenderSaver {
     /// Checks before the first ray that the render can be saved. Errors name what cannot.
     static Result<RenderSaver> make(const RenderState& state);
 
-    /// Continues from the checkpoint file if the settings request it. Otherwise starts at the schedule's beginning,
+    /// Sets the state to the checkpoint file if the settings request it. Otherwise sets it to the schedule's beginning,
     /// with the statistics of `earlier`.
     Status set_out(RenderState& state, const RenderStatistics& earlier) const;
     [[nodiscard]] bool enabled() const { return settings_ != nullptr; }

@@ -18,7 +18,7 @@ struct PathTrial {
 /// Makes integrators for pilots.
 class PathTrials {
   public:
-    /// All with the shares and lights of `plan`. The first two references must outlive the object.
+    /// The integrators have the shares and lights of `plan`. The first two references must outlive the object.
     PathTrials(const IntegratorContext& context, const PlanRequest& request, const PathPlan& plan)
         : context_(context), request_(request), shares_(plan.shares), lights_(plan.lights) {}
     /// Paths are bounded by PilotPaths::most_depth.
@@ -49,13 +49,14 @@ class PilotPaths {
 
     /// The number of expression channels.
     [[nodiscard]] std::size_t channels() const { return later_.channels().size(); }
-    /// Whether channels take values without throughput, which count paths as they are drawn: one for each sample.
+    /// Whether some channel takes values without throughput, whose mean depends on how many paths are drawn: each
+    /// sample then counts as one path.
     [[nodiscard]] bool count_alike() const { return lpe_.wants_emitter_samples(); }
     /// `most`, or fewer for an image so small that they would exceed 16 samples of each pixel.
     [[nodiscard]] std::uint32_t most_rounds(std::uint32_t most) const;
     /// Draws one path through each pixel of the grid, with numbers of its own for each round.
     void begin(std::uint32_t round);
-    /// Follows them, and calls visit(pixel, path) for each.
+    /// Follows the paths that begin() drew, and calls visit(pixel, path) for each.
     template <class Visit>
     void follow(const Integrator& integrator, IntegratorThread& thread, Visit visit) {
         for (std::size_t first = 0; first < rows_.size(); first += capacity()) {

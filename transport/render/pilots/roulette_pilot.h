@@ -1,4 +1,5 @@
-// The probabilities with which paths go on, by what the requested channels may still receive of them.
+// Chooses the probabilities with which paths go on, by the light that the requested channels may still receive from
+// them.
 #pragma once
 
 #include "transport/render/pilots/pilot_paths.h"

@@ -12,7 +12,7 @@ namespace raylex::transport {
 /// One per thread. It traces the camera rays of a batch again, as `path` does, with the same random numbers.
 class CameraHits {
   public:
-    /// The job must outlive this object.
+    /// `prepared` must outlive this object.
     explicit CameraHits(const PreparedJob& prepared);
 
     /// Fills in the rows of `table` for which the integrator reported nothing, and the plain channels of rows without

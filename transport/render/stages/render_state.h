@@ -16,28 +16,28 @@ namespace raylex::transport {
 
 class RenderState {
   public:
-    /// All arguments must outlive the state, which has no position before stand_at(). `since_call` runs since the call
-    /// of render().
+    /// All arguments must outlive the state. The state has no position before the first call of stand_at().
+    /// `since_call` measures the time since the call of render().
     RenderState(const PreparedJob& prepared, RenderTarget& target, Schedule& schedule, const Stopwatch& since_call);
     RenderState(const RenderState&) = delete;
     RenderState& operator=(const RenderState&) = delete;
 
-    /// Wall time including earlier sessions: of the loop, and since the call of render().
+    /// Wall time in seconds, with earlier sessions: seconds() of the loop, and of the whole call of render().
     [[nodiscard]] double seconds() const { return position.statistics.render_seconds + watch_.wall(); }
     [[nodiscard]] double seconds_since_call() const { return position.statistics.render_seconds + since_call_.wall(); }
     /// Wall time of this session's loop.
     [[nodiscard]] double session_seconds() const { return watch_.wall(); }
 
-    /// Goes on from `from`, with the target as it was then: with new workers, which have done nothing yet.
+    /// Sets position and statistics to `from`, for a target that is in that state, and makes new workers.
     void stand_at(RenderPosition from);
     /// Position and statistics for a record.
     [[nodiscard]] RenderPosition current() const;
-    /// The state that go_back_to() needs; throws std::bad_alloc. Not with sinks of the caller.
+    /// The record that go_back_to() needs; throws std::bad_alloc. Not available if the caller has sinks.
     [[nodiscard]] display::RecordFile snapshot() const;
     Status go_back_to(const display::RecordFile& snapshot);
     /// Adds the statistics of all threads and of earlier sessions.
     void collect(RenderStatistics& statistics) const;
-    /// After a stop: whether the image contains splats of light paths that were not finished.
+    /// After a stop: whether the image contains splats of unfinished light paths.
     [[nodiscard]] bool splats_left_behind() const;
     /// Whether any sample of this session wrote to the channel.
     [[nodiscard]] bool ever_touched(display::ChannelId id) const;

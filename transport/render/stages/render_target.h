@@ -9,7 +9,7 @@
 
 namespace raylex::transport {
 
-/// The plan that the caller receives before the first ray, including memory: for the whole image.
+/// Returns the plan that the caller receives before the first ray. Its memory is that of the whole image.
 RenderPlan plan_of(const ResolvedJob& job);
 /// The layout of the image, or of the job's current bucket.
 display::FrameBufferLayout layout_of(const ResolvedJob& job);
@@ -26,7 +26,7 @@ class RenderTarget {
     display::FrameBuffer frame_buffer;
     std::vector<geoaovs::Cryptomatte> mattes;
     std::vector<display::SampleSink*> sinks;  ///< the caller's, then those of the mattes
-    /// Null: something reads the samples of every channel one by one.
+    /// Channels that share sums of light; null: some consumer reads the samples of every channel.
     std::unique_ptr<const display::SplatSets> splat_sets;
     std::vector<Error> warnings;
 

@@ -21,7 +21,7 @@ struct WorkerTotals {
     std::vector<display::InvalidSample> invalid_log;
 };
 
-/// Buffers one thread's splats on their way to the frame buffer, sorted by tile, so that one lock serves many.
+/// Buffers one thread's splats before the frame buffer adds them, sorted by tile, so that one lock serves many.
 class SplatGate final : public display::RasterSink {
   public:
     SplatGate(const ResolvedJob& job, TileLocks& locks, RenderTarget& target)
@@ -54,7 +54,7 @@ class RenderWorker {
     RenderWorker(const RenderWorker&) = delete;
     RenderWorker& operator=(const RenderWorker&) = delete;
 
-    /// Begins a task of one tile, of which the first `done` blocks of pixels are already in the frame buffer.
+    /// Begins a task of one tile. The first `done` blocks of pixels of the task are already in the frame buffer.
     void begin_task(std::uint64_t done) { skip_ = added_ = done_ = done; }
     /// The number of blocks to skip, for schedules that read the frame buffer to find where a task begins.
     [[nodiscard]] std::uint64_t blocks_skipped() const { return skip_; }

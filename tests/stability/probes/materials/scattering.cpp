@@ -2,8 +2,8 @@
 #include <array>
 
 #include "tests/stability/probes/draws.h"
-#include "tests/stability/probes/facet_reference.h"
-#include "tests/stability/probes/materials.h"
+#include "tests/stability/probes/materials/facet_reference.h"
+#include "tests/stability/probes/materials/materials.h"
 #include "tests/stability/probes/probes.h"
 
 namespace raylex::experiments {

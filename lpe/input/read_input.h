@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <string>
 
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 
 namespace raylex {
 
-/// Who named a file. On the command line a person can name a pipe or a device, as shells do for `<(...)`; at most
-/// Budget::pipe_bytes are read. A file named by another file must be a regular file.
+/// How a file was named. On the command line a person can name a pipe or a device, as shells do for `<(...)`; at most
+/// Budget::pipe_bytes are read. A file that another file names must be a regular file.
 enum class NamedBy : std::uint8_t { file, command_line };
 
 /// Makes all reading in the program stop with an Error soon after `flag` is set; nullptr: never.

@@ -1,5 +1,5 @@
 // Builds scenes from arrays: transport/import/builder/scene_builder.h with Python values as parameters.
-#include "experiments/python/bindings/scene_builder.h"
+#include "experiments/python/bindings/scenes/scene_builder.h"
 
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "experiments/python/bindings/scene.h"
+#include "experiments/python/bindings/scenes/scene.h"
 #include "transport/media/medium_parameters.h"
 
 namespace raylex::python {

@@ -1,7 +1,7 @@
 // Shapes, objects and instances of the Python SceneBuilder.
 #include <pybind11/stl.h>
 
-#include "experiments/python/bindings/scene_builder.h"
+#include "experiments/python/bindings/scenes/scene_builder.h"
 
 namespace raylex::python {
 

@@ -1,4 +1,4 @@
-#include "tests/stability/probes/materials.h"
+#include "tests/stability/probes/materials/materials.h"
 
 namespace raylex::experiments {
 namespace {

@@ -1,4 +1,4 @@
-#include "experiments/python/bindings/scene_parameters.h"
+#include "experiments/python/bindings/scenes/scene_parameters.h"
 
 #include <pybind11/stl.h>
 

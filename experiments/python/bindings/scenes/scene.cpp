@@ -1,5 +1,5 @@
 // Scenes: loading, inspection, writing.
-#include "experiments/python/bindings/scene.h"
+#include "experiments/python/bindings/scenes/scene.h"
 
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>

@@ -1,4 +1,4 @@
-#include "lpe/budgets.h"
+#include "lpe/input/budgets.h"
 
 #include <algorithm>
 #include <array>

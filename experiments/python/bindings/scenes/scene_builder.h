@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "experiments/python/bindings/scene_parameters.h"
+#include "experiments/python/bindings/scenes/scene_parameters.h"
 #include "transport/import/builder/scene_builder.h"
 
 namespace raylex::python {

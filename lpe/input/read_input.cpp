@@ -1,4 +1,4 @@
-#include "lpe/read_input.h"
+#include "lpe/input/read_input.h"
 
 #include <fcntl.h>
 #include <poll.h>
