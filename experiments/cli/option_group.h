@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "experiments/cli/commands.h"
+#include "experiments/job/settings/setting.h"
 
 namespace raylex::experiments {
 
@@ -29,6 +30,18 @@ class OptionGroup {
     }
     CLI::Option* add_flag(const std::string& names, bool& to, const std::string& description) const {
         return command_.add_flag(names, to, description)->group(name_);
+    }
+    /// Adds the flag of a setting, whose value Option::results() returns.
+    CLI::Option* add(const Setting& setting) const {
+        const std::string help = setting.text();
+        const auto* texts = std::get_if<Setting::Texts>(&setting.values.kind);
+        const auto* own = std::get_if<Setting::Own>(&setting.values.kind);
+        if (setting.value.empty()) return command_.add_flag(setting.flag, help)->group(name_);
+        const bool is_repeated = texts != nullptr || (own != nullptr && own->is_repeated);
+        const std::string text = is_repeated ? help + "; may be repeated" : help;
+        CLI::Option* option = command_.add_option(setting.flag, text)->option_text(setting.value)->group(name_);
+        if (is_repeated) option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        return texts != nullptr && texts->has_commas ? option->delimiter(',') : option;
     }
 
   private:

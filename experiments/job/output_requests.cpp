@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <utility>
 
-#include "display/buffer/frame_buffer/memory_estimate.h"
-#include "display/drivers/tev_driver.h"
+#include "experiments/job/job.h"
+#include "experiments/job/settings/setting.h"
 #include "experiments/job/text/toml_table.h"
 
 namespace raylex::experiments {
@@ -40,51 +40,16 @@ void read_storage(TomlTable& root, OutputRequests& outputs) {
     exr.close();
 }
 
-void read_deep(TomlTable& root, const std::string& job_path, DeepRequest& deep) {
-    const toml::table* table = root.take_table("deep");
-    if (table == nullptr) return;
-    TomlTable reader(root.source(), *table, "[deep]");
-    deep.location = reader.location();
-    if (reader.require("file", deep.file)) deep.file = beside_job(job_path, deep.file);
-    reader.read("channels", deep.channels);
-    reader.read("tidy", deep.options.tidy);
-    std::int64_t samples = 0;
-    if (reader.read("samples", samples, 1, 4096)) deep.options.most_samples = static_cast<int>(samples);
-    if (const toml::node* node = reader.take("tolerance")) {
-        const double tolerance = node->value<double>().value_or(0);
-        if (tolerance >= 0x1p-23 && tolerance <= 1) deep.options.tolerance = tolerance;
-        else
-            root.source().fail(reader.location_of("tolerance"),
-                               "'tolerance' in [deep] is not a relative difference of depths; expected 1.2e-7 to 1");
-    }
-    std::string storage;
-    if (reader.read("storage", storage)) {
-        auto parsed = display::parse_deep_storage(storage, reader.content_location_of("storage"));
-        if (parsed) deep.storage = *parsed;
-        else root.source().fail(parsed.error());
-    }
+/// Reads [deep] or [atlas], which must name a file.
+SourceLocation read_file_table(TomlTable& root, const std::string& name, const std::string& job_path, Job& job) {
+    const toml::table* table = root.take_table(name);
+    if (table == nullptr) return {};
+    TomlTable reader(root.source(), *table, "[" + name + "]");
+    std::string file;
+    reader.require("file", file);
+    read_settings(reader, name, job_path, job);
     reader.close();
-}
-
-void read_atlas(TomlTable& root, const std::string& job_path, AtlasRequest& atlas) {
-    const toml::table* table = root.take_table("atlas");
-    if (table == nullptr) return;
-    TomlTable reader(root.source(), *table, "[atlas]");
-    atlas.location = reader.location();
-    if (reader.require("file", atlas.file)) atlas.file = beside_job(job_path, atlas.file);
-    std::string text;
-    if (reader.read("by", text))
-        if (Status set = set_atlas_rules(text, reader.content_location_of("by"), atlas); !set)
-            root.source().fail(set.error());
-    std::int64_t length = 0;  // 0: the maximum depth of the render's paths (AtlasOutput::prepare)
-    static_cast<void>(reader.read("length", length, 1, display::WordRules::most_length));
-    atlas.rules.length = static_cast<int>(length);
-    if (reader.read("budget", text)) {
-        auto budget = display::parse_memory_size(text, reader.content_location_of("budget"));
-        if (budget) atlas.budget = *budget;
-        else root.source().fail(budget.error());
-    }
-    reader.close();
+    return reader.location();
 }
 
 void read_drivers(TomlTable& root, const std::string& job_path, OutputRequests& outputs) {
@@ -130,22 +95,6 @@ Status check_exr_requests(const OutputRequests& outputs) {
     return success();
 }
 
-void read_viewer(TomlTable& output, OutputRequests& outputs) {
-    std::string address;
-    if (!output.read("tev", address)) return;
-    auto parsed = display::tev_address(address, output.location_of("tev"));
-    if (parsed) outputs.drivers.push_back({"tev", std::move(*parsed)});
-    else output.source().fail(parsed.error());
-}
-
-void read_memory_limit(TomlTable& render, OutputRequests& outputs) {
-    std::string text;
-    if (!render.read("memory_limit", text)) return;
-    auto limit = display::parse_memory_size(text, render.location_of("memory_limit"));
-    if (limit) outputs.memory_limit = *limit;
-    else render.source().fail(limit.error());
-}
-
 std::string beside_job(const std::string& job_path, const std::string& path) {
     if (path.empty() || fs::path(path).is_absolute()) return path;
     return (fs::path(job_path).parent_path() / path).lexically_normal().string();
@@ -162,11 +111,11 @@ display::DriverRequest preview_request(const std::string& text, const SourceLoca
     return request;
 }
 
-void read_output_tables(TomlTable& root, const std::string& job_path, OutputRequests& outputs) {
-    read_storage(root, outputs);
-    read_deep(root, job_path, outputs.deep);
-    read_atlas(root, job_path, outputs.atlas);
-    read_drivers(root, job_path, outputs);
+void read_output_tables(TomlTable& root, const std::string& job_path, Job& job) {
+    read_storage(root, job.outputs);
+    job.outputs.deep.location = read_file_table(root, "deep", job_path, job);
+    job.outputs.atlas.location = read_file_table(root, "atlas", job_path, job);
+    read_drivers(root, job_path, job.outputs);
 }
 
 }  // namespace raylex::experiments
