@@ -32,16 +32,14 @@ class OptionGroup {
         return command_.add_flag(names, to, description)->group(name_);
     }
     /// Adds the flag of a setting, whose value Option::results() returns.
-    CLI::Option* add(const Setting& setting) const {
-        const std::string help = setting.text();
-        const auto* texts = std::get_if<Setting::Texts>(&setting.values.kind);
-        const auto* own = std::get_if<Setting::Own>(&setting.values.kind);
+    CLI::Option* add(const RenderSetting& setting) const {
+        const RenderSetting::Values& values = setting.values;
+        const std::string help = setting.text() + (values.is_repeated ? "; may be repeated" : "");
         if (setting.value.empty()) return command_.add_flag(setting.flag, help)->group(name_);
-        const bool is_repeated = texts != nullptr || (own != nullptr && own->is_repeated);
-        const std::string text = is_repeated ? help + "; may be repeated" : help;
-        CLI::Option* option = command_.add_option(setting.flag, text)->option_text(setting.value)->group(name_);
-        if (is_repeated) option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-        return texts != nullptr && texts->has_commas ? option->delimiter(',') : option;
+        CLI::Option* option = command_.add_option(setting.flag, help)->option_text(setting.value)->group(name_);
+        if (setting.value == "on|off") option->check(CLI::IsMember({"on", "off"}));
+        if (values.is_repeated) option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        return values.has_commas ? option->delimiter(',') : option;
     }
 
   private:

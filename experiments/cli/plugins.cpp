@@ -70,7 +70,7 @@ int list_plugins(const std::vector<std::string>& files) {
 }  // namespace
 
 CLI::Option* add_plugin_option(CLI::App& command, std::vector<std::string>& files) {
-    const Setting& setting = setting_of_flag("--plugin");
+    const RenderSetting& setting = setting_of_flag("--plugin");
     return command.add_option(setting.flag, files, setting.help + "; may be repeated")
         ->option_text(setting.value)
         ->expected(1)

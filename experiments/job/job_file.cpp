@@ -12,18 +12,6 @@
 namespace raylex::experiments {
 namespace {
 
-/// Reads a table whose keys are all settings.
-void read_plain_table(TomlTable& root, const std::string& name, const std::string& job_path, Job& job) {
-    const toml::table* table = root.take_table(name);
-    if (table == nullptr) return;
-    TomlTable reader(root.source(), *table, "[" + name + "]");
-    if (name == "scene" && reader.require("file", job.scene_file))
-        job.scene_file = beside_job(job_path, job.scene_file);
-    read_settings(reader, name, job_path, job);
-    if (name == "render") read_effects(reader, job.effects);
-    reader.close();
-}
-
 /// Reads [[display_filter]] tables in their order.
 void read_display_filters(TomlTable& root, Job& job) {
     for (const toml::table* table : root.take_tables("display_filter")) {
@@ -49,7 +37,11 @@ Result<Job> parse_job(const std::string& text, const std::string& path) {
     read_plugins(root, path, job);
     if (!root.has("scene"))
         source.fail(SourceLocation{path, 1, 1}, "the job names no scene; expected [scene] with file = \"...\"");
-    for (const char* name : {"scene", "output", "color", "render"}) read_plain_table(root, name, path, job);
+    read_settings_table(root, "scene", path, job, [&](TomlTable& scene) {
+        if (scene.require("file", job.scene_file)) job.scene_file = beside_job(path, job.scene_file);
+    });
+    for (const char* name : {"output", "color"}) read_settings_table(root, name, path, job);
+    read_settings_table(root, "render", path, job, [&](TomlTable& render) { read_effects(render, job.effects); });
     read_adaptive(root, job);
     read_entity(root, "integrator", job.settings.paths.integrator);
     read_entity(root, "sampler", job.settings.samples.sampler);

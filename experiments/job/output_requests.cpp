@@ -40,18 +40,6 @@ void read_storage(TomlTable& root, OutputRequests& outputs) {
     exr.close();
 }
 
-/// Reads [deep] or [atlas], which must name a file.
-SourceLocation read_file_table(TomlTable& root, const std::string& name, const std::string& job_path, Job& job) {
-    const toml::table* table = root.take_table(name);
-    if (table == nullptr) return {};
-    TomlTable reader(root.source(), *table, "[" + name + "]");
-    std::string file;
-    reader.require("file", file);
-    read_settings(reader, name, job_path, job);
-    reader.close();
-    return reader.location();
-}
-
 void read_drivers(TomlTable& root, const std::string& job_path, OutputRequests& outputs) {
     for (const toml::table* table : root.take_tables("driver")) {
         TomlTable reader(root.source(), *table, "a [[driver]] table");
@@ -113,8 +101,12 @@ display::DriverRequest preview_request(const std::string& text, const SourceLoca
 
 void read_output_tables(TomlTable& root, const std::string& job_path, Job& job) {
     read_storage(root, job.outputs);
-    job.outputs.deep.location = read_file_table(root, "deep", job_path, job);
-    job.outputs.atlas.location = read_file_table(root, "atlas", job_path, job);
+    const auto require_file = [](TomlTable& table) {
+        std::string file;
+        table.require("file", file);
+    };
+    job.outputs.deep.location = read_settings_table(root, "deep", job_path, job, require_file);
+    job.outputs.atlas.location = read_settings_table(root, "atlas", job_path, job, require_file);
     read_drivers(root, job_path, job.outputs);
 }
 

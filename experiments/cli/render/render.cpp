@@ -14,6 +14,7 @@
 #include "experiments/job/sampling_requests.h"
 #include "experiments/program/console.h"
 #include "experiments/shards/shard_render.h"
+#include "experiments/study/run/runner.h"
 
 namespace raylex::experiments {
 namespace {

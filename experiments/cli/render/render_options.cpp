@@ -11,7 +11,7 @@ namespace raylex::experiments {
 namespace {
 
 /// Returns the name of a flag in messages: "--output".
-std::string long_name(const Setting& setting) {
+std::string long_name(const RenderSetting& setting) {
     return setting.flag.substr(std::min(setting.flag.find("--"), setting.flag.size()));
 }
 
@@ -19,8 +19,8 @@ std::string long_name(const Setting& setting) {
 bool is_often_used(const CLI::Option& option) {
     if (option.check_lname("help") || option.check_lname("help-all")) return true;
     for (const SettingGroup& group : setting_groups())
-        for (const Setting& setting : group.settings)
-            if (setting.use == Setting::Use::often && option.check_name(long_name(setting))) return true;
+        for (const RenderSetting& setting : group.settings)
+            if (setting.use == RenderSetting::Use::often && option.check_name(long_name(setting))) return true;
     return false;
 }
 
@@ -47,7 +47,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
         ->option_text("(required)");
     for (const SettingGroup& settings : setting_groups()) {
         const OptionGroup group(command, settings.heading);
-        for (const Setting& setting : settings.settings) {
+        for (const RenderSetting& setting : settings.settings) {
             if (setting.flag == "--plugin") add_plugin_option(command, options.plugins)->group(settings.heading);
             else if (!setting.flag.empty()) group.add(setting);
         }
@@ -57,7 +57,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
 
 Status apply_flags(const CLI::App& command, Job& job) {
     for (const SettingGroup& group : setting_groups())
-        for (const Setting& setting : group.settings) {
+        for (const RenderSetting& setting : group.settings) {
             const std::string flag = long_name(setting);
             if (flag.empty() || command.count(flag) == 0) continue;
             if (Status set = set_from_flag(setting, flag, command.get_option(flag)->results(), job); !set) return set;

@@ -7,7 +7,7 @@
 namespace raylex::experiments {
 namespace {
 
-using enum Setting::Use;
+using enum RenderSetting::Use;
 
 /// The names of all geometric AOVs.
 std::string aov_names() {
@@ -78,16 +78,16 @@ Status add_statistics(Job& job, const std::string& text, const SourceLocation& w
     return success();
 }
 
-Status set_cryptomattes(Job& job, const std::vector<Setting::Item>& items) {
+Status set_cryptomattes(Job& job, const std::vector<RenderSetting::Item>& items) {
     job.settings.mattes.kinds.clear();
-    for (const Setting::Item& item : items)
+    for (const RenderSetting::Item& item : items)
         if (Status added = add_cryptomatte(item.text, item.location, job.settings.mattes); !added) return added;
     return success();
 }
 
 }  // namespace
 
-std::vector<Setting> light_layer_settings() {
+std::vector<RenderSetting> light_layer_settings() {
     return {
         {"--lpe",
          "channel.lpe",
@@ -95,7 +95,7 @@ std::vector<Setting> light_layer_settings() {
          "NAME=EXPR",
          often,
          "adds a layer NAME with the light that the light path expression accepts",
-         {Setting::Own{true}}},
+         {.is_repeated = true}},
         {"--channels",
          "",
          "",
@@ -103,45 +103,44 @@ std::vector<Setting> light_layer_settings() {
          often,
          "adds a layer for each channel of a file, and the partitions that the file declares. The file has RIB "
          "DisplayChannel lines, rendermn.ini settings, USD ASCII RenderVar prims or TOML",
-         {Setting::Own{true}}},
+         {.is_repeated = true}},
         {"--rename",
          "",
          "",
          "OLD=NEW",
          rare,
          "gives the layer of channel OLD the name NEW, for files whose channels have the same name",
-         {Setting::Own{true}}},
+         {.is_repeated = true}},
         {"--dialect",
          "channel.dialect",
          "dialect",
          "D",
          rare,
          "syntax of the --lpe options and USD channel files after this option: renderman (default) or osl",
-         {Setting::Own{true}}},
+         {.is_repeated = true}},
         {"--partition", "channels.shipped_partition", "shipped", "shipped", rare,
-         "'shipped' adds the layers of the partition that comes with raylex",
-         on_or_off([](Job & job) -> auto& { return job.shipped_partition; })},
+         "adds the layers of the partition that comes with raylex",
+         on_or_off([](Job& job) { return &job.shipped_partition; })},
         {"--light-groups", "channels.light_groups", "light_groups", "", often,
          "adds one layer per light group, and one for all lights without a group",
-         on_or_off([](Job & job) -> auto& { return job.light_groups; })},
+         on_or_off([](Job& job) { return &job.light_groups; })},
         {"", "partition", "partitions", "", rare,
          "declares that layers sum to the beauty or to another layer; proved before a ray is traced"},
         {"--techniques", "channels.techniques", "", "pyramid[:CHANNEL,...]", rare,
          "'pyramid' splits the beauty by sampling technique: a technique takes s vertices from the light and t from "
          "the camera. Each adds two layers, with its MIS weight (beauty_s1t3) and without (beauty_s1t3_unweighted). "
          "'pyramid:CHANNEL,...' splits these channels instead",
-         parsed(
-             parse_techniques, [](Job & job) -> auto& { return job.techniques; })},
+         parsed(parse_techniques, [](Job& job) { return &job.techniques; })},
         {"--no-beauty", "render.beauty", "beauty", "", rare, "renders only the light that the layers need",
-         on_or_off([](Job & job) -> auto& { return job.settings.channels.beauty; })},
+         on_or_off([](Job& job) { return &job.settings.channels.beauty; })},
         {"--prune", "render.prune", "", "on|off", rare,
          "on: without beauty, light paths that no layer accepts are not simulated; off: they are simulated, to measure "
          "the saving",
-         on_or_off([](Job & job) -> auto& { return job.settings.paths.prune; })},
+         on_or_off([](Job& job) { return &job.settings.paths.prune; })},
     };
 }
 
-std::vector<Setting> sample_layer_settings() {
+std::vector<RenderSetting> sample_layer_settings() {
     return {
         {"--aov", "channels.aovs", "aovs", "NAME[,NAME...]", often,
          "adds geometric AOVs by name (" + aov_names() +
@@ -162,17 +161,13 @@ std::vector<Setting> sample_layer_settings() {
          "adds layers with statistics of the beauty or a filtered channel: NAME_variance (variance of the samples), "
          "NAME_mse (variance of the pixel), NAME_even and NAME_odd (images from samples of even and odd index)",
          each(add_statistics)},
-        {"--cryptomatte",
-         "channels.cryptomatte",
-         "cryptomatte",
-         "KIND[,KIND...]",
-         often,
+        {"--cryptomatte", "channels.cryptomatte", "cryptomatte", "KIND[,KIND...]", often,
          "adds cryptomattes of these kinds: object, material, asset; pixel filters with negative lobes are not allowed",
-         {Setting::Texts{set_cryptomattes, true}}},
+         texts(set_cryptomattes, true)},
         {"--cryptomatte-ranks", "channels.cryptomatte_ranks", "", "N", rare,
          "number of ids per pixel in a cryptomatte, an even number",
          whole(
-             2, geoaovs::Cryptomatte::most_ranks, [](Job & job) -> auto& { return job.settings.mattes.ranks; }, 2)},
+             2, geoaovs::Cryptomatte::most_ranks, [](Job& job) { return &job.settings.mattes.ranks; }, 2)},
     };
 }
 

@@ -8,7 +8,7 @@
 namespace raylex::experiments {
 namespace {
 
-using enum Setting::Use;
+using enum RenderSetting::Use;
 
 /// KIND='TYPE COMPRESSION', single or multi
 Status set_storage(Job& job, const std::string& text, const SourceLocation& where) {
@@ -23,9 +23,9 @@ Status set_deep(Job& job, const std::string& file, const SourceLocation& where) 
     return success();
 }
 
-Status set_deep_channels(Job& job, const std::vector<Setting::Item>& items) {
+Status set_deep_channels(Job& job, const std::vector<RenderSetting::Item>& items) {
     job.outputs.deep.channels.clear();
-    for (const Setting::Item& item : items) job.outputs.deep.channels.push_back(item.text);
+    for (const RenderSetting::Item& item : items) job.outputs.deep.channels.push_back(item.text);
     return success();
 }
 
@@ -54,9 +54,9 @@ Status add_driver(Job& job, const std::string& text, const SourceLocation& where
 }
 
 /// Adds the previews to the job. The first plain preview replaces the job's.
-Status add_previews(Job& job, const std::vector<Setting::Item>& items) {
+Status add_previews(Job& job, const std::vector<RenderSetting::Item>& items) {
     bool first = true;
-    for (const Setting::Item& item : items) {
+    for (const RenderSetting::Item& item : items) {
         display::DriverRequest request = preview_request(item.text, item.location);
         const bool is_of_job = item.location.line > 0;  // a file name, whatever letters it has
         const bool plain = is_of_job || request.parameters.parameters.size() == 1;
@@ -91,70 +91,52 @@ Status add_display_filter(Job& job, const std::string& text, const SourceLocatio
     return success();
 }
 
-std::vector<Setting> deep_settings() {
+std::vector<RenderSetting> deep_settings() {
     return {
         {"--deep", "deep.file", "", "OUT.exr", rare, "also writes a deep image with Z, ZBack, A and the beauty",
          applied(set_deep, true)},
-        {"--deep-channels",
-         "deep.channels",
-         "",
-         "NAME[,NAME...]",
-         rare,
-         "further layers of light, or filtered layers, for the deep image",
-         {Setting::Texts{set_deep_channels, true}}},
+        {"--deep-channels", "deep.channels", "", "NAME[,NAME...]", rare,
+         "further layers of light, or filtered layers, for the deep image", texts(set_deep_channels, true)},
         {"--deep-samples", "deep.samples", "", "N", rare, "maximum number of deep samples in a pixel",
-         whole(
-             1, 4096, [](Job & job) -> auto& { return job.outputs.deep.options.most_samples; })},
+         whole(1, 4096, [](Job& job) { return &job.outputs.deep.options.most_samples; })},
         {"--deep-tolerance", "deep.tolerance", "", "X", rare,
          "merges deep samples whose depths differ by less than this fraction",
-         real(
-             0x1p-23, 1, [](Job & job) -> auto& { return job.outputs.deep.options.tolerance; })},
+         real(0x1p-23, 1, [](Job& job) { return &job.outputs.deep.options.tolerance; })},
         {"--deep-tidy", "deep.tidy", "", "", rare, "splits volume spans so that no deep samples overlap",
-         on_or_off([](Job & job) -> auto& { return job.outputs.deep.options.tidy; })},
+         on_or_off([](Job& job) { return &job.outputs.deep.options.tidy; })},
         {"--deep-storage", "deep.storage", "", "'TYPE COMPRESSION'", rare,
          "colours as half or float, and compression none, rle or zips",
-         parsed(
-             display::parse_deep_storage, [](Job & job) -> auto& { return job.outputs.deep.storage; })},
+         parsed(display::parse_deep_storage, [](Job& job) { return &job.outputs.deep.storage; })},
     };
 }
 
-std::vector<Setting> atlas_settings() {
+std::vector<RenderSetting> atlas_settings() {
     return {
         {"--atlas", "atlas.file", "atlas", "OUT.atlas.exr", often,
          "also writes a path atlas: the light of every path string (kind of path), from which 'raylex ask' makes new "
          "layers without another render",
          applied(set_atlas, true)},
-        {"--atlas-by",
-         "atlas.by",
-         "",
-         "label,lobe,group,straight,technique",
-         rare,
+        {"--atlas-by", "atlas.by", "", "label,lobe,group,straight,technique", rare,
          "properties that distinguish the atlas's words besides the event types",
-         {applied(set_atlas_words).kind, display::to_string(display::WordRules())}},
-        {"--atlas-length",
-         "atlas.length",
-         "",
-         "N",
-         rare,
+         applied(set_atlas_words, false, display::to_string(display::WordRules()))},
+        {"--atlas-length", "atlas.length", "", "N", rare,
          "longest words stored whole, in scattering events; default: the render's maximum depth, at most 64",
-         {whole(
-              1, display::WordRules::most_length, [](Job & job) -> auto& { return job.outputs.atlas.rules.length; })
-              .kind}},
+         whole(1, display::WordRules::most_length, [](Job& job) { return &job.outputs.atlas.rules.length; })},
         {"--atlas-budget", "atlas.budget", "", "SIZE", rare,
          "memory limit of the atlas; beyond it the words with the least light are merged",
          parsed(
-             display::parse_memory_size, [](Job & job) -> auto& { return job.outputs.atlas.budget; },
+             display::parse_memory_size, [](Job& job) { return &job.outputs.atlas.budget; },
              display::memory_text(AtlasRequest().budget))},
     };
 }
 
 }  // namespace
 
-std::vector<Setting> file_settings() {
-    std::vector<Setting> settings{
+std::vector<RenderSetting> file_settings() {
+    std::vector<RenderSetting> settings{
         {"-o,--output", "output.file", "output", "OUT.exr", often,
          "image file; default: the name of the scene or job with .exr, in the current folder",
-         path([](Job & job) -> auto& { return job.output; })},
+         text([](Job& job) { return &job.output; }, true)},
         {"--exr", "exr.KIND", "", "KIND='TYPE COMPRESSION'|single", rare,
          "number type and compression of a kind of channel (light, color, normal, position, value, id or all). Types: "
          "half, float. Compressions: none, rle, zips, zip, piz; light and color also allow the lossy dwaa:LEVEL and "
@@ -167,43 +149,41 @@ std::vector<Setting> file_settings() {
         {"--stats", "output.stats", "", "OUT.json", often,
          "also writes statistics (times, ray counts and more) as JSON; -: writes them to standard output, and messages "
          "to standard error",
-         path([](Job & job) -> auto& { return job.statistics; })},
+         text([](Job& job) { return &job.statistics; }, true)},
     };
-    std::get<Setting::Texts>(settings[2].values.kind).is_single_key = true;
+    settings[2].values.type = RenderSetting::Type::string;  // a job has one viewer
     for (const auto& more : {deep_settings(), atlas_settings()})
         settings.insert(settings.end(), more.begin(), more.end());
     return settings;
 }
 
-std::vector<Setting> color_settings() {
-    return {
-        {"--preview",
-         "output.preview",
-         "",
-         "[LAYER=]OUT.png",
-         often,
+std::vector<RenderSetting> color_settings() {
+    std::vector<RenderSetting> settings{
+        {"--preview", "output.preview", "", "[LAYER=]OUT.png", often,
          "also writes the beauty, or the layer LAYER, as a PNG. Light is shown through the display's view, geometry in "
          "false colours",
-         {Setting::Texts{add_previews, false, true, true}}},
+         texts(add_previews)},
         {"--display", "color.display", "", "NAME", rare, "display in the colour config, for previews",
          applied(set_display)},
         {"--view", "color.view", "", "NAME", rare, "view of that display; default: the config's default view",
-         text([](Job & job) -> auto& { return job.view; })},
+         text([](Job& job) { return &job.view; })},
         {"--exposure", "color.exposure", "", "STOPS", rare, "exposure of previews of light, in stops",
-         real(
-             -largest_exposure, largest_exposure, [](Job & job) -> auto& { return job.exposure; })},
+         real(-largest_exposure, largest_exposure, [](Job& job) { return &job.exposure; })},
         {"--texture-rules", "color.texture_rules", "", "", rare,
          "converts image textures by the file rules of the colour config; default: pbrt's rules",
-         on_or_off([](Job & job) -> auto& { return job.texture_rules; })},
+         on_or_off([](Job& job) { return &job.texture_rules; })},
         {"--ocio", "color.ocio", "", "FILE", rare, "OpenColorIO config; default: $OCIO, else raylex's own",
-         path([](Job & job) -> auto& { return job.ocio_config; })},
+         text([](Job& job) { return &job.ocio_config; }, true)},
         {"--rendering-space", "color.rendering_space", "", "NAME", rare,
          "scene-linear space of the config in which to render; default: the scene's",
-         text([](Job & job) -> auto& { return job.rendering_space; })},
+         text([](Job& job) { return &job.rendering_space; })},
     };
+    settings.front().values.type = RenderSetting::Type::string;  // a job has one preview
+    settings.front().values.is_path = true;
+    return settings;
 }
 
-std::vector<Setting> filter_settings() {
+std::vector<RenderSetting> filter_settings() {
     return {
         {"--sample-filter", "sample_filter", "sample_filters", "NAME:KEY=VALUE,...", rare,
          "changes samples before the pixel filter, in the order given: " +

@@ -1,11 +1,6 @@
 #include "experiments/job/settings/setting.h"
 
-#include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <cstdio>
-#include <limits>
-#include <type_traits>
+#include <cstdlib>
 
 #include "experiments/job/settings/kinds.h"
 #include "experiments/job/text/toml_table.h"
@@ -14,167 +9,58 @@
 namespace raylex::experiments {
 namespace {
 
-/// Returns what a value must be: "a whole number from 0 to 4096".
-std::string range_of(const Setting::Whole& whole) {
-    return std::string(whole.step == 2 ? "an even" : "a whole") + " number from " + std::to_string(whole.least) +
-           " to " + std::to_string(whole.most);
+using Type = RenderSetting::Type;
+
+/// Returns the text of a value in a job as in a flag; empty: a value of another type.
+std::string flag_text(const toml::node& node) {
+    if (const auto* text = node.as_string()) return text->get();
+    if (const auto* whole = node.as_integer()) return std::to_string(whole->get());
+    if (const auto* real = node.as_floating_point()) return plain_number(real->get());
+    if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
+    return {};
 }
 
-std::string range_of(const Setting::Real& real) {
-    return "a number from " + plain_number(real.least) + " to " + plain_number(real.most);
+/// Returns what the type of the node must be; empty: it is of that type.
+const char* type_fault(Type type, const toml::node& node) {
+    if (type == Type::integer) return node.is_integer() ? "" : "an integer";
+    if (type == Type::number) return node.is_number() ? "" : "a number";
+    if (type == Type::boolean) return node.is_boolean() ? "" : "true or false";
+    return node.is_string() ? "" : "a string";
 }
 
-std::string range_of(const std::vector<std::string>& words, const char* quote) {
-    std::string list;
-    for (std::size_t i = 0; i < words.size(); ++i)
-        list += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + (quote + words[i] + quote);
-    return list;
-}
-
-bool fits(const Setting::Real& real, double number) {
-    return number >= real.least && number <= real.most;
-}
-
-template <typename Number>
-bool parse_whole_text(const std::string& text, Number& number) {
-    const char* const end = text.data() + text.size();
-    const auto [last, failed] = std::from_chars(text.data(), end, number);
-    return failed == std::errc() && last == end;
-}
-
-/// Sets a setting from the values of a flag.
-struct FlagReader {
-    const Setting& setting;
-    const std::string& flag;
-    const std::vector<std::string>& values;
-    Job& job;
-
-    [[nodiscard]] const std::string& text() const { return values.back(); }
-    [[nodiscard]] Status refused(const std::string& expected, const std::string& hint = {}) const {
-        return error_at({flag, 0, 0}, "'" + text() + "' is not a valid value; expected " + expected, hint);
-    }
-    Status operator()(const Setting::Whole& whole) const {
-        std::uint64_t number = 0;
-        if (!parse_whole_text(text(), number) || number < whole.least || number > whole.most ||
-            number % whole.step != 0)
-            return refused(range_of(whole));
-        whole.set(job, number);
-        return success();
-    }
-    Status operator()(const Setting::Real& real) const {
-        double number = 0;
-        if (!parse_whole_text(text(), number) || !fits(real, number)) return refused(range_of(real));
-        real.set(job, number);
-        return success();
-    }
-    Status operator()(const Setting::Choice& choice) const {
-        const auto found = std::find(choice.words.begin(), choice.words.end(), text());
-        if (found == choice.words.end()) return refused(range_of(choice.words, ""), near_miss(text(), choice.words));
-        choice.set(job, static_cast<std::size_t>(found - choice.words.begin()));
-        return success();
-    }
-    Status operator()(const Setting::Switch& on_or_off) const {
-        if (setting.value == "on|off" && text() != "on" && text() != "off") return refused("on or off");
-        on_or_off.set(job, (text() != "off" && text() != "false") != setting.flag.starts_with("--no-"));
-        return success();
-    }
-    Status operator()(const Setting::Text& kind) const { return kind.set(job, text(), {flag, 0, 0}); }
-    Status operator()(const Setting::Texts& kind) const {
-        std::vector<Setting::Item> items;
-        for (const std::string& each : values) items.push_back({each, {flag, 0, 0}});
-        return kind.set(job, items);
-    }
-    Status operator()(const Setting::Own&) const { return success(); }
-};
-
-/// Reads a setting from a table of a job.
-struct KeyReader {
-    TomlTable& table;
-    const std::string key;
-    const std::string& job_path;
-    Job& job;
-
-    void fail(const std::string& what, const std::string& hint = {}) const {
-        table.source().fail(table.location_of(key), "'" + key + "' in " + table.description() + " is " + what, hint);
-    }
-    void check(const Status& status) const {
-        if (!status) table.source().fail(status.error());
-    }
-    [[nodiscard]] std::string located(const std::string& text, bool is_path) const {
-        return is_path && !is_standard_output(text) ? beside_job(job_path, text) : text;
-    }
-    void operator()(const Setting::Whole& whole) const {
-        constexpr std::uint64_t largest = std::numeric_limits<std::int64_t>::max();
-        std::int64_t number = 0;
-        if (!table.read(key, number, static_cast<std::int64_t>(whole.least),
-                        static_cast<std::int64_t>(std::min(whole.most, largest))))
-            return;
-        if (static_cast<std::uint64_t>(number) % whole.step != 0)
-            return fail(std::to_string(number) + "; expected " + range_of(whole));
-        whole.set(job, static_cast<std::uint64_t>(number));
-    }
-    void operator()(const Setting::Real& real) const {
-        const toml::node* node = table.take(key);
-        if (node == nullptr) return;
-        const auto number = node->is_string() ? std::nullopt : node->value<double>();
-        if (number && fits(real, *number)) real.set(job, *number);
-        else fail("not " + range_of(real));
-    }
-    void operator()(const Setting::Choice& choice) const {
-        std::string word;
-        if (!table.read(key, word)) return;
-        const auto found = std::find(choice.words.begin(), choice.words.end(), word);
-        if (found == choice.words.end())
-            return fail("'" + word + "'; expected " + range_of(choice.words, "\""), near_miss(word, choice.words));
-        choice.set(job, static_cast<std::size_t>(found - choice.words.begin()));
-    }
-    void operator()(const Setting::Switch& on_or_off) const {
-        bool on = false;
-        if (table.read(key, on)) on_or_off.set(job, on);
-    }
-    void operator()(const Setting::Text& kind) const {
-        const toml::node* node = table.take(key);
-        if (node == nullptr) return;
-        std::string text;
-        if (kind.array.empty() || node->is_string()) {
-            if (table.read(key, text))
-                check(kind.set(job, located(text, kind.is_path), table.content_location_of(key)));
-            return;
-        }
-        if (const toml::array* list = node->as_array())
-            for (const toml::node& each : *list)
-                text += (text.empty() ? "" : kind.separator) +
-                        std::to_string(each.value_exact<std::int64_t>().value_or(-1));
-        if (!kind.set(job, text, {})) fail("out of range or not an array of integers; expected " + kind.array);
-    }
-    void operator()(const Setting::Texts& kind) const {
+void read_row(TomlTable& table, const RenderSetting& setting, const std::string& job_path, Job& job) {
+    const std::string key = setting.key.substr(setting.key.rfind('.') + 1);
+    const RenderSetting::Values& values = setting.values;
+    if (values.type == Type::own) return;
+    const toml::node* node = table.take(key);
+    if (node == nullptr) return;
+    std::vector<RenderSetting::Item> items;
+    if (values.type == Type::strings) {
         std::vector<std::string> texts;
         std::vector<SourceLocation> places;
-        if (kind.is_single_key) {
-            if (!table.read(key, texts.emplace_back())) return;
-            places.push_back(table.content_location_of(key));
-        } else if (!table.read(key, texts, &places)) {
-            return;
-        }
-        std::vector<Setting::Item> items;
-        for (std::size_t i = 0; i < texts.size(); ++i) items.push_back({located(texts[i], kind.is_path), places[i]});
-        check(kind.set(job, items));
+        if (!table.read(key, texts, &places)) return;
+        for (std::size_t i = 0; i < texts.size(); ++i) items.push_back({texts[i], places[i]});
+    } else if (const toml::array* list = node->as_array(); list != nullptr && !values.separator.empty()) {
+        std::string joined;
+        for (const toml::node& each : *list) joined += (joined.empty() ? "" : values.separator) + flag_text(each);
+        items.push_back({joined, table.location_of(key)});
+    } else if (const std::string expected = type_fault(values.type, *node); !expected.empty()) {
+        return table.wrong_type(key, *node, values.separator.empty() ? expected.c_str() : values.range.c_str());
+    } else {
+        items.push_back(
+            {flag_text(*node), node->is_string() ? table.content_location_of(key) : table.location_of(key)});
     }
-    void operator()(const Setting::Own&) const {}
-};
-
-/// Returns what a value can be, for the reference page.
-std::string range_text(const Setting& setting) {
-    return std::visit(
-        [&](const auto& kind) -> std::string {
-            using Kind = std::decay_t<decltype(kind)>;
-            if constexpr (std::is_same_v<Kind, Setting::Whole> || std::is_same_v<Kind, Setting::Real>)
-                return range_of(kind);
-            else if constexpr (std::is_same_v<Kind, Setting::Choice>) return range_of(kind.words, "`");
-            else if constexpr (std::is_same_v<Kind, Setting::Switch>) return "`true` or `false`";
-            else return setting.value.empty() ? "" : "`" + setting.value + "`";
-        },
-        setting.values.kind);
+    if (values.is_path)
+        for (RenderSetting::Item& item : items)
+            if (!is_standard_output(item.text)) item.text = beside_job(job_path, item.text);
+    if (const Status set = values.set(job, items); !set) {
+        Error error = set.error();
+        const std::string where = "'" + key + "' in " + table.description();
+        error.message = node->is_array() && !values.separator.empty()
+                            ? where + " is not valid; expected " + values.range
+                            : where + ": " + error.message;
+        table.source().fail(std::move(error));
+    }
 }
 
 std::string cell(std::string text, const char* quote) {
@@ -186,14 +72,24 @@ std::string cell(std::string text, const char* quote) {
 
 std::string plain_number(double number) {
     char text[32];
-    std::snprintf(text, sizeof(text), std::abs(number) < 1 ? "%.2g" : "%.17g", number);
-    return text;
+    return {text, std::to_chars(text, text + sizeof(text), number).ptr};
 }
 
-std::string Setting::text() const {
+std::string words_text(const std::vector<std::string>& words) {
+    std::string list;
+    for (const std::string& word : words) list += (list.empty() ? "\"" : " or \"") + word + "\"";
+    return list;
+}
+
+Error invalid_value(const RenderSetting::Item& item, const std::string& expected, const std::string& hint) {
+    return error_at(item.location, "'" + item.text + "' is not a valid value; expected " + expected, hint);
+}
+
+std::string RenderSetting::text() const {
     if (value == "on|off") return help + "; default " + (values.usual == "true" ? "on" : "off");
-    const bool is_stated = !values.usual.empty() && !std::holds_alternative<Switch>(values.kind);
-    return is_stated ? help + "; default " + values.usual : help;
+    return values.usual.empty() || values.type == Type::boolean || help.find("default") != help.npos
+               ? help
+               : help + "; default " + values.usual;
 }
 
 const std::vector<SettingGroup>& setting_groups() {
@@ -210,49 +106,58 @@ const std::vector<SettingGroup>& setting_groups() {
     return groups;
 }
 
-const Setting& setting_of_flag(std::string_view flag) {
+const RenderSetting& setting_of_flag(std::string_view flag) {
     for (const SettingGroup& group : setting_groups())
-        for (const Setting& setting : group.settings)
+        for (const RenderSetting& setting : group.settings)
             if (setting.flag == flag) return setting;
     std::abort();
 }
 
-Status set_from_flag(const Setting& setting, const std::string& flag, const std::vector<std::string>& values,
+Status set_from_flag(const RenderSetting& setting, const std::string& flag, const std::vector<std::string>& values,
                      Job& job) {
-    if (values.empty() || values.back().empty()) return success();
-    return std::visit(FlagReader{setting, flag, values, job}, setting.values.kind);
+    if (values.empty() || values.back().empty() || setting.values.type == Type::own) return success();
+    std::vector<RenderSetting::Item> items;
+    for (const std::string& value : values)
+        items.push_back({flag.starts_with("--no-") && value == "true" ? "false" : value, {flag, 0, 0}});
+    return setting.values.set(job, items);
 }
 
 void read_settings(TomlTable& table, std::string_view name, const std::string& job_path, Job& job) {
     for (const SettingGroup& group : setting_groups())
-        for (const Setting& setting : group.settings) {
-            const std::string_view key = setting.key;
-            const std::size_t dot = key.find('.');
-            if (dot == std::string_view::npos || key.substr(0, dot) != name || key.find('.', dot + 1) != key.npos)
-                continue;
-            std::visit(KeyReader{table, std::string(key.substr(dot + 1)), job_path, job}, setting.values.kind);
-        }
+        for (const RenderSetting& setting : group.settings)
+            if (const std::size_t dot = setting.key.rfind('.');
+                dot != std::string::npos && std::string_view(setting.key).substr(0, dot) == name)
+                read_row(table, setting, job_path, job);
+}
+
+SourceLocation read_settings_table(TomlTable& root, const std::string& name, const std::string& job_path, Job& job,
+                                   const std::function<void(TomlTable&)>& read_more) {
+    const toml::table* table = root.take_table(name);
+    if (table == nullptr) return {};
+    TomlTable reader(root.source(), *table, "[" + name + "]");
+    if (read_more) read_more(reader);
+    read_settings(reader, name, job_path, job);
+    reader.close();
+    return reader.location();
 }
 
 void read_setting(TomlTable& table, std::string_view key, Job& job) {
     for (const SettingGroup& group : setting_groups())
-        for (const Setting& setting : group.settings)
-            if (setting.key == key)
-                std::visit(KeyReader{table, std::string(key.substr(key.rfind('.') + 1)), {}, job}, setting.values.kind);
+        for (const RenderSetting& setting : group.settings)
+            if (setting.key == key) read_row(table, setting, {}, job);
 }
 
 std::string settings_page() {
     std::string page =
         "# Settings of a render\n\n"
         "Each setting as a flag of `raylex render`, as a key of a [job](jobs.md) and as an argument of "
-        "`raylex.render()`\n([Python](../python.md)). `raylex help settings` prints this page.\n";
-    for (const SettingGroup& group : setting_groups()) {
-        page += "\n## " + group.heading + "\n\n| flag | key | Python | value | default | effect |\n" +
-                "|---|---|---|---|---|---|\n";
-        for (const Setting& setting : group.settings)
+        "`raylex.render()`\n([Python](../python.md)). `raylex help settings` prints this page.\n\n"
+        "| flag | key | Python | value | default | effect |\n|---|---|---|---|---|---|\n";
+    for (const SettingGroup& group : setting_groups())
+        for (const RenderSetting& setting : group.settings)
             page += "|" + cell(setting.flag, "`") + cell(setting.key, "`") + cell(setting.python, "`") +
-                    cell(range_text(setting), "") + cell(setting.values.usual, "`") + cell(setting.help, "") + "\n";
-    }
+                    cell(setting.values.range.empty() ? setting.value : setting.values.range, "") +
+                    cell(setting.values.usual, "`") + cell(setting.help, "") + "\n";
     return page;
 }
 

@@ -11,6 +11,7 @@
 #include "experiments/job/job_tables.h"
 #include "experiments/job/parameter_check.h"
 #include "experiments/job/sampling_requests.h"
+#include "experiments/job/settings/setting.h"
 #include "experiments/job/text/toml_text.h"
 #include "experiments/study/plan/config_sections.h"
 #include "experiments/study/plan/shell_places.h"
@@ -79,11 +80,7 @@ class ConfigReader {
         if (source_.error()) return *source_.error();
         for (const PluginRequest& plugin : config_.base.plugins)
             if (Status loaded = transport::load_plugin(plugin.file, plugin.location); !loaded) return loaded.error();
-        if (const toml::table* table = root.take_table("color")) {
-            TomlTable color(source_, *table, "[color]");
-            read_settings(color, "color", config_.file, config_.base);
-            color.close();
-        }
+        read_settings_table(root, "color", config_.file, config_.base);
         read_scenes(root);
         read_channel_tables(root, config_.base);
         read_methods(root);
