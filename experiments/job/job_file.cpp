@@ -10,22 +10,6 @@
 #include "transport/plugins/plugin_loader.h"
 
 namespace raylex::experiments {
-namespace {
-
-/// Reads [[display_filter]] tables in their order.
-void read_display_filters(TomlTable& root, Job& job) {
-    for (const toml::table* table : root.take_tables("display_filter")) {
-        TomlTable reader(root.source(), *table, "a [[display_filter]] table");
-        ObjectRequest filter;
-        if (!reader.require("type", filter.name)) continue;
-        filter.parameters = reader.take_parameters();
-        filter.parameters.location = reader.location_of("type");
-        job.outputs.filters.push_back(std::move(filter));
-    }
-}
-
-}  // namespace
-
 Result<Job> parse_job(const std::string& text, const std::string& path) {
     Job job;
     job.job_file = path;
@@ -47,7 +31,7 @@ Result<Job> parse_job(const std::string& text, const std::string& path) {
     read_entity(root, "sampler", job.settings.samples.sampler);
     read_entity(root, "filter", job.settings.film.filter);
     read_sample_filters(root, job.settings.channels);
-    read_display_filters(root, job);
+    job.outputs.filters = read_objects(root, "display_filter");
     read_channel_tables(root, job);
     read_output_tables(root, path, job);
     read_label_tables(root, job);

@@ -124,14 +124,9 @@ void read_entity(TomlTable& root, const char* key, std::optional<transport::Scen
 }
 
 void read_sample_filters(TomlTable& root, transport::ChannelSettings& channels) {
-    for (const toml::table* table : root.take_tables("sample_filter")) {
-        TomlTable reader(root.source(), *table, "a [[sample_filter]] table");
-        transport::SceneEntity filter;
-        if (!reader.require("type", filter.type)) continue;
-        filter.location = reader.location_of("type");
-        filter.parameters = reader.take_parameters();
-        filter.parameters.location = filter.location;
-        channels.sample_filters.push_back(std::move(filter));
+    for (ObjectRequest& request : read_objects(root, "sample_filter")) {
+        const SourceLocation where = request.parameters.location;
+        channels.sample_filters.push_back({{}, std::move(request.name), std::move(request.parameters), where});
     }
 }
 

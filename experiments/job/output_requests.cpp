@@ -41,12 +41,7 @@ void read_storage(TomlTable& root, OutputRequests& outputs) {
 }
 
 void read_drivers(TomlTable& root, const std::string& job_path, OutputRequests& outputs) {
-    for (const toml::table* table : root.take_tables("driver")) {
-        TomlTable reader(root.source(), *table, "a [[driver]] table");
-        display::DriverRequest request;
-        if (!reader.require("type", request.name)) continue;
-        request.parameters = reader.take_parameters();
-        request.parameters.location = reader.location_of("type");
+    for (ObjectRequest& request : read_objects(root, "driver")) {
         for (Parameter& parameter : request.parameters.parameters)
             if (parameter.name == "file" && parameter.strings.size() == 1)
                 parameter.strings[0] = beside_job(job_path, parameter.strings[0]);
@@ -81,6 +76,19 @@ Status check_exr_requests(const OutputRequests& outputs) {
                                     "' would also lose bits of depths, ids and mattes; expected none, rle, zips, zip "
                                     "or piz, or one part for each channel");
     return success();
+}
+
+std::vector<ObjectRequest> read_objects(TomlTable& root, const char* key) {
+    std::vector<ObjectRequest> objects;
+    for (const toml::table* table : root.take_tables(key)) {
+        TomlTable reader(root.source(), *table, "a [[" + std::string(key) + "]] table");
+        ObjectRequest object;
+        if (!reader.require("type", object.name)) continue;
+        object.parameters = reader.take_parameters();
+        object.parameters.location = reader.location_of("type");
+        objects.push_back(std::move(object));
+    }
+    return objects;
 }
 
 std::string beside_job(const std::string& job_path, const std::string& path) {

@@ -63,6 +63,9 @@ Status set_atlas_rules(const std::string& text, const SourceLocation& where, Atl
 /// Reads the tables [exr], [deep], [atlas] and [[driver]] of a job. Paths are relative to the job's folder.
 void read_output_tables(TomlTable& root, const std::string& job_path, Job& job);
 
+/// Reads [[key]] tables with a type and its parameters, in their order.
+std::vector<ObjectRequest> read_objects(TomlTable& root, const char* key);
+
 /// Returns a path in a job file relative to the current folder.
 std::string beside_job(const std::string& job_path, const std::string& path);
 

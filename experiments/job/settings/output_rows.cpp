@@ -17,21 +17,21 @@ Status set_storage(Job& job, const std::string& text, const SourceLocation& wher
     return display::override_exr_storage(job.outputs.storage, text.substr(0, equals), text.substr(equals + 1), where);
 }
 
-Status set_deep(Job& job, const std::string& file, const SourceLocation& where) {
-    job.outputs.deep.file = file;
-    job.outputs.deep.location = where;
-    return success();
+/// The file of a deep image or an atlas.
+template <typename Field>
+RenderSetting::Values request(Field field) {
+    return applied(
+        [field](Job& job, const std::string& file, const SourceLocation& where) {
+            field(job)->file = file;
+            field(job)->location = where;
+            return success();
+        },
+        true);
 }
 
 Status set_deep_channels(Job& job, const std::vector<RenderSetting::Item>& items) {
     job.outputs.deep.channels.clear();
     for (const RenderSetting::Item& item : items) job.outputs.deep.channels.push_back(item.text);
-    return success();
-}
-
-Status set_atlas(Job& job, const std::string& file, const SourceLocation& where) {
-    job.outputs.atlas.file = file;
-    job.outputs.atlas.location = where;
     return success();
 }
 
@@ -76,11 +76,8 @@ Status set_display(Job& job, const std::string& name, const SourceLocation&) {
 Status add_sample_filter(Job& job, const std::string& text, const SourceLocation& where) {
     auto request = parse_object_request(text, display::sample_filter_registry(), "sample filter", where);
     if (!request) return request.error();
-    transport::SceneEntity filter;
-    filter.type = std::move(request->name);
-    filter.parameters = std::move(request->parameters);
-    filter.location = where;
-    job.settings.channels.sample_filters.push_back(std::move(filter));
+    job.settings.channels.sample_filters.push_back(
+        {{}, std::move(request->name), std::move(request->parameters), where});
     return success();
 }
 
@@ -94,7 +91,7 @@ Status add_display_filter(Job& job, const std::string& text, const SourceLocatio
 std::vector<RenderSetting> deep_settings() {
     return {
         {"--deep", "deep.file", "", "OUT.exr", rare, "also writes a deep image with Z, ZBack, A and the beauty",
-         applied(set_deep, true)},
+         request([](Job& job) { return &job.outputs.deep; })},
         {"--deep-channels", "deep.channels", "", "NAME[,NAME...]", rare,
          "further layers of light, or filtered layers, for the deep image", texts(set_deep_channels, true)},
         {"--deep-samples", "deep.samples", "", "N", rare, "maximum number of deep samples in a pixel",
@@ -115,7 +112,7 @@ std::vector<RenderSetting> atlas_settings() {
         {"--atlas", "atlas.file", "atlas", "OUT.atlas.exr", often,
          "also writes a path atlas: the light of every path string (kind of path), from which 'raylex ask' makes new "
          "layers without another render",
-         applied(set_atlas, true)},
+         request([](Job& job) { return &job.outputs.atlas; })},
         {"--atlas-by", "atlas.by", "", "label,lobe,group,straight,technique", rare,
          "properties that distinguish the atlas's words besides the event types",
          applied(set_atlas_words, false, display::to_string(display::WordRules()))},

@@ -57,32 +57,21 @@ _CONVERSIONS = {
     "partitions": _partitions,
     "time": _seconds,
 }
+_OBJECT = "a type, or {'type': ..., parameter: value}"
 # The forms of arguments that differ from the values of flags.
 _FORMS = {
-    "spp": "int",
-    "until_error": "number or text, 0.01 or '1%'",
     "time": "seconds, or text such as '5m'",
-    "seed": "int",
-    "sampler": "a type, or {'type': ..., parameter: value}",
+    "integrator": _OBJECT,
+    "sampler": _OBJECT,
+    "filter": _OBJECT,
+    "sample_filters": "a list; of each, " + _OBJECT,
     "resolution": "(width, height)",
     "crop": "(x0, y0, x1, y1)",
-    "filter": "a type, or {'type': ..., parameter: value}",
-    "threads": "int",
-    "plugins": "files",
-    "integrator": "a type, or {'type': ..., parameter: value}",
-    "max_depth": "int",
     "lpe": "{layer: light path expression}",
-    "dialect": "'renderman' or 'osl'",
-    "shipped": "True",
-    "light_groups": "True",
     "partitions": "{name: [layers]} or {name: {'channels': [layers], 'rest': layer, 'of': layer}}",
     "beauty": "False",
-    "aovs": "names",
     "channels": "{name: type}",
     "statistics": "{layer: ['mse', 'variance', 'even', 'odd']}",
-    "cryptomatte": "kinds",
-    "sample_filters": "types, or {'type': ..., parameter: value}",
-    "output": "file",
     "atlas": "file, or {'file': ..., 'by': 'label,lobe,group', 'length': 12, 'budget': '2GiB'}",
 }
 _SETTINGS = {name: (key, help) for name, key, help in _raylex._settings()}
@@ -124,7 +113,7 @@ def _describe():
     lines = ["Renders a scene to an :class:`Image`.", "", ":param scene: a pbrt-v4 file or a :class:`Scene`"]
     for name, (_, help) in _SETTINGS.items():
         plain = re.sub(r"--([a-z-]+)", lambda match: match[1].replace("-", "_"), help)
-        lines.append(f":param {name}: {_FORMS[name]}: {plain}")
+        lines.append(f":param {name}: " + (f"{_FORMS[name]}: " if name in _FORMS else "") + plain)
     lines += [
         ":param job: further tables of a job, {'exr': {'light': 'half zip'}, ...}; "
         "experiments/docs/rendering/settings.md lists the keys",
