@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include <CLI/Validators.hpp>
-
 #include "experiments/job/channels/channel_set.h"
 #include "experiments/program/console.h"
 
@@ -59,9 +57,8 @@ Result<ExpressionRequest> parse_named_expression(const std::string& text, lpe::D
 }
 
 void add_expression_options(const OptionGroup& group) {
-    for (const char* flag : {"--lpe", "--channels", "--rename", "--dialect"}) group.add(setting_of_flag(flag));
-    group.add(setting_of_flag("--partition"))->check(CLI::IsMember({"shipped"}));
-    group.add(setting_of_flag("--light-groups"));
+    for (const char* flag : {"--lpe", "--channels", "--rename", "--dialect", "--partition", "--light-groups"})
+        group.add(setting_of_flag(flag));
 }
 
 bool has_expressions(const CLI::App& command) {

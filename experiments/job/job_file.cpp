@@ -10,6 +10,7 @@
 #include "transport/plugins/plugin_loader.h"
 
 namespace raylex::experiments {
+
 Result<Job> parse_job(const std::string& text, const std::string& path) {
     Job job;
     job.job_file = path;

@@ -56,9 +56,9 @@ void read_row(TomlTable& table, const RenderSetting& setting, const std::string&
     if (const Status set = values.set(job, items); !set) {
         Error error = set.error();
         const std::string where = "'" + key + "' in " + table.description();
-        error.message = node->is_array() && !values.separator.empty()
-                            ? where + " is not valid; expected " + values.range
-                            : where + ": " + error.message;
+        if (node->is_array() && !values.separator.empty())
+            error.message = where + " is not valid; expected " + values.range;
+        else if (!values.range.empty() && values.separator.empty()) error.message = where + ": " + error.message;
         table.source().fail(std::move(error));
     }
 }
