@@ -71,9 +71,9 @@ struct Job {
     double checkpoint_seconds = 0;        ///< between checkpoints; 0 = none
     bool resume = false;                  ///< continue from the checkpoint beside the output
     std::optional<ShardRequest> shard{};  ///< renders a shard instead of the image
-    unsigned shard_commands = 0;          ///< not 0: prints the commands of this many shards instead of rendering
     transport::MissingFiles missing = transport::MissingFiles::refused;  ///< treatment of missing files of the scene
-    bool texture_rules = false;  ///< converts image textures by the colour config's file rules instead of pbrt's
+    bool texture_rules = false;   ///< converts image textures by the colour config's file rules instead of pbrt's
+    unsigned shard_commands = 0;  ///< not 0: prints the commands of this many shards instead of rendering
     OutputRequests outputs;
     bool shipped_partition = false;  ///< adds the shipped partition's channels
     bool light_groups = false;       ///< adds one layer per light group and one for the lights without a group

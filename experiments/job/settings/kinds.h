@@ -62,7 +62,8 @@ RenderSetting::Values number(Number least, Number most, std::uint64_t step, cons
     });
     Job job;
     values.range = range;
-    if constexpr (!requires { field(job)->has_value(); }) values.usual = plain_number(static_cast<double>(*field(job)));
+    if constexpr (!requires { field(job)->has_value(); })
+        if (static_cast<Number>(*field(job)) >= least) values.usual = plain_number(static_cast<double>(*field(job)));
     return values;
 }
 

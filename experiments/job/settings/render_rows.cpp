@@ -173,7 +173,7 @@ std::vector<RenderSetting> machine_settings() {
          "renders the missing ones",
          parsed(display::parse_memory_size, [](Job& job) { return &bucket_settings(job).memory; })},
         {"--bucket-rows", "render.bucket_rows", "", "N", rare,
-         "renders in buckets of N rows, even if the whole image fits into memory; 0: as many as the memory allows",
+         "renders in buckets of N rows, even if the whole image fits into memory",
          whole(1, 65536, [](Job& job) { return &bucket_settings(job).rows; })},
         {"--plugin", "plugins", "plugins", "FILE.so", rare,
          "loads a plugin: a shared library that adds integrators, cameras, materials, filters, drivers or other types, "
