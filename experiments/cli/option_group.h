@@ -37,6 +37,7 @@ class OptionGroup {
         const std::string help = setting.text() + (values.is_repeated ? "; may be repeated" : "");
         if (setting.value.empty()) return command_.add_flag(setting.flag, help)->group(name_);
         CLI::Option* option = command_.add_option(setting.flag, help)->option_text(setting.value)->group(name_);
+        option->type_name("TEXT");
         if (values.type == RenderSetting::Type::boolean)
             option->check(CLI::IsMember(CLI::detail::split(setting.value, '|')));
         if (values.is_repeated) option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

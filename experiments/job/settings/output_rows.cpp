@@ -98,7 +98,7 @@ std::vector<RenderSetting> deep_settings() {
          whole(1, 4096, [](Job& job) { return &job.outputs.deep.options.most_samples; })},
         {"--deep-tolerance", "deep.tolerance", "", "X", rare,
          "merges deep samples whose depths differ by less than this fraction",
-         real(0x1p-23, 1, [](Job& job) { return &job.outputs.deep.options.tolerance; })},
+         real(1.2e-7, 1, [](Job& job) { return &job.outputs.deep.options.tolerance; })},
         {"--deep-tidy", "deep.tidy", "", "", rare, "splits volume spans so that no deep samples overlap",
          on_or_off([](Job& job) { return &job.outputs.deep.options.tidy; })},
         {"--deep-storage", "deep.storage", "", "'TYPE COMPRESSION'", rare,
