@@ -60,6 +60,7 @@ _CONVERSIONS = {
 _OBJECT = "a type, or {'type': ..., parameter: value}"
 # The forms of arguments that differ from the values of flags.
 _FORMS = {
+    "output": "without it, no file is written",
     "time": "seconds, or text such as '5m'",
     "integrator": _OBJECT,
     "sampler": _OBJECT,
