@@ -85,8 +85,10 @@ def job_text(scene, *, job=None, **arguments):
             near = difflib.get_close_matches(name, [*_SETTINGS, "job", "progress", "scene"], 1)
             raise TypeError(f"render() has no argument '{name}'" + (f"; did you mean '{near[0]}'?" if near else ""))
     given = {name: value for name, value in arguments.items() if value is not None}
-    tables = {"scene": {"file": scene.file if isinstance(scene, _raylex.Scene) else os.fspath(scene)}}
-    tables["channel"] = _channels(given.pop("lpe", None), given.pop("dialect", "renderman"), given.pop("channels", None))
+    tables = {
+        "scene": {"file": scene.file if isinstance(scene, _raylex.Scene) else os.fspath(scene)},
+        "channel": _channels(given.pop("lpe", None), given.pop("dialect", "renderman"), given.pop("channels", None)),
+    }
     for name, value in given.items():
         table, _, key = _SETTINGS[name][0].removesuffix(".NAME").partition(".")
         value = _CONVERSIONS.get(name, lambda value: value)(value)
