@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include <CLI/Validators.hpp>
-
 #include "experiments/job/channels/channel_set.h"
 #include "experiments/program/console.h"
 
@@ -58,50 +56,45 @@ Result<ExpressionRequest> parse_named_expression(const std::string& text, lpe::D
     return request;
 }
 
-void add_expression_options(const OptionGroup& group, ExpressionOptions& options) {
-    group.add_repeated("--lpe", options.expressions, "NAME=EXPR",
-                       "adds a layer NAME with the light that the light path expression accepts");
-    group.add_repeated("--channels", options.channel_files, "FILE",
-                       "adds a layer for each channel of a file, and the partitions that the file declares. The file "
-                       "has RIB DisplayChannel lines, rendermn.ini settings, USD ASCII RenderVar prims or TOML");
-    group.add_repeated("--rename", options.renames, "OLD=NEW",
-                       "gives the layer of channel OLD the name NEW, for files whose channels have the same name");
-    group.add_repeated(
-        "--dialect", options.dialects, "D",
-        "syntax of the --lpe options and USD channel files after this option: renderman (default) or osl");
-    group
-        .add("--partition", options.partition, "shipped",
-             "'shipped' adds the layers of the partition that comes with raylex")
-        ->check(CLI::IsMember({"shipped"}));
-    group.add_flag("--light-groups", options.light_groups,
-                   "adds one layer per light group, and one for all lights without a group");
+void add_expression_options(const OptionGroup& group) {
+    for (const char* flag : {"--lpe", "--channels", "--rename", "--dialect", "--partition", "--light-groups"})
+        group.add(setting_of_flag(flag));
 }
 
-Status read_expressions(const CLI::App& command, const ExpressionOptions& options, Job& job) {
+bool has_expressions(const CLI::App& command) {
+    for (const char* flag : {"--lpe", "--channels", "--partition", "--light-groups"})
+        if (command.count(flag) > 0) return true;
+    return false;
+}
+
+Status read_expressions(const CLI::App& command, Job& job) {
+    const auto values = [&](const char* flag) { return command.get_option(flag)->results(); };
+    const std::vector<std::string> dialects = values("--dialect"), expressions = values("--lpe"),
+                                   files = values("--channels");
     lpe::Dialect dialect = lpe::Dialect::renderman;
     std::size_t next_expression = 0, next_dialect = 0, next_file = 0;
     bool rules_nothing = false;
     const auto check_dialect = [&]() -> Status {
         if (!rules_nothing) return success();
         return error_at(at_option("--dialect"),
-                        "no --lpe or --channels follows '--dialect " + options.dialects[next_dialect - 1] +
+                        "no --lpe or --channels follows '--dialect " + dialects[next_dialect - 1] +
                             "', which applies to those after it; expected --dialect before them");
     };
-    std::vector<std::string> renames = options.renames;
+    std::vector<std::string> renames = values("--rename");
     for (const CLI::Option* option : command.parse_order()) {
         if (option->get_name() == "--dialect") {
             if (Status used = check_dialect(); !used) return used;
-            auto parsed = parse_dialect(options.dialects[next_dialect++], at_option("--dialect"));
+            auto parsed = parse_dialect(dialects[next_dialect++], at_option("--dialect"));
             if (!parsed) return parsed.error();
             dialect = *parsed;
             rules_nothing = true;
         } else if (option->get_name() == "--lpe") {
-            auto request = parse_named_expression(options.expressions[next_expression++], dialect, "--lpe");
+            auto request = parse_named_expression(expressions[next_expression++], dialect, "--lpe");
             if (!request) return request.error();
             job.expressions.push_back(std::move(*request));
             rules_nothing = false;
         } else if (option->get_name() == "--channels") {
-            const std::string& file = options.channel_files[next_file++];
+            const std::string& file = files[next_file++];
             if (Status read = read_channel_file(file, dialect, renames, job); !read) return read;
             rules_nothing = false;
         }
@@ -110,8 +103,8 @@ Status read_expressions(const CLI::App& command, const ExpressionOptions& option
     if (!renames.empty())
         return error_at(at_option("--rename"), "no --channels file declares the channel of '" + renames.front() +
                                                    "'; expected OLD=NEW, the name of such a channel before '='");
-    if (!options.partition.empty()) job.shipped_partition = true;
-    if (options.light_groups) job.light_groups = true;
+    job.shipped_partition = job.shipped_partition || command.count("--partition") > 0;
+    job.light_groups = job.light_groups || command.count("--light-groups") > 0;
     return success();
 }
 

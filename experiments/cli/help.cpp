@@ -4,6 +4,7 @@
 
 #include "experiments/cli/commands.h"
 #include "experiments/cli/unknown_words.h"
+#include "experiments/job/settings/setting.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 
@@ -11,6 +12,10 @@ namespace raylex::experiments {
 namespace {
 
 int print_help(const CLI::App& app, const std::vector<std::string>& words) {
+    if (words == std::vector<std::string>{"settings"}) {
+        write_output(settings_page());
+        return exit_holds;
+    }
     const CLI::App* command = &app;
     for (const std::string& word : words) {
         const std::vector<const CLI::App*> below = command->get_subcommands([](const CLI::App*) { return true; });
@@ -33,7 +38,10 @@ int print_help(const CLI::App& app, const std::vector<std::string>& words) {
 void add_help_command(CLI::App& app, CommandContext& context) {
     CLI::App* help = app.add_subcommand("help", "Describes a subcommand, like its --help.");
     auto words = std::make_shared<std::vector<std::string>>();
-    help->add_option("SUBCOMMAND", *words, "such as render or lpe check; default: raylex itself")->option_text("...");
+    help->add_option(
+            "SUBCOMMAND", *words,
+            "such as render or lpe check; settings: all settings of a render as Markdown; default: raylex itself")
+        ->option_text("...");
     help->callback([&app, words, &context] { context.exit_code = print_help(app, *words); });
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "experiments/cli/commands.h"
+#include "experiments/job/settings/setting.h"
 
 namespace raylex::experiments {
 
@@ -29,6 +30,18 @@ class OptionGroup {
     }
     CLI::Option* add_flag(const std::string& names, bool& to, const std::string& description) const {
         return command_.add_flag(names, to, description)->group(name_);
+    }
+    /// Adds the flag of a setting, whose value Option::results() returns.
+    CLI::Option* add(const RenderSetting& setting) const {
+        const RenderSetting::Values& values = setting.values;
+        const std::string help = setting.text() + (values.is_repeated ? "; may be repeated" : "");
+        if (setting.value.empty()) return command_.add_flag(setting.flag, help)->group(name_);
+        CLI::Option* option = command_.add_option(setting.flag, help)->option_text(setting.value)->group(name_);
+        option->type_name("TEXT");
+        if (values.type == RenderSetting::Type::boolean)
+            option->check(CLI::IsMember(CLI::detail::split(setting.value, '|')));
+        if (values.is_repeated) option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        return values.has_commas ? option->delimiter(',') : option;
     }
 
   private:

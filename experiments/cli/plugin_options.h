@@ -10,7 +10,7 @@
 
 namespace raylex::experiments {
 
-void add_plugin_option(CLI::App& command, std::vector<std::string>& files);
+CLI::Option* add_plugin_option(CLI::App& command, std::vector<std::string>& files);
 
 /// Loads the files of --plugin, in order.
 Status load_plugins(const std::vector<std::string>& files);

@@ -6,6 +6,7 @@
 #include "experiments/cli/commands.h"
 #include "experiments/cli/plugin_options.h"
 #include "experiments/job/job_tables.h"
+#include "experiments/job/settings/setting.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/report/png_driver.h"
@@ -68,13 +69,10 @@ int list_plugins(const std::vector<std::string>& files) {
 
 }  // namespace
 
-void add_plugin_option(CLI::App& command, std::vector<std::string>& files) {
-    command
-        .add_option(
-            "--plugin", files,
-            "loads a plugin: a shared library that adds integrators, cameras, materials, filters, drivers or other "
-            "types, which scenes and options then use by name; 'raylex plugins FILE.so' lists them; may be repeated")
-        ->option_text("FILE.so")
+CLI::Option* add_plugin_option(CLI::App& command, std::vector<std::string>& files) {
+    const RenderSetting& setting = setting_of_flag("--plugin");
+    return command.add_option(setting.flag, files, setting.help + "; may be repeated")
+        ->option_text(setting.value)
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

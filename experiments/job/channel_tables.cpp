@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "experiments/job/job_file.h"
+#include "experiments/job/settings/setting.h"
 #include "experiments/job/text/toml_text.h"
 
 namespace raylex::experiments {
@@ -91,32 +92,8 @@ void read_channels(TomlTable& root, Job& job) {
     lpe::Dialect usual = lpe::Dialect::renderman;
     if (const toml::table* table = root.take_table("channels")) {
         TomlTable channels(root.source(), *table, "[channels]");
-        std::vector<std::string> names;
-        std::vector<SourceLocation> places;
-        channels.read("aovs", names, &places);
-        for (std::size_t i = 0; i < names.size(); ++i) job.aovs.push_back({names[i], places[i]});
-        std::vector<std::string> mattes;
-        places.clear();
-        channels.read("cryptomatte", mattes, &places);
-        for (std::size_t i = 0; i < mattes.size(); ++i)
-            if (Status added = add_cryptomatte(mattes[i], places[i], job.settings.mattes); !added)
-                root.source().fail(added.error());
-        std::int64_t ranks = 0;
-        if (channels.read("cryptomatte_ranks", ranks, 2, geoaovs::Cryptomatte::most_ranks)) {
-            job.settings.mattes.ranks = static_cast<int>(ranks);
-            if (ranks % 2 != 0)
-                root.source().fail(
-                    channels.location_of("cryptomatte_ranks"),
-                    "'cryptomatte_ranks' in [channels] is odd; expected an even number, because a layer holds two");
-        }
+        read_settings(channels, "channels", {}, job);
         read_channel_settings(channels, job);
-        channels.read("shipped_partition", job.shipped_partition);
-        channels.read("light_groups", job.light_groups);
-        if (std::string text; channels.read("techniques", text)) {
-            auto techniques = parse_techniques(text, channels.location_of("techniques"));
-            if (techniques) job.techniques = *std::move(techniques);
-            else root.source().fail(techniques.error());
-        }
         usual = read_dialect(channels).value_or(usual);
         channels.close();
     }

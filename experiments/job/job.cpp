@@ -38,13 +38,6 @@ Result<std::array<int, 2>> parse_resolution(const std::string& text, const Sourc
     return size;
 }
 
-Result<transport::MissingFiles> parse_missing(const std::string& text, const SourceLocation& where) {
-    if (text == "error") return transport::MissingFiles::refused;
-    if (text == "placeholder") return transport::MissingFiles::placeholders;
-    return error_at(where, "'" + text + "' is not a treatment of missing files; expected error or placeholder",
-                    "placeholder renders magenta in place of missing files");
-}
-
 Result<display::PixelRegion> parse_crop(const std::string& text, const SourceLocation& where) {
     std::array<int, 4> corners{};
     const char* at = text.data();

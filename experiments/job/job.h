@@ -72,7 +72,8 @@ struct Job {
     bool resume = false;                  ///< continue from the checkpoint beside the output
     std::optional<ShardRequest> shard{};  ///< renders a shard instead of the image
     transport::MissingFiles missing = transport::MissingFiles::refused;  ///< treatment of missing files of the scene
-    bool texture_rules = false;  ///< converts image textures by the colour config's file rules instead of pbrt's
+    bool texture_rules = false;   ///< converts image textures by the colour config's file rules instead of pbrt's
+    unsigned shard_commands = 0;  ///< not 0: prints the commands of this many shards instead of rendering
     OutputRequests outputs;
     bool shipped_partition = false;  ///< adds the shipped partition's channels
     bool light_groups = false;       ///< adds one layer per light group and one for the lights without a group
@@ -99,9 +100,6 @@ void take_dialect_mark(std::string& expression, lpe::Dialect& dialect);
 
 /// Parses "WxH" with both numbers between 1 and 65536.
 Result<std::array<int, 2>> parse_resolution(const std::string& text, const SourceLocation& where);
-
-/// Parses "error" or "placeholder".
-Result<transport::MissingFiles> parse_missing(const std::string& text, const SourceLocation& where);
 /// Parses "X0,Y0,X1,Y1", non-negative integers with X0 < X1 and Y0 < Y1.
 Result<display::PixelRegion> parse_crop(const std::string& text, const SourceLocation& where);
 

@@ -1,13 +1,11 @@
 #include "experiments/job/job_tables.h"
 
 #include <dlfcn.h>
-#include <cmath>
-#include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <utility>
 
 #include "experiments/job/output_requests.h"
+#include "experiments/job/settings/setting.h"
 
 namespace raylex::experiments {
 namespace {
@@ -85,64 +83,12 @@ std::string shipped_plugin(const std::string& name) {
     return installed.string();
 }
 
-void read_color_table(TomlTable& root, const std::string& job_path, Job& job) {
-    const toml::table* table = root.take_table("color");
-    if (table == nullptr) return;
-    TomlTable color(root.source(), *table, "[color]");
-    if (color.read("ocio", job.ocio_config)) job.ocio_config = beside_job(job_path, job.ocio_config);
-    color.read("rendering_space", job.rendering_space);
-    color.read("display", job.display);
-    color.read("view", job.view);
-    if (const toml::node* node = color.take("exposure")) {
-        const auto stops = node->value<double>();
-        if (stops && std::abs(*stops) <= largest_exposure) job.exposure = *stops;
-        else
-            root.source().fail(color.location_of("exposure"),
-                               "'exposure' in [color] is not a number of stops; expected -60 to 60");
-    }
-    color.read("texture_rules", job.texture_rules);
-    color.close();
-}
-
-void read_resolution(TomlTable& render, Job& job) {
-    const toml::node* node = render.take("resolution");
-    if (node == nullptr) return;
-    const SourceLocation where = render.location_of("resolution");
-    if (const auto* text = node->as_string()) {
-        auto size = parse_resolution(text->get(), where);
-        if (size) job.settings.film.resolution = *size;
-        else render.source().fail(size.error());
-        return;
-    }
-    const toml::array* list = node->as_array();
-    const auto number = [&](std::size_t i) { return list->get(i)->value_exact<std::int64_t>().value_or(0); };
-    const bool fits = list != nullptr && list->size() == 2 && number(0) >= 1 && number(0) <= 65536 && number(1) >= 1 &&
-                      number(1) <= 65536;
-    if (fits) job.settings.film.resolution = {{static_cast<int>(number(0)), static_cast<int>(number(1))}};
-    else
-        render.source().fail(where,
-                             "'resolution' in " + render.description() +
-                                 " is not a pair of pixel counts; expected [width, height], each from 1 to 65536");
-}
-
 void read_method_settings(TomlTable& table, transport::RenderSettings& settings) {
-    std::int64_t number = 0;
-    table.read("prune", settings.paths.prune);
-    if (table.read("max_depth", number, 0, std::numeric_limits<std::int32_t>::max())) settings.paths.max_depth = number;
-    std::string mode;
-    if (table.read("filter_mode", mode)) {
-        settings.film.splat = mode == "splat";
-        if (mode != "splat" && mode != "importance")
-            table.source().fail(table.location_of("filter_mode"), "'filter_mode' in " + table.description() + " is '" +
-                                                                      mode + "'; expected \"importance\" or \"splat\"");
-    }
-    std::string lobes;
-    if (table.read("lobes", lobes)) {
-        settings.labels.picked_lobes = lobes == "picked";
-        if (lobes != "picked" && lobes != "exact")
-            table.source().fail(table.location_of("lobes"), "'lobes' in " + table.description() + " is '" + lobes +
-                                                                "'; expected \"exact\" or \"picked\"");
-    }
+    Job job;
+    job.settings = std::move(settings);
+    for (const char* key : {"render.prune", "render.max_depth", "render.filter_mode", "render.lobes"})
+        read_setting(table, key, job);
+    settings = std::move(job.settings);
 }
 
 void read_effects(TomlTable& table, transport::EffectChoices& effects) {
@@ -178,14 +124,9 @@ void read_entity(TomlTable& root, const char* key, std::optional<transport::Scen
 }
 
 void read_sample_filters(TomlTable& root, transport::ChannelSettings& channels) {
-    for (const toml::table* table : root.take_tables("sample_filter")) {
-        TomlTable reader(root.source(), *table, "a [[sample_filter]] table");
-        transport::SceneEntity filter;
-        if (!reader.require("type", filter.type)) continue;
-        filter.location = reader.location_of("type");
-        filter.parameters = reader.take_parameters();
-        filter.parameters.location = filter.location;
-        channels.sample_filters.push_back(std::move(filter));
+    for (ObjectRequest& request : read_objects(root, "sample_filter")) {
+        const SourceLocation where = request.parameters.location;
+        channels.sample_filters.push_back({{}, std::move(request.name), std::move(request.parameters), where});
     }
 }
 

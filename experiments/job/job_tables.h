@@ -15,11 +15,7 @@ void read_plugins(TomlTable& root, const std::string& job_path, Job& job);
 bool is_shipped_plugin(const std::string& name);
 /// Returns the file of a plugin of raylex, in plugins/ beside the program or as installed.
 std::string shipped_plugin(const std::string& name);
-/// Reads [color].
-void read_color_table(TomlTable& root, const std::string& job_path, Job& job);
-/// Reads resolution = [width, height] or "WxH".
-void read_resolution(TomlTable& table, Job& job);
-/// Reads max_depth, filter_mode and lobes, the settings of light transport that are not objects.
+/// Reads prune, max_depth, filter_mode and lobes, the settings of light transport that are not objects.
 void read_method_settings(TomlTable& table, transport::RenderSettings& settings);
 /// Reads effects = { NAME = false, ... }: effects that are forced on or off.
 void read_effects(TomlTable& table, transport::EffectChoices& effects);

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <utility>
 
-#include "display/buffer/frame_buffer/memory_estimate.h"
-#include "display/drivers/tev_driver.h"
+#include "experiments/job/job.h"
+#include "experiments/job/settings/setting.h"
 #include "experiments/job/text/toml_table.h"
 
 namespace raylex::experiments {
@@ -40,60 +40,8 @@ void read_storage(TomlTable& root, OutputRequests& outputs) {
     exr.close();
 }
 
-void read_deep(TomlTable& root, const std::string& job_path, DeepRequest& deep) {
-    const toml::table* table = root.take_table("deep");
-    if (table == nullptr) return;
-    TomlTable reader(root.source(), *table, "[deep]");
-    deep.location = reader.location();
-    if (reader.require("file", deep.file)) deep.file = beside_job(job_path, deep.file);
-    reader.read("channels", deep.channels);
-    reader.read("tidy", deep.options.tidy);
-    std::int64_t samples = 0;
-    if (reader.read("samples", samples, 1, 4096)) deep.options.most_samples = static_cast<int>(samples);
-    if (const toml::node* node = reader.take("tolerance")) {
-        const double tolerance = node->value<double>().value_or(0);
-        if (tolerance >= 0x1p-23 && tolerance <= 1) deep.options.tolerance = tolerance;
-        else
-            root.source().fail(reader.location_of("tolerance"),
-                               "'tolerance' in [deep] is not a relative difference of depths; expected 1.2e-7 to 1");
-    }
-    std::string storage;
-    if (reader.read("storage", storage)) {
-        auto parsed = display::parse_deep_storage(storage, reader.content_location_of("storage"));
-        if (parsed) deep.storage = *parsed;
-        else root.source().fail(parsed.error());
-    }
-    reader.close();
-}
-
-void read_atlas(TomlTable& root, const std::string& job_path, AtlasRequest& atlas) {
-    const toml::table* table = root.take_table("atlas");
-    if (table == nullptr) return;
-    TomlTable reader(root.source(), *table, "[atlas]");
-    atlas.location = reader.location();
-    if (reader.require("file", atlas.file)) atlas.file = beside_job(job_path, atlas.file);
-    std::string text;
-    if (reader.read("by", text))
-        if (Status set = set_atlas_rules(text, reader.content_location_of("by"), atlas); !set)
-            root.source().fail(set.error());
-    std::int64_t length = 0;  // 0: the maximum depth of the render's paths (AtlasOutput::prepare)
-    static_cast<void>(reader.read("length", length, 1, display::WordRules::most_length));
-    atlas.rules.length = static_cast<int>(length);
-    if (reader.read("budget", text)) {
-        auto budget = display::parse_memory_size(text, reader.content_location_of("budget"));
-        if (budget) atlas.budget = *budget;
-        else root.source().fail(budget.error());
-    }
-    reader.close();
-}
-
 void read_drivers(TomlTable& root, const std::string& job_path, OutputRequests& outputs) {
-    for (const toml::table* table : root.take_tables("driver")) {
-        TomlTable reader(root.source(), *table, "a [[driver]] table");
-        display::DriverRequest request;
-        if (!reader.require("type", request.name)) continue;
-        request.parameters = reader.take_parameters();
-        request.parameters.location = reader.location_of("type");
+    for (ObjectRequest& request : read_objects(root, "driver")) {
         for (Parameter& parameter : request.parameters.parameters)
             if (parameter.name == "file" && parameter.strings.size() == 1)
                 parameter.strings[0] = beside_job(job_path, parameter.strings[0]);
@@ -130,20 +78,17 @@ Status check_exr_requests(const OutputRequests& outputs) {
     return success();
 }
 
-void read_viewer(TomlTable& output, OutputRequests& outputs) {
-    std::string address;
-    if (!output.read("tev", address)) return;
-    auto parsed = display::tev_address(address, output.location_of("tev"));
-    if (parsed) outputs.drivers.push_back({"tev", std::move(*parsed)});
-    else output.source().fail(parsed.error());
-}
-
-void read_memory_limit(TomlTable& render, OutputRequests& outputs) {
-    std::string text;
-    if (!render.read("memory_limit", text)) return;
-    auto limit = display::parse_memory_size(text, render.location_of("memory_limit"));
-    if (limit) outputs.memory_limit = *limit;
-    else render.source().fail(limit.error());
+std::vector<ObjectRequest> read_objects(TomlTable& root, const char* key) {
+    std::vector<ObjectRequest> objects;
+    for (const toml::table* table : root.take_tables(key)) {
+        TomlTable reader(root.source(), *table, "a [[" + std::string(key) + "]] table");
+        ObjectRequest object;
+        if (!reader.require("type", object.name)) continue;
+        object.parameters = reader.take_parameters();
+        object.parameters.location = reader.location_of("type");
+        objects.push_back(std::move(object));
+    }
+    return objects;
 }
 
 std::string beside_job(const std::string& job_path, const std::string& path) {
@@ -162,11 +107,15 @@ display::DriverRequest preview_request(const std::string& text, const SourceLoca
     return request;
 }
 
-void read_output_tables(TomlTable& root, const std::string& job_path, OutputRequests& outputs) {
-    read_storage(root, outputs);
-    read_deep(root, job_path, outputs.deep);
-    read_atlas(root, job_path, outputs.atlas);
-    read_drivers(root, job_path, outputs);
+void read_output_tables(TomlTable& root, const std::string& job_path, Job& job) {
+    read_storage(root, job.outputs);
+    const auto require_file = [](TomlTable& table) {
+        std::string file;
+        table.require("file", file);
+    };
+    job.outputs.deep.location = read_settings_table(root, "deep", job_path, job, require_file);
+    job.outputs.atlas.location = read_settings_table(root, "atlas", job_path, job, require_file);
+    read_drivers(root, job_path, job.outputs);
 }
 
 }  // namespace raylex::experiments

@@ -16,6 +16,7 @@
 namespace raylex::experiments {
 
 class TomlTable;
+struct Job;
 
 /// Largest exposure in stops, positive or negative. More would leave the range of float.
 inline constexpr double largest_exposure = 60;
@@ -32,7 +33,7 @@ struct DeepRequest {
 struct AtlasRequest {
     std::string file;  ///< empty: no atlas
     SourceLocation location;
-    display::WordRules rules;
+    display::WordRules rules{.length = 0};          ///< length 0: the maximum depth of the render's paths
     std::uint64_t budget = std::uint64_t{2} << 30;  ///< bytes of memory; 0: no limit
 };
 
@@ -60,11 +61,10 @@ display::DriverRequest preview_request(const std::string& text, const SourceLoca
 Status set_atlas_rules(const std::string& text, const SourceLocation& where, AtlasRequest& atlas);
 
 /// Reads the tables [exr], [deep], [atlas] and [[driver]] of a job. Paths are relative to the job's folder.
-void read_output_tables(TomlTable& root, const std::string& job_path, OutputRequests& outputs);
+void read_output_tables(TomlTable& root, const std::string& job_path, Job& job);
 
-/// Reads [output] tev = "host:port" and [render] memory_limit = "8G".
-void read_viewer(TomlTable& output, OutputRequests& outputs);
-void read_memory_limit(TomlTable& render, OutputRequests& outputs);
+/// Reads [[key]] tables with a type and its parameters, in their order.
+std::vector<ObjectRequest> read_objects(TomlTable& root, const char* key);
 
 /// Returns a path in a job file relative to the current folder.
 std::string beside_job(const std::string& job_path, const std::string& path);

@@ -122,40 +122,9 @@ void read_adaptive(TomlTable& root, Job& job) {
     job.settings.stop.adaptive = std::move(adaptive);
 }
 
-void read_checkpoint(TomlTable& render, Job& job) {
-    std::string text;
-    if (!render.read("checkpoint", text)) return;
-    auto seconds = parse_interval(text, render.content_location_of("checkpoint"));
-    if (seconds) job.checkpoint_seconds = *seconds;
-    else render.source().fail(seconds.error());
-}
-
 transport::BucketSettings& bucket_settings(Job& job) {
     if (!job.settings.buckets) job.settings.buckets.emplace();
     return *job.settings.buckets;
-}
-
-void read_buckets(TomlTable& render, Job& job) {
-    std::string text;
-    if (render.read("memory", text)) {
-        auto memory = display::parse_memory_size(text, render.content_location_of("memory"));
-        if (memory) bucket_settings(job).memory = *memory;
-        else render.source().fail(memory.error());
-    }
-    std::int64_t rows = 0;
-    if (render.read("bucket_rows", rows, 1, 65536)) bucket_settings(job).rows = static_cast<int>(rows);
-}
-
-void apply_time_limit(double seconds, Job& job) {
-    job.settings.stop.limit.emplace().seconds = seconds;
-}
-
-void read_time(TomlTable& render, Job& job) {
-    std::string text;
-    if (!render.read("time", text)) return;
-    auto seconds = parse_interval(text, render.content_location_of("time"), "render time");
-    if (seconds) apply_time_limit(*seconds, job);
-    else render.source().fail(seconds.error());
 }
 
 std::string checkpoint_file(const Job& job) {

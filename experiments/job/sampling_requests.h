@@ -1,5 +1,4 @@
-// Requests of a job about the number of samples, the end of a render and checkpoints: [adaptive], [render] time and
-// checkpoint, and the values of --until-error, --time and --checkpoint.
+// Requests of a job about the number of samples, the end of a render and checkpoints.
 #pragma once
 
 #include <string>
@@ -20,18 +19,8 @@ Result<double> parse_tolerance(const std::string& text, const SourceLocation& wh
 
 /// Reads the table [adaptive] of a job. Call it after reading [render].
 void read_adaptive(TomlTable& root, Job& job);
-/// Reads [render] checkpoint = "60s".
-void read_checkpoint(TomlTable& render, Job& job);
-
-/// Reads [render] memory = "2GiB" and bucket_rows = 64.
-void read_buckets(TomlTable& render, Job& job);
 /// Returns the job's bucket settings and creates them if necessary.
 transport::BucketSettings& bucket_settings(Job& job);
-
-/// Reads [render] time = "5m".
-void read_time(TomlTable& render, Job& job);
-/// Ends the render after `seconds`, or after samples_per_pixel if they are reached earlier.
-void apply_time_limit(double seconds, Job& job);
 
 /// Sets the maximum number of samples per pixel of adaptive sampling.
 void apply_sample_limit(std::uint64_t samples_per_pixel, display::AdaptiveSettings& adaptive);

@@ -146,6 +146,10 @@ class Facts(unittest.TestCase):
         strategy = re.search(r"string strategy = (\w+)", listed)[1]
         self.assertIn(f"`{strategy}` (default)", text)
 
+    def test_the_page_of_settings_is_what_the_program_prints(self):
+        page = subprocess.run([PROGRAM, "help", "settings"], capture_output=True, text=True, check=True).stdout
+        self.assertEqual((DOCS / "rendering" / "settings.md").read_text(), page,
+                         "raylex help settings > experiments/docs/rendering/settings.md brings it up to date")
 
 
 if __name__ == "__main__":

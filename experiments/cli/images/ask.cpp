@@ -27,7 +27,7 @@
 namespace raylex::experiments {
 namespace {
 
-struct AskOptions : ExpressionOptions {
+struct AskOptions {
     std::vector<std::string> files;
     std::string output, at;
     std::optional<int> top, suggest;
@@ -38,8 +38,8 @@ Error option_error(const std::string& option, const std::string& message, const 
     return error_at({option, 0, 0}, message, hint);
 }
 
-Status check_options(const AskOptions& options) {
-    const bool layers = options.any(), pixel = options.top || !options.at.empty();
+Status check_options(const CLI::App& command, const AskOptions& options) {
+    const bool layers = has_expressions(command), pixel = options.top || !options.at.empty();
     const int asked = (layers ? 1 : 0) + (pixel ? 1 : 0) + (options.suggest ? 1 : 0) + (options.merge ? 1 : 0);
     if (asked == 0)
         return option_error("ask",
@@ -171,7 +171,7 @@ void leave_out_no_light(Job& job) {
 int write_layers(const CLI::App& command, display::AtlasFile& atlas, const AskOptions& options,
                  const CommandContext& context) {
     Job job;
-    if (Status read = read_expressions(command, options, job); !read) return report_error(read.error());
+    if (Status read = read_expressions(command, job); !read) return report_error(read.error());
     leave_out_no_light(job);
     auto answered = answer_question(atlas, job, {options.intervals, options.errors});
     if (!answered) return report_error(answered.error());
@@ -199,7 +199,7 @@ int write_layers(const CLI::App& command, display::AtlasFile& atlas, const AskOp
 }
 
 int ask(const CLI::App& command, const AskOptions& options, const CommandContext& context) {
-    if (Status good = check_options(options); !good) return report_error(good.error());
+    if (Status good = check_options(command, options); !good) return report_error(good.error());
     if (options.merge) return merge_files(options);
     auto atlas = display::AtlasFile::open(options.files.front());
     if (!atlas) return report_error(atlas.error());
@@ -221,7 +221,7 @@ void add_ask_command(CLI::App& app, CommandContext& context) {
         ->required()
         ->option_text("...");
     const OptionGroup layers(*command, "Layers"), why(*command, "Why"), files(*command, "Files");
-    add_expression_options(layers, *options);
+    add_expression_options(layers);
     layers.add_flag("--intervals", options->intervals,
                     "if the atlas cannot compute a layer exactly, writes its bounds NAME_least and NAME_most instead; "
                     "default: an error");

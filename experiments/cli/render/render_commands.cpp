@@ -37,10 +37,12 @@ int print_render_commands(const CLI::App& command, const RenderOptions& options,
         return report_error(
             "--shards without --commands; expected --commands as well, to print the commands of that many shards, or "
             "--shard 1/" +
-            std::to_string(options.shards) + ", to render one of them");
-    if (options.shards == 0) return report_error("--commands without a number of shards; expected --shards N as well");
+            std::to_string(job.shard_commands) + ", to render one of them");
+    if (job.shard_commands == 0)
+        return report_error("--commands without a number of shards; expected --shards N as well");
     if (job.shard)
         return report_error("--shard and --commands exclude each other; --commands prints the commands of all shards");
+    const unsigned shards = job.shard_commands;
     const std::string output = absolute_path(job.output), note = left_out_note(job);
     const std::vector<std::string> base = shard_arguments(command, job, arguments, output);
     const int threads = job.settings.machine.threads;
@@ -56,20 +58,19 @@ int print_render_commands(const CLI::App& command, const RenderOptions& options,
     if (!note.empty()) plan.notes.push_back(note);
     PlannedCommand merge;
     merge.name = "merge";
-    merge.arguments = {base.front(), "merge", "--shards", std::to_string(options.shards), "--wait", "-o", output};
+    merge.arguments = {base.front(), "merge", "--shards", std::to_string(shards), "--wait", "-o", output};
     if (!atlas.empty()) merge.arguments.insert(merge.arguments.end(), {"--atlas", atlas});
     merge.target = output;
     merge.memory_bytes = estimate.memory_bytes;
     const unsigned cores = threads > 0 ? static_cast<unsigned>(threads) : std::thread::hardware_concurrency();
-    for (unsigned part = 1; part <= options.shards; ++part) {
-        auto range = shard_range(part, options.shards, estimate.samples_per_pixel);
+    for (unsigned part = 1; part <= shards; ++part) {
+        auto range = shard_range(part, shards, estimate.samples_per_pixel);
         if (!range) return report_error(range.error());
         PlannedCommand shard;
-        shard.name = "shard-" + std::to_string(part) + "-of-" + std::to_string(options.shards);
+        shard.name = "shard-" + std::to_string(part) + "-of-" + std::to_string(shards);
         shard.arguments = base;
-        shard.arguments.insert(shard.arguments.end(),
-                               {"--shard", std::to_string(part) + "/" + std::to_string(options.shards)});
-        shard.target = shard_file(output, part, options.shards);
+        shard.arguments.insert(shard.arguments.end(), {"--shard", std::to_string(part) + "/" + std::to_string(shards)});
+        shard.target = shard_file(output, part, shards);
         shard.memory_bytes = estimate.memory_bytes;
         if (estimate.cpu_seconds >= 0)
             shard.cpu_seconds = estimate.cpu_seconds * static_cast<double>(range->end - range->first) /

@@ -113,19 +113,6 @@ std::string consequence(const EffectInfo& info, const EffectFinding& finding, co
 
 }  // namespace
 
-Status add_effect_choice(const std::string& text, const SourceLocation& where, EffectChoices& choices) {
-    const std::size_t equals = text.find('=');
-    const std::string name = text.substr(0, equals),
-                      value = equals == std::string::npos ? std::string() : text.substr(equals + 1);
-    if (value != "on" && value != "off")
-        return error_at(where,
-                        "'" + text + "' is not a forced effect; expected NAME=on or NAME=off, such as media=off");
-    auto effect = transport::effect_named(name, where);
-    if (!effect) return effect.error();
-    choices[*effect] = value == "on";
-    return success();
-}
-
 std::vector<std::string> effect_summary(const EffectFindings& found, const EffectChoices& choices) {
     Listing on("effects:"), off("left out, the scene has none:"), forced("forced:");
     for (const EffectInfo& info : transport::effect_catalogue()) {

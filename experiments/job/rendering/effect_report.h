@@ -11,10 +11,6 @@
 
 namespace raylex::experiments {
 
-/// Adds a choice from the text of --effect, NAME=on or NAME=off. Errors at `where`: an unknown effect; neither on nor
-/// off.
-Status add_effect_choice(const std::string& text, const SourceLocation& where, transport::EffectChoices& choices);
-
 /// Returns a few lines about simulated and omitted effects; the last lines list forced effects.
 std::vector<std::string> effect_summary(const transport::EffectFindings& found,
                                         const transport::EffectChoices& choices);

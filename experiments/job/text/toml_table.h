@@ -74,12 +74,12 @@ class TomlTable {
 
     /// Returns all keys that were not read as parameters, for an integrator, a sampler or a filter.
     ParameterSet take_parameters();
+    /// Reports a value of another type than `expected`, such as "an integer".
+    void wrong_type(std::string_view key, const toml::node& node, const char* expected);
     /// Reports an error for the first key that was not read.
     void close();
 
   private:
-    void wrong_type(std::string_view key, const toml::node& node, const char* expected);
-
     TomlSource& source_;
     const toml::table& table_;
     std::string description_;

@@ -13,6 +13,7 @@
 #include "experiments/job/job_file.h"
 #include "experiments/job/rendering/job_scene.h"
 #include "experiments/job/rendering/provenance.h"
+#include "experiments/job/settings/setting.h"
 #include "experiments/python/bindings/arrays.h"
 #include "experiments/python/bindings/call_scope.h"
 #include "experiments/python/bindings/image.h"
@@ -240,9 +241,19 @@ std::shared_ptr<Image> render(const std::string& text, const Scene* scene, const
     return image;
 }
 
+/// Returns (argument of render(), key of a job, help) of every setting with a Python name.
+std::vector<std::tuple<std::string, std::string, std::string>> settings() {
+    std::vector<std::tuple<std::string, std::string, std::string>> rows;
+    for (const experiments::SettingGroup& group : experiments::setting_groups())
+        for (const experiments::RenderSetting& each : group.settings)
+            if (!each.python.empty()) rows.emplace_back(each.python, each.key, each.text());
+    return rows;
+}
+
 }  // namespace
 
 void add_render(py::module_& module) {
+    module.def("_settings", &settings);
     py::class_<Progress, std::shared_ptr<Progress>>(module, "Progress",
                                                     "A running render; valid only during the callback.")
         .def_property_readonly("fraction", &Progress::fraction, "0 to 1")

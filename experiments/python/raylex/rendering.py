@@ -3,6 +3,7 @@
 import difflib
 import inspect
 import os
+import re
 
 from . import _raylex
 from ._toml import text_of
@@ -43,79 +44,87 @@ def _seconds(time):
     return time if time is None or isinstance(time, str) else f"{time}s"
 
 
-def job_text(scene, *, spp=None, seed=None, threads=None, resolution=None, crop=None, max_depth=None, integrator=None,
-             sampler=None, filter=None, lpe=None, dialect="renderman", aovs=(), channels=None, light_groups=False,
-             shipped=False, partitions=None, beauty=None, statistics=None, sample_filters=(), cryptomatte=(), time=None,
-             until_error=None, plugins=(), output=None, atlas=None, job=None):
+# How arguments become values of a job's keys; all others are the values themselves.
+_CONVERSIONS = {
+    "aovs": _names,
+    "cryptomatte": _names,
+    "plugins": _names,
+    "integrator": _entity,
+    "sampler": _entity,
+    "filter": _entity,
+    "sample_filters": lambda filters: [_entity(each) for each in filters],
+    "statistics": lambda statistics: {name: _names(kinds) for name, kinds in statistics.items()},
+    "partitions": _partitions,
+    "time": _seconds,
+}
+_OBJECT = "a type, or {'type': ..., parameter: value}"
+# The forms of arguments that differ from the values of flags.
+_FORMS = {
+    "output": "without it, no file is written",
+    "time": "seconds, or text such as '5m'",
+    "integrator": _OBJECT,
+    "sampler": _OBJECT,
+    "filter": _OBJECT,
+    "sample_filters": "a list; of each, " + _OBJECT,
+    "resolution": "(width, height)",
+    "crop": "(x0, y0, x1, y1)",
+    "lpe": "{layer: light path expression}",
+    "partitions": "{name: [layers]} or {name: {'channels': [layers], 'rest': layer, 'of': layer}}",
+    "beauty": "False",
+    "channels": "{name: type}",
+    "statistics": "{layer: ['mse', 'variance', 'even', 'odd']}",
+    "atlas": "file, or {'file': ..., 'by': 'label,lobe,group', 'length': 12, 'budget': '2GiB'}",
+}
+_SETTINGS = {name: (key, help) for name, key, help in _raylex._settings()}
+
+
+def job_text(scene, *, job=None, **arguments):
     """Returns the job of :func:`render` with the same arguments, as TOML, which ``raylex render`` accepts as a file."""
-    file = scene.file if isinstance(scene, _raylex.Scene) else os.fspath(scene)
+    for name in arguments:
+        if name not in _SETTINGS:
+            near = difflib.get_close_matches(name, [*_SETTINGS, "job", "progress", "scene"], 1)
+            raise TypeError(f"render() has no argument '{name}'" + (f"; did you mean '{near[0]}'?" if near else ""))
+    given = {name: value for name, value in arguments.items() if value is not None}
     tables = {
-        "plugins": _names(plugins) or None,
-        "scene": {"file": file},
-        "render": {"spp": spp, "seed": seed, "threads": threads, "crop": crop, "max_depth": max_depth,
-                   "resolution": resolution, "beauty": beauty, "time": _seconds(time)},
-        "integrator": _entity(integrator),
-        "sampler": _entity(sampler),
-        "filter": _entity(filter),
-        "channels": {"aovs": _names(aovs) or None, "cryptomatte": _names(cryptomatte) or None,
-                     "light_groups": light_groups or None, "shipped_partition": shipped or None,
-                     "statistics": {k: _names(v) for k, v in statistics.items()} if statistics else None},
-        "output": {"file": None if output is None else os.fspath(output)},
-        "atlas": atlas if atlas is None or isinstance(atlas, dict) else {"file": os.fspath(atlas)},
-        "adaptive": None if until_error is None else {"error": until_error},
-        "channel": _channels(lpe, dialect, channels),
-        "partition": _partitions(partitions),
-        "sample_filter": [_entity(each) for each in sample_filters],
+        "scene": {"file": scene.file if isinstance(scene, _raylex.Scene) else os.fspath(scene)},
+        "channel": _channels(given.pop("lpe", None), given.pop("dialect", "renderman"), given.pop("channels", None)),
     }
+    for name, value in given.items():
+        table, _, key = _SETTINGS[name][0].removesuffix(".NAME").partition(".")
+        value = _CONVERSIONS.get(name, lambda value: value)(value)
+        if key and not (name == "atlas" and isinstance(value, dict)):
+            tables.setdefault(table, {})[key] = value
+        else:
+            tables[table] = value
     for name, value in (job or {}).items():
-        given = tables.get(name)
-        tables[name] = {**given, **value} if isinstance(given, dict) and isinstance(value, dict) else value
+        known = tables.get(name)
+        tables[name] = {**known, **value} if isinstance(known, dict) and isinstance(value, dict) else value
     return text_of({name: value for name, value in tables.items() if value not in ({}, [])})
 
 
 def render(scene, *, progress=None, **arguments):
-    """Renders a scene to an :class:`Image`.
-
-    :param scene: a pbrt-v4 file or a :class:`Scene`
-    :param spp: samples per pixel; by default the scene's
-    :param seed: seed of the sampler; equal seeds give equal bits for any number of threads
-    :param threads: number of threads; 0: all cores
-    :param resolution: (width, height) in pixels
-    :param crop: (x0, y0, x1, y1): renders only this rectangle
-    :param max_depth: maximum number of scattering events of a path
-    :param integrator, sampler, filter: a type, or {"type": ..., parameter: value}
-    :param lpe: {layer: light path expression}; if the channels share no path, a layer 'rest' is added and the sum is
-        proved
-    :param dialect: dialect of the expressions, 'renderman' or 'osl'
-    :param aovs: geometric AOVs by name: 'Nn', 'P', 'z', 'albedo', ...
-    :param channels: {name: type}: layers that plugins write to; a type is 'float', 'rgb', 'point', 'normal', 'vector' or
-        'integer'
-    :param light_groups: True: adds a layer for each light group
-    :param shipped: True: adds the layers of the shipped partition
-    :param partitions: {name: [channels]} or {name: {"channels": [...], "rest": layer, "of": channel}}; proved before a
-        ray is traced
-    :param beauty: False: simulates only the light that the layers need
-    :param statistics: {channel: ['mse', 'variance', 'even', 'odd']}: layers CHANNEL_mse ...
-    :param sample_filters: types, or {"type": ..., parameter: value}
-    :param cryptomatte: kinds of cryptomattes: 'object', 'material', 'asset'
-    :param time: time limit in seconds, or as '5m'
-    :param until_error: 0.01: samples each pixel until its standard error is 1 % of its value
-    :param plugins: files of C++ plugins
-    :param output: an OpenEXR file that is written as well
-    :param atlas: a file for the path atlas (:class:`raylex.Atlas`), or {"file": ..., "by": "label,lobe,group", "length": 12,
-        "budget": "2GiB"}
-    :param job: further tables of a job, {"exr": {"light": "half zip"}, ...}; experiments/docs/rendering/jobs.md
-        lists every key
-    :param progress: called a few times a second with a :class:`Progress`; returning False ends the render
-    :raises RaylexError: invalid input, with file and line; ``render()`` stands for the text of :func:`job_text`
-    :raises Exception: an exception of a callback, or KeyboardInterrupt; its attribute ``image`` is the image rendered
-        so far
-    """
     if progress is not None and not callable(progress):
         raise TypeError(f"progress is {progress!r}; expected a function that takes a Progress")
-    known = inspect.signature(job_text).parameters
-    for name in arguments:
-        if name not in known:
-            near = difflib.get_close_matches(name, known, 1)
-            raise TypeError(f"render() has no argument '{name}'" + (f"; did you mean '{near[0]}'?" if near else ""))
     return _raylex._render(job_text(scene, **arguments), scene if isinstance(scene, _raylex.Scene) else None, progress)
+
+
+def _describe():
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    render.__signature__ = inspect.Signature(
+        [inspect.Parameter("scene", inspect.Parameter.POSITIONAL_OR_KEYWORD)]
+        + [inspect.Parameter(name, keyword, default=None) for name in (*_SETTINGS, "job", "progress")])
+    lines = ["Renders a scene to an :class:`Image`.", "", ":param scene: a pbrt-v4 file or a :class:`Scene`"]
+    for name, (_, help) in _SETTINGS.items():
+        plain = re.sub(r"--([a-z-]+)", lambda match: match[1].replace("-", "_"), help)
+        lines.append(f":param {name}: " + (f"{_FORMS[name]}: " if name in _FORMS else "") + plain)
+    lines += [
+        ":param job: further tables of a job, {'exr': {'light': 'half zip'}, ...}; "
+        "experiments/docs/rendering/settings.md lists the keys",
+        ":param progress: called a few times a second with a :class:`Progress`; returning False ends the render",
+        ":raises RaylexError: invalid input, with file and line; ``render()`` stands for the text of :func:`job_text`",
+        ":raises Exception: an exception of a callback, or KeyboardInterrupt; its attribute ``image`` is the image "
+        "rendered so far"]
+    render.__doc__ = "\n".join(lines)
+
+
+_describe()

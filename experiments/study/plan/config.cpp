@@ -11,6 +11,7 @@
 #include "experiments/job/job_tables.h"
 #include "experiments/job/parameter_check.h"
 #include "experiments/job/sampling_requests.h"
+#include "experiments/job/settings/setting.h"
 #include "experiments/job/text/toml_text.h"
 #include "experiments/study/plan/config_sections.h"
 #include "experiments/study/plan/shell_places.h"
@@ -79,7 +80,7 @@ class ConfigReader {
         if (source_.error()) return *source_.error();
         for (const PluginRequest& plugin : config_.base.plugins)
             if (Status loaded = transport::load_plugin(plugin.file, plugin.location); !loaded) return loaded.error();
-        read_color_table(root, config_.file, config_.base);
+        read_settings_table(root, "color", config_.file, config_.base);
         read_scenes(root);
         read_channel_tables(root, config_.base);
         read_methods(root);
@@ -108,14 +109,14 @@ class ConfigReader {
         if (root.read("seed", number, 0, std::numeric_limits<std::int64_t>::max()))
             config_.seed = static_cast<std::uint64_t>(number);
         if (root.read("replicates", number, 1, 100'000)) config_.replicates = static_cast<unsigned>(number);
-        if (root.read("threads", number, 0, 4096)) config_.base.settings.machine.threads = static_cast<int>(number);
-        root.read("isa", config_.base.settings.machine.isa);
+        read_setting(root, "render.threads", config_.base);
+        read_setting(root, "render.isa", config_.base);
         std::string clock = "cpu";
         if (root.read("clock", clock) && clock != "wall" && clock != "cpu")
             source_.fail(root.location_of("clock"), "'clock' is '" + clock + "'; expected \"wall\" or \"cpu\"");
         config_.cpu_clock = clock == "cpu";
         Job timing;
-        read_checkpoint(root, timing);
+        read_setting(root, "render.checkpoint", timing);
         config_.checkpoint_seconds = timing.checkpoint_seconds;
         read_timeout(root, config_.timeout);
     }
@@ -134,7 +135,7 @@ class ConfigReader {
                 scene.reference_file = beside_job(config_.file, scene.reference_file);
                 require_file(table, "reference", scene.reference_file, "the reference image");
             }
-            read_resolution(table, scene.job);
+            read_setting(table, "render.resolution", scene.job);
             read_label_tables(table, scene.job);
             table.close();
             for (const SceneRequest& known : config_.scenes)
