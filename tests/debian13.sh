@@ -34,12 +34,12 @@ inside() {
 if [ ! -e "$system/complete" ]; then
     bash "$root/experiments/install_packages.sh" debootstrap || exit 2
     mirror_of_apt() {
-        apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' 'Component: main' |
+        apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' |
             head -n 1
     }
     mirror=$(mirror_of_apt)
     [ -n "$mirror" ] || { apt-get update >/dev/null && mirror=$(mirror_of_apt); }
-    [ -n "$mirror" ] || stop "apt has no mirror of Debian among its sources; expected one, from which Debian 13 is installed"
+    [ -n "$mirror" ] || stop "apt has no mirror of Debian among its sources; expected one, which also has Debian 13"
     echo "Making a Debian 13 in $system ..."
     rm -rf --one-file-system "$system"
     mkdir -p "$system"
@@ -57,7 +57,8 @@ for compiler in "$@"; do
     log=$system.$compiler.log
     inside "$compiler" "bash experiments/install_packages.sh clang && bash tests/run.sh" >"$log" 2>&1
     status=$?
-    counts=$(tail -n 1 "$log" | grep -E '^[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped$') || counts="0 passed, 1 failed, 0 skipped"
+    counts=$(tail -n 1 "$log" | grep -E '^[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped$') ||
+        counts="0 passed, 1 failed, 0 skipped"
     read -r ok _ bad _ left_out _ <<<"$counts"
     passed=$((passed + ok)) failed=$((failed + bad)) skipped=$((skipped + left_out))
     [ "$status" -eq 0 ] || tail -n 60 "$log"

@@ -3,7 +3,7 @@
 macro(raylex_require debian kind name)
   cmake_language(CALL find_${kind} ${name} ${ARGN})
   if(NOT ${name} AND NOT ${name}_FOUND)
-    message(FATAL_ERROR "${name} was not found (${ARGN}). Debian and Ubuntu: apt-get install ${debian}; everything that "
+    message(FATAL_ERROR "${name} was not found (${ARGN}). Debian and Ubuntu: apt-get install ${debian}; all that "
                         "raylex needs: bash experiments/install_packages.sh")
   endif()
 endmacro()

@@ -18,18 +18,19 @@ if(NOT embree_FOUND)
   list(JOIN others ", " others)
   string(REGEX REPLACE "(.+)" ", only \\1" others "${others}")
   list(JOIN wanted " or " wanted)
-  message(FATAL_ERROR "Embree ${wanted} was not found${others}. Debian and Ubuntu: apt-get install libembree-dev (3.13 in "
-      "Debian 12, 4 in Debian 13 and Ubuntu 24.04). An Embree elsewhere: -DCMAKE_PREFIX_PATH=FOLDER")
+  message(FATAL_ERROR "Embree ${wanted} was not found${others}. Debian and Ubuntu: apt-get install libembree-dev "
+      "(3.13 in Debian 12, 4 in Debian 13 and Ubuntu 24.04). An Embree elsewhere: -DCMAKE_PREFIX_PATH=FOLDER")
 endif()
 foreach(feature RAY_MASK GEOMETRY_TRIANGLE GEOMETRY_CURVE GEOMETRY_USER)
   if(NOT EMBREE_${feature})
-    message(FATAL_ERROR "Embree ${embree_VERSION} in ${embree_DIR} was built without EMBREE_${feature}, which raylex needs. "
-        "Build Embree with -DEMBREE_${feature}=ON, or name another one: -DRAYLEX_EMBREE=3|4 or -Dembree_DIR=FOLDER")
+    message(FATAL_ERROR "Embree ${embree_VERSION} in ${embree_DIR} was built without EMBREE_${feature}, which raylex "
+        "needs. Build Embree with -DEMBREE_${feature}=ON, or name another one: -DRAYLEX_EMBREE=3 or 4, or "
+        "-Dembree_DIR=FOLDER")
   endif()
 endforeach()
 if(EMBREE_BACKFACE_CULLING)
-  message(FATAL_ERROR "Embree ${embree_VERSION} in ${embree_DIR} was built with EMBREE_BACKFACE_CULLING: raylex would miss "
-      "surfaces. Build Embree with -DEMBREE_BACKFACE_CULLING=OFF, or name another one: -Dembree_DIR=FOLDER")
+  message(FATAL_ERROR "Embree ${embree_VERSION} in ${embree_DIR} was built with EMBREE_BACKFACE_CULLING: raylex would "
+      "miss surfaces. Build Embree with -DEMBREE_BACKFACE_CULLING=OFF, or name another one: -Dembree_DIR=FOLDER")
 endif()
 message(STATUS "Found Embree ${embree_VERSION}: ${embree_DIR} (-DRAYLEX_EMBREE=3 or 4 chooses between two)")
 set(RAYLEX_EMBREE_MAJOR ${embree_VERSION_MAJOR})
