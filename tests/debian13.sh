@@ -5,7 +5,7 @@
 #   bash tests/debian13.sh [COMPILER...]     default g++; clang++ has a build folder of its own
 #
 # The chroot stays in build/debian13, so later runs build only what changed; `rm -r build/debian13` removes it. Needs
-# Debian, root, 6 GB of disk and 25 minutes on two cores for the first run. Belongs to tests/run.sh --full.
+# Debian, root, and 2 GB of disk for the system and for the build of each compiler. Belongs to tests/run.sh --full.
 # Prints "N passed, N failed, N skipped" at the end; exit code 1 if anything failed, 2 if something is missing.
 set -uo pipefail
 root=$(dirname "$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)")
