@@ -12,7 +12,17 @@ for package in "${wanted[@]}"; do
     status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) || status=""
     [ "$status" = installed ] || missing+=("$package")
 done
+# Another cmake in PATH, before Debian's, may be too old.
+version=$(cmake --version 2>/dev/null | sed -n '1s/[^0-9]*//p')
+if [ -n "$version" ] && ! printf '3.25\n%s\n' "$version" | sort -CV; then
+    echo "$(command -v cmake) is CMake $version; raylex needs 3.25 or later (Debian: apt-get install cmake)" >&2
+    exit 2
+fi
 [ ${#missing[@]} -eq 0 ] && exit 0
+if ! command -v apt-get >/dev/null; then
+    echo "This system has no apt-get; expected Debian 12 or 13. Please install what corresponds to: ${missing[*]}" >&2
+    exit 2
+fi
 
 command=(apt-get install -y --no-install-recommends "${missing[@]}")
 if [ "$(id -u)" = 0 ]; then

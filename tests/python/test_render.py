@@ -11,6 +11,7 @@ import unittest
 import numpy as np
 
 import raylex
+from raylex.rendering import job_text
 from support import CORNELL, SCENES, Case, run_program, white_furnace
 
 
@@ -156,6 +157,11 @@ class Asking(Case):
         self.assertGreater(plain["ground"].max(), 0)
         for name in ("beauty", "ground"):
             self.assertSameBits(image[name], 2 * plain[name])
+
+    def test_numbers_of_numpy_are_numbers_of_a_job(self):
+        text = job_text("a.pbrt", spp=np.int64(4), until_error=np.float64(0.1), crop=np.array([0, 0, 2, 2]))
+        for line in ('"spp" = 4', '"error" = 0.1', '"crop" = [0, 0, 2, 2]'):
+            self.assertIn(line, text.splitlines())
 
     def test_bad_arguments(self):
         error = self.assertRaylexError("spp", raylex.render, CORNELL, spp=-3)

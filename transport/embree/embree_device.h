@@ -1,28 +1,23 @@
-// Declarations that embree_scene.cpp, embree_trace.cpp and embree_user_shapes.cpp share, and no other file includes.
+// Declarations for the sources of this folder that call Embree. No other file includes this header.
 #pragma once
 
 #include <atomic>
-#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
-#include <embree3/rtcore.h>
-
 #include "transport/embree/embree_scene.h"
+#include "transport/embree/embree_version.h"
 
 namespace raylex::transport {
 
 inline constexpr unsigned opaque_mask = 1, alpha_mask = 2, any_mask = opaque_mask | alpha_mask;
 
-/// The user data of Embree's callbacks for a user geometry.
-struct UserShape {
-    const ShapeGeometry* shape = nullptr;
-    unsigned mask = opaque_mask;
-};
-
-/// Makes a geometry for quadrics or patches. attach() sets its user data to a UserShape.
+/// Makes a geometry for quadrics or patches. attach() sets its user data to its ShapeGeometry.
 RTCGeometry new_user_geometry(RTCDevice device, unsigned primitives);
+
+/// Returns an error if Embree was built without a feature that raylex needs.
+Status check_features(RTCDevice device);
 
 struct EmbreeErrorLog {
     std::mutex mutex;
@@ -33,7 +28,6 @@ struct EmbreeScene::Device {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
     std::vector<RTCScene> objects;
-    std::vector<std::unique_ptr<UserShape>> users;
     std::vector<RTCGeometry> geometries;  // [shape]; null for empty meshes
     EmbreeErrorLog log;
     std::atomic<std::uint64_t> untraced{0};

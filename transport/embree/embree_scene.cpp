@@ -281,7 +281,7 @@ Status EmbreeScene::start_device(const Options& options) {
         return error_at({}, "Embree could not be started (error " + std::to_string(rtcGetDeviceError(nullptr)) +
                                 "); does this machine offer the instruction set '" + isa_ + "'?");
     rtcSetDeviceErrorFunction(device_->device, report_error, &device_->log);
-    return success();
+    return check_features(device_->device);
 }
 
 /// Adds all shapes, top level first; `objects` receives the shapes of each object.
@@ -307,12 +307,7 @@ void EmbreeScene::attach(RTCSceneTy* target, std::size_t first, std::size_t coun
     for (std::size_t i = 0; i < count; ++i) {
         RTCGeometry geometry = device_->geometries[first + i];
         if (!geometry) continue;
-        const ShapeGeometry& shape = shapes_[first + i];
-        if (shape.is_user()) {
-            device_->users.push_back(
-                std::make_unique<UserShape>(UserShape{&shape, shape.alpha >= 0 ? alpha_mask : opaque_mask}));
-            rtcSetGeometryUserData(geometry, device_->users.back().get());
-        }
+        rtcSetGeometryUserData(geometry, &shapes_[first + i]);
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(target, geometry, static_cast<unsigned>(i));
     }

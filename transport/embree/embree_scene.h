@@ -270,9 +270,10 @@ class EmbreeScene {
     mutable RayLog* log_ = nullptr;  // tested once per batch; never part of a result
     std::vector<TextureId> surface_shares_;
     bool has_alpha_ = false, has_holdouts_ = false;
-    /// Whether shadow rays go to Embree as streams. Occlusion depends on one ray and one triangle at a time, so streams
-    /// give the results of single rays, whatever the other rays of the stream (geometry_test.cpp). Closest hits use
-    /// single rays, since the first of equal hits wins. On narrower machines streams are slower.
+    /// Whether shadow rays go to Embree 3 as streams; Embree 4 has none. Occlusion depends on one ray and one triangle
+    /// at a time, so streams give the results of single rays, whatever the other rays of the stream
+    /// (geometry_test.cpp). Closest hits use single rays, since the first of equal hits wins. On narrower machines
+    /// streams are slower.
     bool streams_ = false;
 };
 

@@ -66,8 +66,7 @@ void EmbreeScene::fetch_primitive(const Hit& hit) const {
 
 void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
     if (log_ != nullptr) log_->add(rays, false);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    RayQuery query;
     RTCRayHit rayhit;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         Hit& hit = hits[i];
@@ -78,7 +77,7 @@ void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) cons
         to_embree(rays[i], any_mask, rayhit.ray);
         rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(device_->scene, &context, &rayhit);
+        query.closest(device_->scene, rayhit);
         hit_of(rayhit, rays[i], hit);
         fetch_primitive(hit);
     }
@@ -87,8 +86,7 @@ void EmbreeScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) cons
 }
 
 void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    RayQuery query;
     RTCRayHit rayhit;
     if (!traceable(ray)) [[unlikely]] {
         hit = Hit();
@@ -97,15 +95,14 @@ void EmbreeScene::intersect_alpha(const Ray& ray, Hit& hit) const {
     to_embree(ray, alpha_mask, rayhit.ray);
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(device_->scene, &context, &rayhit);
+    query.closest(device_->scene, rayhit);
     hit_of(rayhit, ray, hit);
     finish_hits({&ray, 1}, {&hit, 1});
 }
 
 void EmbreeScene::occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const {
     if (log_ != nullptr) log_->add(rays, true);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    RayQuery query;
     std::array<RTCRay, 64> stream;
     for (std::size_t first = 0; first < rays.size(); first += stream.size()) {
         const std::size_t count = std::min(stream.size(), rays.size() - first);
@@ -114,19 +111,15 @@ void EmbreeScene::occluded(std::span<const Ray> rays, std::span<std::uint8_t> bl
             if (!traceable(rays[first + i])) [[unlikely]]
                 stream[i].tfar = -infinity;  // Embree's mark of a blocked ray; it skips such rays
         }
-        if (streams_) {
-            rtcOccluded1M(device_->scene, &context, stream.data(), static_cast<unsigned>(count), sizeof(RTCRay));
-        } else {
+        if (!streams_ || !query.shadow_stream(device_->scene, {stream.data(), count}))
             for (std::size_t i = 0; i < count; ++i)
-                if (stream[i].tfar > 0) rtcOccluded1(device_->scene, &context, &stream[i]);
-        }
+                if (stream[i].tfar > 0) query.shadow(device_->scene, stream[i]);
         for (std::size_t i = 0; i < count; ++i) blocked[first + i] = stream[i].tfar < 0;
     }
 }
 
 std::uint64_t EmbreeScene::trace_bare(const RayLog& log) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    RayQuery query;
     std::uint64_t hits = 0;
     const Ray* next = log.rays.data();
     for (const RayLog::Batch& batch : log.batches) {
@@ -135,7 +128,7 @@ std::uint64_t EmbreeScene::trace_bare(const RayLog& log) const {
             for (; next != end; ++next) {
                 RTCRay ray;
                 to_embree(*next, opaque_mask, ray);
-                rtcOccluded1(device_->scene, &context, &ray);
+                query.shadow(device_->scene, ray);
                 hits += ray.tfar < 0 ? 1 : 0;
             }
             continue;
@@ -145,7 +138,7 @@ std::uint64_t EmbreeScene::trace_bare(const RayLog& log) const {
             to_embree(*next, any_mask, rayhit.ray);
             rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
             rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-            rtcIntersect1(device_->scene, &context, &rayhit);
+            query.closest(device_->scene, rayhit);
             hits += rayhit.hit.geomID != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
         }
     }

@@ -21,7 +21,7 @@ RTCBounds outward(const DVec3& lower, const DVec3& upper) {
 }
 
 void bound_user_shape(const RTCBoundsFunctionArguments* args) {
-    const ShapeGeometry& shape = *static_cast<const UserShape*>(args->geometryUserPtr)->shape;
+    const ShapeGeometry& shape = *static_cast<const ShapeGeometry*>(args->geometryUserPtr);
     DVec3 lower, upper;
     if (shape.kind == ShapeKind::bilinear_mesh) {
         const BilinearPatch patch = shape.patch(args->primID);
@@ -36,19 +36,20 @@ void bound_user_shape(const RTCBoundsFunctionArguments* args) {
     *args->bounds_o = outward(lower, upper);
 }
 
-bool intersect_user_shape(const ShapeGeometry& shape, unsigned primitive, const RTCRay& ray, double& t, double& u,
-                          double& v) {
-    return shape.intersect(primitive, {ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z},
+template <class Arguments>
+bool intersect_shape(const Arguments* args, const RTCRay& ray, double& t, double& u, double& v) {
+    const auto& shape = *static_cast<const ShapeGeometry*>(args->geometryUserPtr);
+    return shape.intersect(args->primID, {ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z},
                            {ray.tnear, ray.tfar}, t, u, v);
 }
 
+/// Callbacks set `valid` to 0 for a ray that misses: Embree 4 reads it as the result.
 void intersect_user(const RTCIntersectFunctionNArguments* args) {
     if (!args->valid[0]) return;
-    const auto* user = static_cast<const UserShape*>(args->geometryUserPtr);
     auto* rayhit = reinterpret_cast<RTCRayHit*>(args->rayhit);  // N is 1: closest hits are traced one by one
-    if (!(rayhit->ray.mask & user->mask)) return;
     double t, u, v;
-    if (!intersect_user_shape(*user->shape, args->primID, rayhit->ray, t, u, v)) return;
+    args->valid[0] = intersect_shape(args, rayhit->ray, t, u, v) ? -1 : 0;
+    if (!args->valid[0]) return;
     rayhit->ray.tfar = static_cast<float>(t);
     rayhit->hit.u = static_cast<float>(u);
     rayhit->hit.v = static_cast<float>(v);
@@ -57,16 +58,13 @@ void intersect_user(const RTCIntersectFunctionNArguments* args) {
     rayhit->hit.instID[0] = args->context->instID[0];
 }
 
-/// Streams deliver several shadow rays at a time.
+/// Streams of Embree 3 deliver several shadow rays at a time.
 void occlude_user(const RTCOccludedFunctionNArguments* args) {
-    const auto* user = static_cast<const UserShape*>(args->geometryUserPtr);
     for (unsigned i = 0; i < args->N; ++i) {
         if (!args->valid[i]) continue;
-        const RTCRay ray = rtcGetRayFromRayN(args->ray, args->N, i);
-        if (!(ray.mask & user->mask)) continue;
         double t, u, v;
-        if (intersect_user_shape(*user->shape, args->primID, ray, t, u, v))
-            RTCRayN_tfar(args->ray, args->N, i) = -infinity;
+        args->valid[i] = intersect_shape(args, rtcGetRayFromRayN(args->ray, args->N, i), t, u, v) ? -1 : 0;
+        if (args->valid[i]) RTCRayN_tfar(args->ray, args->N, i) = -infinity;
     }
 }
 

@@ -17,7 +17,7 @@ def _value(value, where):
     if isinstance(value, int):
         return str(value)
     if isinstance(value, float):
-        return repr(value)  # "1e-05", "inf" and "nan" are valid TOML
+        return repr(float(value))  # "1e-05", "inf" and "nan" are valid TOML; NumPy 2 writes "np.float64(...)" itself
     if isinstance(value, str):
         return _string(value)
     if isinstance(value, Mapping):

@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# Builds and tests raylex in a Debian 13 of its own: makes a chroot by debootstrap from the package mirror of this
+# machine's apt, installs the packages there, runs the short tests with warnings as errors, then the quickstart.
+#
+#   bash tests/debian13.sh [COMPILER...]     default g++; clang++ has a build folder of its own
+#
+# The chroot stays in build/debian13, so later runs build only what changed; `rm -r build/debian13` removes it. Needs
+# Debian, root, and 2 GB of disk for the system and for the build of each compiler. Belongs to tests/run.sh --full.
+# Prints "N passed, N failed, N skipped" at the end; exit code 1 if anything failed, 2 if something is missing.
+set -uo pipefail
+root=$(dirname "$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)")
+system=$root/build/debian13
+stop() { echo "debian13.sh: $*" >&2; exit 2; }
+case "${1:-}" in
+    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+esac
+[ $# -gt 0 ] || set -- g++
+for compiler in "$@"; do
+    case $compiler in g++ | clang++) ;; *) stop "unknown compiler '$compiler'; expected g++ or clang++" ;; esac
+done
+[ "$(id -u)" = 0 ] || stop "a chroot needs root; run: sudo bash tests/debian13.sh"
+
+# inside COMPILER COMMAND: runs a line of bash in the chroot, in its own namespaces of mounts and processes, so that
+# nothing stays when it ends. build/ is a folder for the compiler.
+inside() {
+    mkdir -p "$system/built/$1"
+    unshare --mount --pid --fork --kill-child --mount-proc="$system/proc" bash -c '
+        mount --rbind /dev "$1/dev" && mount --bind "$2" "$1/raylex" && mount --bind "$1/built/$3" "$1/raylex/build" &&
+        exec chroot "$1" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 CI=true CXX="$3" \
+            http_proxy="${http_proxy:-}" https_proxy="${https_proxy:-}" bash -c "cd /raylex && $4"' \
+        bash "$system" "$root" "$1" "$2"
+}
+
+if [ ! -e "$system/complete" ]; then
+    bash "$root/experiments/install_packages.sh" debootstrap || exit 2
+    mirror_of_apt() {
+        apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' |
+            head -n 1
+    }
+    mirror=$(mirror_of_apt)
+    [ -n "$mirror" ] || { apt-get update >/dev/null && mirror=$(mirror_of_apt); }
+    [ -n "$mirror" ] || stop "apt has no mirror of Debian among its sources; expected one, which also has Debian 13"
+    echo "Making a Debian 13 in $system ..."
+    rm -rf --one-file-system "$system"
+    mkdir -p "$system"
+    debootstrap --variant=minbase --include=ca-certificates trixie "$system" "$mirror" >"$system.log" 2>&1 ||
+        { tail -n 20 "$system.log" >&2; stop "debootstrap failed; its messages are in $system.log"; }
+    cp -L /etc/resolv.conf "$system/etc/resolv.conf"
+    mkdir "$system/raylex"
+    touch "$system/complete"
+fi
+
+passed=0 failed=0 skipped=0
+for compiler in "$@"; do
+    printf '\n== Debian 13, %s: the short tests\n' "$compiler"
+    started=$SECONDS
+    log=$system.$compiler.log
+    inside "$compiler" "bash experiments/install_packages.sh clang && bash tests/run.sh" >"$log" 2>&1
+    status=$?
+    counts=$(tail -n 1 "$log" | grep -E '^[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped$') ||
+        counts="0 passed, 1 failed, 0 skipped"
+    read -r ok _ bad _ left_out _ <<<"$counts"
+    passed=$((passed + ok)) failed=$((failed + bad)) skipped=$((skipped + left_out))
+    [ "$status" -eq 0 ] || tail -n 60 "$log"
+    echo "$counts, in $((SECONDS - started)) s ($compiler)"
+done
+
+printf '\n== Debian 13: the quickstart\n'
+if inside "$1" "bash experiments/quickstart.sh" >"$system.quickstart.log" 2>&1; then
+    passed=$((passed + 1))
+    grep '^Times:' "$system.quickstart.log"
+else
+    failed=$((failed + 1))
+    tail -n 30 "$system.quickstart.log"
+fi
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$failed" -eq 0 ]
