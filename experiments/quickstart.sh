@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# From a clone to pictures: installs missing packages, builds raylex, renders a still life and a colonnade in fog,
+# From a clone to pictures: installs missing packages, builds what renders, and shows a coarse picture of a still life,
+# which it refines while it builds the rest. Then it renders the still life and a colonnade in fog with all layers,
 # checks that the layers sum to the beauty, runs a small study of accuracy against time, and writes images, previews and
 # two HTML pages.
 #
@@ -13,22 +14,26 @@ root=$(dirname "$here")
 scenes=(window-light lantern-fog)
 
 case "${1:-}" in
-    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -*) echo "quickstart.sh: unknown option '$1'; expected a folder for the results, or nothing" >&2; exit 2 ;;
 esac
 [ $# -le 1 ] || { echo "quickstart.sh: $# arguments; expected at most one folder" >&2; exit 2; }
 out=${1:-$root/build/quickstart}
 
-# CPU seconds and megabytes, measured on a machine with two cores and a cold compiler cache.
-build_core_seconds=330
+# CPU seconds and megabytes, measured on a machine with two cores and a cold compiler cache. The probe compiles one file
+# on every core of this machine: the time that it takes, over probe_seconds, is how much slower this machine is now.
+probe_seconds=3.0
+first_core_seconds=400
+rest_core_seconds=560
 render_core_seconds=230
 study_core_seconds=110
 needed_megabytes=2200
 
 say() { printf '%s\n' "$*"; }
 stop() { printf 'quickstart.sh: %s\n' "$*" >&2; exit 2; }
-interrupted() { echo; say "Interrupted. Finished work is kept; the same command continues from there."; exit 130; }
+interrupted() { [ -z "$refining" ] || kill "$refining" 2>/dev/null; echo; say "Interrupted. Finished work is kept; the same command continues from there."; exit 130; }
 trap interrupted INT TERM
+refining=""
 minutes() { awk -v s="$1" 'BEGIN { if (s < 90) printf "%d s", s; else printf "%.0f min", s / 60 }'; }
 seconds_since() { awk -v a="$1" -v b="$(date +%s.%N)" 'BEGIN { printf "%.1f", b - a }'; }
 
@@ -46,27 +51,31 @@ study_stamp() { for scene in cornell-color mis-plates; do find "$program" "$here
 is_studied() { [ -x "$program" ] && [ "$(cat "$out/study.stamp" 2>/dev/null)" = "$(study_stamp)" ] && [ -f "$out/study/report.html" ]; }
 is_rendered() { [ -x "$program" ] && [ "$(cat "$out/$1.stamp" 2>/dev/null)" = "$(stamp_of "$1")" ] && [ -f "$out/$1.exr" ] && [ -f "$out/$1.png" ] && [ -f "$out/$1.json" ]; }
 
-# --- estimate -------------------------------------------------------------------------------------------------
-pending=0
-for scene in "${scenes[@]}"; do is_rendered "$scene" || pending=$((pending + 1)); done
-estimate=$((render_core_seconds * pending / ${#scenes[@]} / cores))
-is_studied || estimate=$((estimate + study_core_seconds / cores))
-work="render $pending of ${#scenes[@]} scenes$(is_studied || printf ' and a study') (about $(minutes "$estimate"))"
-[ "$estimate" -gt 0 ] || work="everything is rendered; update the build and check again"
-if [ ! -x "$program" ]; then
-    build=$((build_core_seconds / cores))
-    estimate=$((estimate + build))
-    work="build (about $(minutes "$build")), $work"
-fi
-say "raylex quickstart on $cores cores: $work; about $needed_megabytes MB of disk."
-say "Results go to $out"
 free_megabytes=$(df -Pm "$out" | awk 'NR == 2 { print $4 }')
 [ -x "$program" ] || [ "${free_megabytes:-$needed_megabytes}" -ge "$needed_megabytes" ] ||
     stop "only $free_megabytes MB are free where $out is; about $needed_megabytes MB are needed"
-
-# --- packages and build -------------------------------------------------------------------------------------------------
 bash "$here/install_packages.sh" || exit 2
 
+# --- estimate -------------------------------------------------------------------------------------------------
+probe() {
+    local started core
+    started=$(date +%s.%N)
+    for ((core = 0; core < cores; core++)); do (cd "$root" && c++ -std=c++20 -O2 -I. -c lpe/language/glob.cpp -o /dev/null) & done
+    wait
+    awk -v s="$(seconds_since "$started")" -v p="$probe_seconds" 'BEGIN { printf "%d", 100 * s / p }'
+}
+percent=$(probe)
+estimate_of() { minutes $(($1 * percent / 100 / cores)); }
+pending=0
+for scene in "${scenes[@]}"; do is_rendered "$scene" || pending=$((pending + 1)); done
+say "raylex quickstart on $cores cores. Times are estimates for this machine as busy as it is now, from a probe:"
+[ -x "$program" ] || say "  build what renders     $(estimate_of $first_core_seconds), then a coarse picture"
+[ -x "$program" ] || say "  build the rest         $(estimate_of $rest_core_seconds), while the picture is refined"
+[ $pending -eq 0 ] || say "  render $pending of ${#scenes[@]} scenes     $(estimate_of $((render_core_seconds * pending / ${#scenes[@]})))"
+is_studied || say "  a study                $(estimate_of $study_core_seconds)"
+say "About $needed_megabytes MB of disk are used. Results go to $out"
+
+# --- build --------------------------------------------------------------------------------------------------------------
 started=$(date +%s.%N)
 # A build folder that was configured elsewhere (a moved or copied clone) cannot be used and must not be deleted.
 cache=$root/build/release/CMakeCache.txt
@@ -83,16 +92,29 @@ if [ ! -f "$cache" ]; then
     fi
     rm -f "$log"
 fi
-# Builds the program and everything that `cmake --install` needs, but no tests.
-say "Building ..."
 # Ninja redraws one line on a terminal; elsewhere a line every 20 steps is enough.
-if [ -t 1 ]; then
-    (cd "$root" && cmake --build --preset release --target raylex_installed) || stop "the build failed"
-else
-    (cd "$root" && cmake --build --preset release --target raylex_installed) 2>&1 |
-        awk '/^\[[0-9]+\/[0-9]+\]/ { split(substr($1, 2), step, /[\/\]]/); if (step[1] % 20 && step[1] != step[2]) next } { print; fflush() }' ||
-        stop "the build failed"
+build() {
+    say "Building $1 ..."
+    if [ -t 1 ]; then
+        (cd "$root" && cmake --build --preset release --target "$2") || stop "the build failed"
+    else
+        (cd "$root" && cmake --build --preset release --target "$2") 2>&1 |
+            awk '/^\[[0-9]+\/[0-9]+\]/ { split(substr($1, 2), step, /[\/\]]/); if (step[1] % 20 && step[1] != step[2]) next } { print; fflush() }' ||
+            stop "the build failed"
+    fi
+}
+if [ ! -x "$program" ]; then
+    build "what renders" first_picture
+    first=("$root/build/release/first_picture" "$here/scenes/${scenes[0]}/scene.pbrt" "$out/first.png")
+    "${first[@]}" 8 || stop "the first picture failed"
+    say "The first picture, still coarse, $(seconds_since "$begun") s after the start: $out/first.png"
+    [ ! -t 1 ] || [ -z "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] || xdg-open "$out/first.png" >/dev/null 2>&1
+    nice "${first[@]}" 32 128 &
+    refining=$!
 fi
+# The program and everything that `cmake --install` needs, but no tests.
+build "the rest" raylex_installed
+[ -z "$refining" ] || { kill "$refining" 2>/dev/null; wait "$refining" 2>/dev/null; refining=""; }
 build_seconds=$(seconds_since "$started")
 
 # --- render --------------------------------------------------------------------------------------------------------------
@@ -123,7 +145,6 @@ for scene in "${scenes[@]}"; do
         [ $status -le 1 ] || stop "rendering $scene failed"
         printf '%s\n' "$stamp" >"$base.stamp"
         renders+=", $scene $(seconds_since "$started") s"
-        [ ${#made[@]} -gt 0 ] || say "The first picture, $(seconds_since "$begun") s after the start: $base.png"
         made+=("$base.exr")
     fi
     images+=("$base.exr")
@@ -172,6 +193,10 @@ done
 say "  $page    every layer side by side"
 say "  $study/report.html    error against time, with intervals; its images and tables beside it"
 say ""
-say "Next, split a scene your own way, for example:"
-say "  $(printf '%q' "$program") render $(printf '%q' "$here/scenes/mis-plates/scene.pbrt") -o plates.exr --lpe mirrored='C<RS>L' --spp 32 && $(printf '%q' "$program") verify plates.exr"
+r=$(printf '%q' "$program") e=$(printf '%q' "$here")
+say "Three things to try next:"
+say "  $r render $e/scenes/mis-plates/scene.pbrt -o plates.exr --lpe mirrored='C<RS>L' --spp 32 && $r verify plates.exr"
+say "  $r lpe explain 'C<RD>[DS]*<L.'\''key'\''>'"
+say "  $r scene info $e/scenes/${scenes[0]}/scene.pbrt"
+say "The tutorial of thirty minutes goes on from here: $here/docs/tutorial.md"
 exit "$failed"

@@ -8,6 +8,8 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "lpe/result.h"
+
 namespace raylex::experiments {
 
 /// Input and output of every subcommand: the words of the command line, and the exit code.
@@ -31,5 +33,9 @@ void add_status_command(CLI::App& app, CommandContext& context);
 void add_experiment_command(CLI::App& app, CommandContext& context);
 void add_scene_command(CLI::App& app, CommandContext& context);
 void add_help_command(CLI::App& app, CommandContext& context);
+
+/// Writes into `folder`, which has the layout of /usr/share: a man page for each command, and completions for bash, zsh
+/// and fish. Texts are those of --help.
+Status write_manual(const CLI::App& app, const std::string& folder);
 
 }  // namespace raylex::experiments

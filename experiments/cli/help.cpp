@@ -42,7 +42,13 @@ void add_help_command(CLI::App& app, CommandContext& context) {
             "SUBCOMMAND", *words,
             "such as render or lpe check; settings: all settings of a render as Markdown; default: raylex itself")
         ->option_text("...");
-    help->callback([&app, words, &context] { context.exit_code = print_help(app, *words); });
+    // For the installation.
+    auto folder = std::make_shared<std::string>();
+    help->add_option("--write", *folder)->group("");
+    help->callback([&app, words, folder, &context] {
+        const Status written = folder->empty() ? success() : write_manual(app, *folder);
+        context.exit_code = !written ? report_error(written.error()) : folder->empty() ? print_help(app, *words) : 0;
+    });
 }
 
 }  // namespace raylex::experiments

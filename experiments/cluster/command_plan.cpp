@@ -15,6 +15,7 @@
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/job/text/json.h"
 #include "experiments/program/console.h"
+#include "experiments/program/resource.h"
 #include "lpe/input/read_input.h"
 
 namespace raylex::experiments {
@@ -23,19 +24,11 @@ namespace {
 namespace fs = std::filesystem;
 namespace mustache = kainjow::mustache;
 
-/// Returns the folder of raylex's templates: beside the program in a build folder, or as installed.
-fs::path template_folder() {
-    std::error_code failed;
-    const fs::path program = fs::path(program_path()).parent_path();
-    const fs::path built = program / "cluster", installed = program.parent_path() / RAYLEX_CLUSTER_FOLDER;
-    return fs::exists(built, failed) ? built : installed;
-}
-
-/// Returns the name and the file of each template in that folder.
+/// Returns the name and the file of each of raylex's templates.
 std::vector<std::pair<std::string, fs::path>> shipped_templates() {
     std::vector<std::pair<std::string, fs::path>> found;
     std::error_code failed;
-    for (const fs::directory_entry& each : fs::directory_iterator(template_folder(), failed))
+    for (const fs::directory_entry& each : fs::directory_iterator(resource("cluster"), failed))
         found.emplace_back(each.path().stem().string(), each.path());
     std::sort(found.begin(), found.end());
     return found;
@@ -283,6 +276,7 @@ Result<fs::path> template_file(const std::string& format) {
         known.push_back(name);
     }
     if (format.find_first_of("./") != std::string::npos || fs::exists(format, failed)) return fs::path(format);
+    if (auto folder = needed_resource("cluster"); !folder) return folder.error();
     std::string list;
     for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
     return error_at({"--commands", 0, 0},

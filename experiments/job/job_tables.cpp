@@ -1,11 +1,11 @@
 #include "experiments/job/job_tables.h"
 
-#include <dlfcn.h>
 #include <filesystem>
 #include <utility>
 
 #include "experiments/job/output_requests.h"
 #include "experiments/job/settings/setting.h"
+#include "experiments/program/resource.h"
 
 namespace raylex::experiments {
 namespace {
@@ -63,24 +63,7 @@ bool is_shipped_plugin(const std::string& name) {
 }
 
 std::string shipped_plugin(const std::string& name) {
-    namespace fs = std::filesystem;
-    std::error_code failed;
-    const std::string file = "lib" + name + ".so";
-    const fs::path program = fs::read_symlink("/proc/self/exe", failed).parent_path();
-    const fs::path installed = program.parent_path() / RAYLEX_PLUGIN_FOLDER / file;
-    // This code may be in a library instead of the program: Python's module. It is in
-    // PREFIX/lib/pythonX.Y/dist-packages/raylex when installed, in python/raylex in a build folder, or has its plugins
-    // beside it.
-    Dl_info own{};
-    fs::path library = program;
-    if (dladdr(reinterpret_cast<const void*>(&is_shipped_plugin), &own) != 0)
-        library = fs::weakly_canonical(own.dli_fname, failed).parent_path();
-    const fs::path prefix = library.parent_path().parent_path().parent_path().parent_path();
-    for (const fs::path& found :
-         {program / "plugins" / file, installed, library / "plugins" / file,
-          library.parent_path().parent_path() / "plugins" / file, prefix / RAYLEX_PLUGIN_FOLDER / file})
-        if (fs::exists(found, failed)) return found.string();
-    return installed.string();
+    return resource("plugins/lib" + name + ".so");
 }
 
 void read_method_settings(TomlTable& table, transport::RenderSettings& settings) {

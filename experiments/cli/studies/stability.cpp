@@ -8,6 +8,7 @@
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/interrupt.h"
+#include "experiments/program/resource.h"
 #include "experiments/program/tint.h"
 #include "experiments/stability/suite/beside.h"
 #include "experiments/stability/suite/case_file.h"
@@ -85,7 +86,11 @@ Status write_results(const StabilityOptions& options, const std::vector<CaseFami
 int run_stability(StabilityOptions& options) {
     install_interrupt_handler();
     if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
-    if (options.files.empty()) options.files.push_back(shipped_stability_suite());
+    if (options.files.empty()) {
+        auto suite = needed_resource("stability");
+        if (!suite) return report_error(suite.error());
+        options.files.push_back(*suite);
+    }
     auto families = read_case_files(options.files);
     if (!families) return report_error(families.error());
     if (options.list) {

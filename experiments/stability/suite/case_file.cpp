@@ -253,11 +253,4 @@ Result<std::vector<CaseFamily>> read_case_files(const std::vector<std::string>& 
     return families;
 }
 
-std::string shipped_stability_suite() {
-    std::error_code failed;
-    const fs::path program = fs::read_symlink("/proc/self/exe", failed).parent_path();
-    const fs::path built = program / "stability", installed = program.parent_path() / RAYLEX_STABILITY_FOLDER;
-    return (fs::exists(built, failed) ? built : installed).string();
-}
-
 }  // namespace raylex::experiments

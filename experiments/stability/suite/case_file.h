@@ -15,7 +15,4 @@ Result<CaseFamily> read_case_file(const std::string& path);
 /// Reads files, and all *.toml of folders by name. Errors: no file; two cases with the same name.
 Result<std::vector<CaseFamily>> read_case_files(const std::vector<std::string>& paths);
 
-/// Returns the folder of the suite that comes with raylex.
-std::string shipped_stability_suite();
-
 }  // namespace raylex::experiments

@@ -1,0 +1,39 @@
+#include "experiments/program/resource.h"
+
+#include <dlfcn.h>
+
+#include <filesystem>
+
+#include "display/services/parameters.h"
+
+namespace raylex::experiments {
+
+std::string resource(const std::string& name) {
+    namespace fs = std::filesystem;
+    std::error_code failed;
+    const fs::path program = fs::read_symlink("/proc/self/exe", failed).parent_path();
+    // This code is in Python's module if the program is Python: PREFIX/lib/pythonX.Y/dist-packages/raylex when
+    // installed, python/raylex in a build folder.
+    Dl_info own{};
+    fs::path module = program;
+    if (dladdr(reinterpret_cast<const void*>(&resource), &own) != 0)
+        module = fs::weakly_canonical(own.dli_fname, failed).parent_path();
+    const fs::path beside = module.parent_path().parent_path(), prefix = beside.parent_path().parent_path();
+    const fs::path data = fs::path(RAYLEX_DATA_FOLDER) / name, library = fs::path(RAYLEX_LIBRARY_FOLDER) / name;
+    const fs::path installed = program.parent_path() / data;
+    for (const fs::path& found : {program / name, installed, program.parent_path() / library, module / name,
+                                  beside / name, prefix / data, prefix / library})
+        if (fs::exists(found, failed)) return found.string();
+    return installed.string();
+}
+
+Result<std::string> needed_resource(const std::string& name) {
+    std::error_code failed;
+    std::string found = resource(name);
+    if (std::filesystem::exists(found, failed)) return found;
+    return error_at({found, 0, 0},
+                    "this folder of raylex is missing, also beside the program; expected the whole installation or "
+                    "clone where the program is: move it too, or build or install raylex again");
+}
+
+}  // namespace raylex::experiments
